@@ -1,0 +1,63 @@
+"""Sphinx settings: ``sphinx-build -W -b html docs docs/_build/html``."""
+
+import re
+import shutil
+from importlib.metadata import version as installed_version
+from pathlib import Path
+
+from docutils import nodes
+from docutils.parsers.rst.states import Inliner
+
+project = "restir-gi-oracle"
+author = "the restir-gi-oracle authors"
+project_copyright = f"2026, {author}"
+version = release = installed_version(project)
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx.ext.mathjax",
+    "numpydoc",
+    "sphinx_gallery.gen_gallery",
+]
+exclude_patterns = ["_build", "_templates", "gallery"]
+templates_path = ["_templates"]
+
+# Pages are Markdown with formulas, definition lists and headings to link to.
+myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
+myst_heading_anchors = 3
+
+# A module's page is made from its docstrings.  Shapes and units stand in them, so the
+# signatures stay short.  Pages of modules that are gone must not stay behind.
+autosummary_generate = True
+autodoc_typehints = "none"
+autodoc_member_order = "bysource"
+numpydoc_show_class_members = False
+shutil.rmtree(Path(__file__).parent / "reference" / "generated", ignore_errors=True)
+
+# The gallery is run by the build; each script named plot_* makes its figures.
+sphinx_gallery_conf = {
+    "examples_dirs": "gallery",
+    "gallery_dirs": "auto_gallery",
+    "filename_pattern": r"[\\/]plot_",
+    "abort_on_example_error": True,
+    "download_all_examples": False,
+    "remove_config_comments": True,
+    "show_memory": False,
+}
+
+html_theme = "furo"
+html_title = project
+html_static_path = ["_static"]
+
+
+def keep_bar(
+    _: Inliner, match: re.Match[str], __: int
+) -> tuple[str, list[nodes.Node], str, list[nodes.system_message]]:
+    """Leave a vertical bar as it stands: |x| is an absolute value, no substitution."""
+    end = match.end("start")
+    return match.string[:end], [], match.string[end:], []
+
+
+Inliner.dispatch["|"] = keep_bar

@@ -1,0 +1,326 @@
+"""Row-wise verbs: the only functions that know which axis holds the components.
+
+A frame is N rows.  Scalars are ``(N,)``, vectors ``(N, 3)``; a record is a frozen
+dataclass of such arrays.  Everything here runs on any dtype: float16 to longdouble,
+and object arrays of ``fractions.Fraction`` or ``mpmath.mpf``.
+"""
+
+from collections.abc import Callable
+from dataclasses import fields
+from fractions import Fraction
+from math import isqrt
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+Scalars = NDArray[Any]
+Vec3s = NDArray[Any]
+Masks = NDArray[np.bool_]
+Indices = NDArray[np.integer[Any]]
+
+Record = TypeVar("Record")
+
+
+def dot(a: Vec3s, b: Vec3s) -> Scalars:
+    """Inner product a·b of each row.
+
+    Parameters
+    ----------
+    a, b : (N, 3)
+        Any dtype; one of them may be a single vector ``(3,)``.
+
+    Returns
+    -------
+    (N,)
+        Column sums, added in the order x, y, z, so that splitting the rows into
+        bands cannot change a bit.
+    """
+    product: Scalars = (
+        a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
+    )
+    return product
+
+
+def cross(a: Vec3s, b: Vec3s) -> Vec3s:
+    """Vector product a × b of each row.
+
+    Parameters
+    ----------
+    a, b : (N, 3)
+        Any dtype.
+
+    Returns
+    -------
+    (N, 3)
+        Right-handed.
+    """
+    return np.stack(
+        [
+            a[..., 1] * b[..., 2] - a[..., 2] * b[..., 1],
+            a[..., 2] * b[..., 0] - a[..., 0] * b[..., 2],
+            a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0],
+        ],
+        axis=-1,
+    )
+
+
+def sqrt(x: Scalars) -> Scalars:
+    """Square root √x of each row, exact for the squares of rationals.
+
+    Parameters
+    ----------
+    x : (N,)
+        Non-negative; any dtype.
+
+    Returns
+    -------
+    (N,)
+        For object rows: ``Fraction`` where the row is one (it must then be the square
+        of a rational), else the row's own ``sqrt()`` method.
+
+    Raises
+    ------
+    ValueError
+        A ``Fraction`` whose root is irrational.
+    """
+    if x.dtype != object:
+        root: Scalars = np.sqrt(x)
+        return root
+    return np.array([_sqrt_of_object(value) for value in x], dtype=object)
+
+
+def _sqrt_of_object(x: Any) -> Any:
+    if not isinstance(x, int | Fraction):
+        return x.sqrt()
+    numerator, denominator = isqrt(x.numerator), isqrt(x.denominator)
+    if numerator**2 != x.numerator or denominator**2 != x.denominator:
+        raise ValueError(f"sqrt({x}) is irrational; choose Pythagorean distances")
+    return Fraction(numerator, denominator)
+
+
+def length(a: Vec3s) -> Scalars:
+    """Euclidean length |a| of each row.
+
+    Parameters
+    ----------
+    a : (N, 3)
+        Any dtype.
+
+    Returns
+    -------
+    (N,)
+        0 for the zero vector.
+    """
+    return sqrt(dot(a, a))
+
+
+def divide_or_zero(numerator: Scalars, denominator: Scalars) -> Scalars:
+    """Quotient a / b, and 0 where b = 0: how a null row stays a null.
+
+    Parameters
+    ----------
+    numerator, denominator : (N,) or (N, 3)
+        Any dtype, broadcast against each other.
+
+    Returns
+    -------
+    (N,) or (N, 3)
+        Exactly 0 where the denominator is 0, whatever the numerator.
+    """
+    numerator, denominator = np.broadcast_arrays(numerator, denominator)
+    out = np.zeros(numerator.shape, np.result_type(numerator, denominator))
+    np.divide(numerator, denominator, out=out, where=denominator != 0)
+    return out
+
+
+def normalize(a: Vec3s) -> Vec3s:
+    """Unit vector a / |a| of each row.
+
+    Parameters
+    ----------
+    a : (N, 3)
+        Any dtype.
+
+    Returns
+    -------
+    (N, 3)
+        The zero vector stays the zero vector.
+    """
+    return divide_or_zero(a, length(a)[..., None])
+
+
+def normal_frames(n: Vec3s) -> tuple[Vec3s, Vec3s]:
+    """Two tangents that make a right-handed orthonormal frame with each unit normal.
+
+    Parameters
+    ----------
+    n : (N, 3) float
+        Unit vectors.
+
+    Returns
+    -------
+    (N, 3), (N, 3) float
+        Tangent and bitangent.
+
+    Notes
+    -----
+    [Duff17, Listing 3]: continuous but for the sign flip at n_z = 0, no branch that
+    loses precision at the pole.
+    """
+    x, y, z = n[:, 0], n[:, 1], n[:, 2]
+    sign = np.copysign(1.0, z)
+    a = -1.0 / (sign + z)
+    b = x * y * a
+    tangent = np.stack([1.0 + sign * x * x * a, sign * b, -sign * x], axis=-1)
+    bitangent = np.stack([b, sign + y * y * a, -y], axis=-1)
+    return tangent, bitangent
+
+
+def to_world(local: Vec3s, n: Vec3s) -> Vec3s:
+    """Directions given about the z axis, turned to stand about unit normals n.
+
+    Parameters
+    ----------
+    local : (N, 3) float
+        Components along tangent, bitangent and normal.
+    n : (N, 3) float
+        Unit normals.
+
+    Returns
+    -------
+    (N, 3) float
+        Same length as ``local``.
+    """
+    tangent, bitangent = normal_frames(n)
+    return local[:, 0:1] * tangent + local[:, 1:2] * bitangent + local[:, 2:3] * n
+
+
+def turn(a: Vec3s, matrix: Scalars) -> Vec3s:
+    """Product of one 3 x 3 matrix with each row.
+
+    Parameters
+    ----------
+    a : (N, 3)
+        Any dtype.
+    matrix : (3, 3)
+        Applied from the left.
+
+    Returns
+    -------
+    (N, 3)
+        By column sums: a matrix product may round differently in another band.
+    """
+    return np.stack([dot(a, matrix[i]) for i in range(3)], axis=-1)
+
+
+def map_rows(function: Callable[..., Any], *records: Record) -> Record:
+    """Apply a function of arrays to each field of records of one type.
+
+    Parameters
+    ----------
+    function : callable
+        Takes as many arrays as there are records and returns an array.
+    *records : record or array
+        All of one type.  Nested records are descended into; ``None`` stays ``None``.
+
+    Returns
+    -------
+    record or array
+        Of the same type.
+    """
+    first: Any = records[0]
+    if first is None:
+        return first  # type: ignore[no-any-return]
+    if isinstance(first, np.ndarray):
+        return function(*records)  # type: ignore[no-any-return]
+    return type(first)(  # type: ignore[no-any-return]
+        **{
+            field.name: map_rows(function, *(getattr(r, field.name) for r in records))
+            for field in fields(first)
+        }
+    )
+
+
+def take(record: Record, rows: Indices) -> Record:
+    """Rows of a record (or array), by index.
+
+    Parameters
+    ----------
+    record : record or array
+        N rows.
+    rows : (K,) int
+        Which rows, in which order.
+
+    Returns
+    -------
+    record or array
+        K rows.
+    """
+    return map_rows(lambda a: np.take(a, rows, axis=0), record)
+
+
+def where(mask: Masks, yes: Record, no: Record) -> Record:
+    """Choose between two records (or arrays) row by row.
+
+    Parameters
+    ----------
+    mask : (N,) bool
+        Take ``yes`` where true.
+    yes, no : record or array
+        N rows each, of one type.
+
+    Returns
+    -------
+    record or array
+        N rows.
+    """
+
+    def choose(a: Any, b: Any) -> Any:
+        return np.where(mask[:, None] if a.ndim == 2 else mask, a, b)
+
+    return map_rows(choose, yes, no)
+
+
+def concatenate(records: list[Record]) -> Record:
+    """Join records (or arrays) end to end.
+
+    Parameters
+    ----------
+    records : list of record or array
+        At least one, all of one type.
+
+    Returns
+    -------
+    record or array
+        All rows, in the order given.
+    """
+    if len(records) == 1:
+        return records[0]
+    return map_rows(lambda *arrays: np.concatenate(arrays), *records)
+
+
+def scatter(rows: Indices, values: Record, size: int) -> Record:
+    """Put K rows into a record of ``size`` rows that is 0 elsewhere.
+
+    Parameters
+    ----------
+    rows : (K,) int
+        Where each row goes; no index twice.
+    values : record or array
+        K rows.
+    size : int
+        Rows of the result.
+
+    Returns
+    -------
+    record or array
+        ``size`` rows.
+    """
+
+    def put(a: Any) -> Any:
+        out = np.zeros((size, *a.shape[1:]), a.dtype)
+        out[rows] = a
+        return out
+
+    return map_rows(put, values)

@@ -1,0 +1,89 @@
+"""Which channels of an OpenEXR file make which layer of an image."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.errors import UsageError
+
+Channels = dict[str, NDArray[Any]]  # each (H, W)
+Layers = dict[str, NDArray[Any]]  # each (H, W, 1) or (H, W, 3)
+
+
+def channels_of_layers(layers: Mapping[str, NDArray[Any]]) -> Channels:
+    """Name the components: R, G, B for ``"color"``, else name.R, ... or name alone.
+
+    Each channel is a contiguous copy: of a strided view the library writes the wrong
+    numbers, and says nothing.
+    """
+    channels: Channels = {}
+    for name, layer in layers.items():
+        if layer.shape[2] == 1:
+            names = [name]
+        else:
+            names = ["R", "G", "B"] if name == "color" else _triple(name)
+        for component, channel in enumerate(names):
+            channels[channel] = np.ascontiguousarray(layer[..., component])
+    return channels
+
+
+def layers_of_channels(channels: Channels, path: Path) -> Layers:
+    """Group the channels into layers: the inverse of `channels_of_layers`.
+
+    Parameters
+    ----------
+    channels : dict of str to (H, W) float32
+        As they stand in the file.
+    path : Path
+        For the error message.
+
+    Returns
+    -------
+    dict of str to (H, W, C) float32
+        ``"color"`` is R, G, B; or else the only layer that has an R, G and B; or
+        else luminance Y, as grey.
+
+    Raises
+    ------
+    UsageError
+        None of the three; the message names the channels.
+    """
+    color = _color_channels(channels)
+    if color is None:
+        raise UsageError(
+            f"{path} has no colour channels R, G, B but {sorted(channels)};"
+            " save its picture as R, G, B"
+        )
+    layers = {"color": np.stack([channels[name] for name in color], axis=-1)}
+    rest = {name: channels[name] for name in channels if name not in color}
+    for root in _roots(rest):
+        if root != "color":
+            layers[root] = np.stack([rest.pop(c) for c in _triple(root)], axis=-1)
+    # In this order, lest a foreign channel called "color" replace the picture.
+    return {name: channel[..., None] for name, channel in rest.items()} | layers
+
+
+def _color_channels(channels: Channels) -> list[str] | None:
+    """Names of the three channels to be shown; a grey one stands three times."""
+    if {"R", "G", "B"} <= channels.keys():
+        return ["R", "G", "B"]
+    roots = _roots(channels)
+    if len(roots) == 1:
+        return _triple(roots[0])
+    # Beside X and Z, or with chroma RY and BY, Y is not the whole picture.
+    if "Y" in channels and not {"X", "Z", "RY", "BY"} & channels.keys():
+        return ["Y", "Y", "Y"]
+    return None
+
+
+def _roots(channels: Channels) -> list[str]:
+    """Names that stand before .R, .G and .B alike."""
+    candidates = [c.removesuffix(".R") for c in channels if c.endswith(".R")]
+    return [root for root in candidates if set(_triple(root)) <= channels.keys()]
+
+
+def _triple(root: str) -> list[str]:
+    return [f"{root}.{component}" for component in "RGB"]

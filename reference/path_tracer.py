@@ -1,0 +1,171 @@
+"""The plain estimator that everything must agree with.
+
+A path is camera - x1 - x2 - ... - x(k+1) - light.  Emission seen at x1, and light that
+reaches x1 straight from a light, are *direct*; "k-bounce indirect" are the paths with a
+surface point x2 up to x(k+1) between.
+"""
+
+from typing import Literal
+
+import numpy as np
+
+from reference.arrays import Scalars, Vec3s, take
+from reference.direct_light import found_by_chance, next_event
+from reference.rng import Uniforms
+from reference.scene.camera import camera_rays
+from reference.scene.emitters import emitted
+from reference.scene.geometry import surface_points
+from reference.scene.materials.table import BsdfSamples, can_scatter, sample
+from reference.scene.surface import SurfacePoints
+from reference.world import World
+
+Light = Literal["indirect", "direct", "full"]
+
+MAX_BOUNCES = 30
+"""Vertices that a stream of 64 dimensions can feed, two a vertex."""
+
+
+def first_hits(world: World, x: Scalars, y: Scalars) -> SurfacePoints:
+    """What the camera sees through points of the image.
+
+    Parameters
+    ----------
+    world : World
+        The scene.
+    x, y : (N,) float64, pixels
+        Points of the image.
+
+    Returns
+    -------
+    SurfacePoints
+        N rows.
+    """
+    origin, direction = camera_rays(world.camera, x, y)
+    hits = world.caster.from_camera(origin, direction)
+    return surface_points(world.geometry, hits, origin, direction)
+
+
+def follow(
+    world: World, points: SurfacePoints, direction: Vec3s, kind: str
+) -> SurfacePoints:
+    """What rays that leave surface points meet first.
+
+    Parameters
+    ----------
+    world : World
+        The scene.
+    points : SurfacePoints
+        N points.
+    direction : (N, 3) float64
+        Unit vectors.
+    kind : str
+        What the rays are counted as.
+
+    Returns
+    -------
+    SurfacePoints
+        N rows.
+    """
+    hits = world.caster.from_surface(points, direction, kind)
+    return surface_points(world.geometry, hits, points.position, direction)
+
+
+def reflected_radiance(
+    world: World,
+    points: SurfacePoints,
+    bounces: int,
+    uniforms: Uniforms,
+    skip_direct: bool = False,
+    first: BsdfSamples | None = None,
+) -> Vec3s:
+    """Radiance that surface points scatter towards their viewers, one path each.
+
+    Parameters
+    ----------
+    world : World
+        The scene.
+    points : SurfacePoints
+        N points x; misses scatter nothing.
+    bounces : int
+        Surface points that a path may visit after x; 0 is direct light alone.
+    uniforms : Uniforms
+        N rows.  Vertex i after x takes dimension 2i for its direction and 2i + 1 for
+        its light.
+    skip_direct : bool
+        Leave out light that reaches x straight from a light.
+    first : BsdfSamples or None
+        Directions in which the paths leave x, where the caller has chosen them.
+
+    Returns
+    -------
+    (N, 3) float64, W/(m² sr)
+        Without emission of x itself.
+    """
+    radiance = np.zeros((len(points), 3))
+    rows = np.flatnonzero(can_scatter(world.materials, points))
+    points, uniforms = take(points, rows), uniforms.rows(rows)
+    throughput = np.ones((len(rows), 3))
+    for vertex in range(bounces + 1):
+        if len(rows) == 0:
+            break
+        counts = not (skip_direct and vertex == 0)
+        # Light that x receives straight from a light it has chosen ...
+        if counts:
+            light = next_event(world, points, uniforms.draw(2 * vertex + 1))
+            radiance[rows] += throughput * light
+        is_last = vertex == bounces
+        if is_last and not (world.emitters and world.emitters.can_be_hit):
+            break
+        # ... and from lights that a ray drawn from its material meets.
+        if first is not None and vertex == 0:
+            bsdf = take(first, rows)
+        else:
+            bsdf = sample(world.materials, points, uniforms.draw(2 * vertex))
+        alive = np.flatnonzero(bsdf.weight.any(axis=1))
+        rows, points, bsdf = rows[alive], take(points, alive), take(bsdf, alive)
+        throughput, uniforms = throughput[alive], uniforms.rows(alive)
+        met = follow(world, points, bsdf.wi, "bounce")
+        throughput = throughput * bsdf.weight
+        if counts:
+            radiance[rows] += throughput * found_by_chance(world, points, bsdf, met)
+        # Walk on where there is a surface.
+        alive = np.flatnonzero(met.hit)
+        rows, points = rows[alive], take(met, alive)
+        throughput, uniforms = throughput[alive], uniforms.rows(alive)
+    return radiance
+
+
+def camera_radiance(
+    world: World,
+    points: SurfacePoints,
+    light: Light,
+    bounces: int,
+    uniforms: Uniforms,
+) -> Vec3s:
+    """One path-traced sample of the radiance that reaches the camera.
+
+    Parameters
+    ----------
+    world : World
+        The scene.
+    points : SurfacePoints
+        N first hits.
+    light : 'indirect', 'direct' or 'full'
+        Which paths count.
+    bounces : int
+        Bounces of indirect light, 0 to 30.
+    uniforms : Uniforms
+        N rows.
+
+    Returns
+    -------
+    (N, 3) float64, W/(m² sr)
+        Unbiased.
+    """
+    if light == "indirect":
+        if bounces == 0:
+            return np.zeros((len(points), 3))
+        return reflected_radiance(world, points, bounces, uniforms, skip_direct=True)
+    seen = emitted(world.emitters, world.geometry, points)
+    deeper = bounces if light == "full" else 0
+    return seen + reflected_radiance(world, points, deeper, uniforms)

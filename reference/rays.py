@@ -1,0 +1,312 @@
+"""Rays: what is hit first, and whether two points see each other.
+
+The only file that knows Embree, which works in float32.  The scene is handed to it
+moved and scaled into the cube [-1, 1]³, so that its rounding is the same relative to
+every scene, however small or far from the origin.  Where a ray starts follows from one
+fact: a point was found by a ray that came along ``wo``, so stepping back along ``wo``
+stays in front of every surface that touches the point, its own and its neighbours'.
+"""
+
+import threading
+from collections import Counter
+
+import numpy as np
+from embreex.mesh_construction import TriangleMesh
+from embreex.rtcore_scene import EmbreeScene
+
+from reference.arrays import Indices, Masks, Scalars, Vec3s, dot
+from reference.scene.geometry import Geometry, Hits
+from reference.scene.surface import SurfacePoints
+
+STEP = 2.0**-19
+"""How far rays start from their surface, in half extents of the scene.
+
+Embree's vertices are rounded to float32: 2⁻²⁴ each, in three coordinates, and its
+intersection adds a few more.  2⁻¹⁹ is 32 such roundings.
+"""
+
+STOP = 2.0**-17
+"""How far before its target a visibility ray ends; occluders closer do not count."""
+
+BEYOND = 1e30
+"""Reach of rays that end nowhere; within float32."""
+
+FAR = 4.0
+"""Rays that start further out, in half extents, are brought to the scene in float64."""
+
+
+class RayCaster:
+    """Closest hits and visibility in one scene; counts its rays by kind.
+
+    Parameters
+    ----------
+    geometry : Geometry
+        The scene.
+
+    Attributes
+    ----------
+    counts : Counter of str
+        Rays traced so far: 'primary', 'bounce', 'shadow', 'reuse', ...
+    extent : float, m
+        Half of the longest side of the scene's bounding box.
+    """
+
+    def __init__(self, geometry: Geometry) -> None:
+        self.counts: Counter[str] = Counter()
+        self._lock = threading.Lock()
+        self._geometry = geometry
+        low, high = _bounds(geometry)
+        self._middle = (low + high) / 2
+        self.extent = float(np.max(high - low)) / 2 or 1.0
+        self._center = (geometry.center - self._middle) / self.extent
+        self._radius = geometry.radius / self.extent
+        self._embree: EmbreeScene | None = None
+        if geometry.triangles:
+            self._embree = _commit(geometry, self._middle, self.extent)
+
+    def from_camera(self, origin: Vec3s, direction: Vec3s) -> Hits:
+        """First primitive along rays that start in free space.
+
+        Parameters
+        ----------
+        origin : (N, 3) float64, m
+            Anywhere but on a surface.
+        direction : (N, 3) float64
+            Unit vectors.
+
+        Returns
+        -------
+        Hits
+            Primitive -1 and distance inf where nothing is hit.
+        """
+        self._count("primary", len(origin))
+        o, advance = _approach(self._normalized(origin), direction)
+        hits = self._closest_triangle(o, direction)
+        hits = self._closest_sphere(o, direction, hits, None)
+        distance = (hits.distance + advance) * self.extent
+        return Hits(hits.primitive, hits.u, hits.v, distance)
+
+    def from_surface(self, points: SurfacePoints, direction: Vec3s, kind: str) -> Hits:
+        """First primitive along rays that leave surface points.
+
+        Parameters
+        ----------
+        points : SurfacePoints
+            N points.
+        direction : (N, 3) float64
+            Unit vectors; below the surface the ray starts behind it.
+        kind : str
+            What the rays are counted as.
+
+        Returns
+        -------
+        Hits
+            Primitive -1 and distance inf where nothing is hit.
+        """
+        self._count(kind, len(points))
+        step_out = self._normalized(self.leave(points, direction))
+        hits = self._closest_triangle(step_out, direction)
+        exact = self._normalized(points.position)
+        hits = self._closest_sphere(exact, direction, hits, points.primitive)
+        return Hits(hits.primitive, hits.u, hits.v, hits.distance * self.extent)
+
+    def leave(self, points: SurfacePoints, direction: Vec3s) -> Vec3s:
+        """Origins of rays that leave surface points.
+
+        Parameters
+        ----------
+        points : SurfacePoints
+            N points.
+        direction : (N, 3) float64
+            Where the rays go; below the surface they start behind it.
+
+        Returns
+        -------
+        (N, 3) float64, m
+            A step along the normal, and a step back to where the point was seen from.
+        """
+        step = STEP * self.extent
+        above = dot(points.normal, direction) >= 0
+        if above.all():
+            return points.position + step * (points.normal + points.wo)
+        side = np.where(above, 1.0, -1.0)[:, None]
+        back = np.where(above[:, None], points.wo, 0.0)
+        origin: Vec3s = points.position + step * (side * points.normal + back)
+        return origin
+
+    def visible(
+        self, points: SurfacePoints, x_to: Vec3s, n_to: Vec3s, kind: str
+    ) -> Masks:
+        """Whether surface points see other points.
+
+        Parameters
+        ----------
+        points : SurfacePoints
+            N points that look.
+        x_to : (N, 3) float64, m
+            Points looked at.
+        n_to : (N, 3) float64
+            Unit normals there, either side, or 0 for a point in free space.
+        kind : str
+            What the rays are counted as.
+
+        Returns
+        -------
+        (N,) bool
+            Nothing lies between, up to ``STOP`` of the scene before ``x_to``.
+        """
+        toward = x_to - points.position
+        origin = self.leave(points, toward)
+        side = np.where(dot(n_to, toward) > 0, -STEP, STEP) * self.extent
+        offset = x_to + side[:, None] * n_to - origin
+        distance = np.sqrt(dot(offset, offset))
+        shorter = np.maximum(distance - STOP * self.extent, 0.0)
+        share = np.divide(shorter, distance, out=np.zeros_like(distance), where=distance > 0)
+        free = self._no_triangle(origin, offset * share[:, None], 1.0, kind)
+        if len(self._radius):
+            free &= self._no_sphere(points, toward, share)
+        return free
+
+    def escapes(self, points: SurfacePoints, direction: Vec3s, kind: str) -> Masks:
+        """Whether rays from surface points leave the scene.
+
+        Parameters
+        ----------
+        points : SurfacePoints
+            N points.
+        direction : (N, 3) float64
+            Unit vectors.
+        kind : str
+            What the rays are counted as.
+
+        Returns
+        -------
+        (N,) bool
+            Nothing lies in that direction.
+        """
+        free = self._no_triangle(
+            self.leave(points, direction), direction, BEYOND, kind
+        )
+        if len(self._radius):
+            free &= self._no_sphere(points, direction, np.full(len(points), np.inf))
+        return free
+
+    def _normalized(self, x: Vec3s) -> Vec3s:
+        moved: Vec3s = (x - self._middle) / self.extent
+        return moved
+
+    def _no_triangle(
+        self, origin: Vec3s, along: Vec3s, reach: float, kind: str
+    ) -> Masks:
+        self._count(kind, len(origin))
+        if self._embree is None or len(origin) == 0:
+            return np.ones(len(origin), bool)
+        answer = self._embree.run(
+            self._normalized(origin).astype(np.float32),
+            (along / self.extent).astype(np.float32),
+            query="OCCLUDED",
+            dists=np.full(len(origin), reach, np.float32),
+        )
+        free: Masks = answer != 0
+        return free
+
+    def _no_sphere(self, points: SurfacePoints, along: Vec3s, reach: Scalars) -> Masks:
+        o, d = self._normalized(points.position), along / self.extent
+        free = np.ones(len(o), bool)
+        for index in range(len(self._radius)):
+            t = self._sphere_hit(o, d, index, points.primitive)
+            free &= ~(t < reach)
+        return free
+
+    def _closest_triangle(self, o: Vec3s, d: Vec3s) -> Hits:
+        size = len(o)
+        if self._embree is None or size == 0:
+            none = np.zeros(size)
+            return Hits(np.full(size, -1, np.int32), none, none, np.full(size, np.inf))
+        answer = self._embree.run(
+            o.astype(np.float32), d.astype(np.float32), query="INTERSECT", output=True
+        )
+        missed = answer["primID"] < 0
+        distance = answer["tfar"].astype(np.float64)
+        distance[missed] = np.inf
+        u, v = answer["u"].astype(np.float64), answer["v"].astype(np.float64)
+        return Hits(answer["primID"], u, v, distance)
+
+    def _closest_sphere(
+        self, o: Vec3s, d: Vec3s, hits: Hits, start: Indices | None
+    ) -> Hits:
+        primitive, distance = hits.primitive, hits.distance
+        for index in range(len(self._radius)):
+            t = self._sphere_hit(o, d, index, start)
+            closer = t < distance
+            distance = np.where(closer, t, distance)
+            this = np.int32(self._geometry.triangles + index)
+            primitive = np.where(closer, this, primitive)
+        return Hits(primitive, hits.u, hits.v, distance)
+
+    def _sphere_hit(
+        self, o: Vec3s, d: Vec3s, index: int, start: Indices | None
+    ) -> Scalars:
+        near, far = _sphere_crossings(o, d, self._center[index], self._radius[index])
+        if start is not None:
+            # A ray that starts on this sphere crosses it at 0, rounded either way.
+            on_it = start == self._geometry.triangles + index
+            leaves_at_near = np.abs(near) < np.abs(far)
+            near = np.where(on_it & leaves_at_near, -np.inf, near)
+            far = np.where(on_it & ~leaves_at_near, -np.inf, far)
+        return np.where(near > 0, near, np.where(far > 0, far, np.inf))
+
+    def _count(self, kind: str, rays: int) -> None:
+        with self._lock:
+            self.counts[kind] += rays
+
+
+def _bounds(geometry: Geometry) -> tuple[Vec3s, Vec3s]:
+    corners = [geometry.corner, geometry.corner + geometry.edge_u]
+    corners += [geometry.corner + geometry.edge_v]
+    corners += [geometry.center - geometry.radius[:, None]]
+    corners += [geometry.center + geometry.radius[:, None]]
+    every = np.concatenate(corners)
+    return every.min(axis=0), every.max(axis=0)
+
+
+def _commit(geometry: Geometry, middle: Vec3s, extent: float) -> EmbreeScene:
+    corners = np.stack(
+        [
+            geometry.corner,
+            geometry.corner + geometry.edge_u,
+            geometry.corner + geometry.edge_v,
+        ],
+        axis=1,
+    )
+    vertices = ((corners - middle) / extent).astype(np.float32).reshape(-1, 3)
+    faces = np.arange(len(vertices), dtype=np.int32).reshape(-1, 3)
+    scene = EmbreeScene(robust=True)
+    TriangleMesh(scene, np.ascontiguousarray(vertices), faces)
+    # Embree builds its tree at the first query, which must not happen in two threads.
+    one = np.zeros((1, 3), np.float32)
+    scene.run(one, one + np.float32(1.0), query="OCCLUDED")
+    return scene
+
+
+def _approach(o: Vec3s, d: Vec3s) -> tuple[Vec3s, Scalars]:
+    outside = dot(o, o) > FAR * FAR
+    advance = np.where(outside, np.maximum(-dot(o, d) - 2.0, 0.0), 0.0)
+    return (o + advance[:, None] * d if outside.any() else o), advance
+
+
+def _sphere_crossings(
+    o: Vec3s, d: Vec3s, center: Vec3s, radius: float
+) -> tuple[Scalars, Scalars]:
+    relative = o - center
+    a, b = dot(d, d), dot(relative, d)
+    a = np.where(a > 0, a, 1.0)
+    # The distance of the centre from the line: no cancellation far from the sphere.
+    foot = relative - (b / a)[:, None] * d
+    discriminant = (radius - np.sqrt(dot(foot, foot))) * (
+        radius + np.sqrt(dot(foot, foot))
+    )
+    root = np.sqrt(np.maximum(discriminant, 0.0) / a)
+    misses = discriminant < 0
+    near, far = -b / a - root, -b / a + root
+    return np.where(misses, np.inf, near), np.where(misses, np.inf, far)

@@ -1,0 +1,229 @@
+"""Sampling of directions, points and tables: sample_X, pdf_X and invert_X."""
+
+import numpy as np
+
+from reference.arrays import Indices, Scalars, Vec3s
+
+
+def sample_uniform_hemisphere(u1: Scalars, u2: Scalars) -> Vec3s:
+    """Directions about +z with density 1 / 2π.
+
+    Parameters
+    ----------
+    u1, u2 : (N,) float
+        In [0, 1).
+
+    Returns
+    -------
+    (N, 3) float
+        Unit vectors, cos θ = u1.
+    """
+    return _about_z(u1, np.sqrt(np.maximum(0.0, 1.0 - u1 * u1)), u2)
+
+
+def pdf_uniform_hemisphere(cos_theta: Scalars) -> Scalars:
+    """Density 1 / 2π on the hemisphere, 0 below it.
+
+    Parameters
+    ----------
+    cos_theta : (N,) float
+        Cosine with the axis.
+
+    Returns
+    -------
+    (N,) float, 1/sr
+        0 where cos θ < 0; u1 = 0 gives cos θ = 0, which belongs to the hemisphere.
+    """
+    return np.where(cos_theta >= 0, 1.0 / (2.0 * np.pi), 0.0)
+
+
+def invert_uniform_hemisphere(direction: Vec3s) -> tuple[Scalars, Scalars]:
+    """The numbers (u1, u2) that :func:`sample_uniform_hemisphere` maps to a direction.
+
+    Parameters
+    ----------
+    direction : (N, 3) float
+        Unit vectors with z >= 0.
+
+    Returns
+    -------
+    (N,), (N,) float
+        In [0, 1).
+    """
+    return direction[:, 2], _azimuth(direction)
+
+
+def sample_cosine_hemisphere(u1: Scalars, u2: Scalars) -> Vec3s:
+    """Directions about +z with density cos θ / π.
+
+    Parameters
+    ----------
+    u1, u2 : (N,) float
+        In [0, 1).
+
+    Returns
+    -------
+    (N, 3) float
+        Unit vectors, cos² θ = 1 - u1, never 0: so that 1 / pdf <= π 2¹².
+    """
+    return _about_z(np.sqrt(1.0 - u1), np.sqrt(u1), u2)
+
+
+def pdf_cosine_hemisphere(cos_theta: Scalars) -> Scalars:
+    """Density cos θ / π on the hemisphere, 0 below it.
+
+    Parameters
+    ----------
+    cos_theta : (N,) float
+        Cosine with the axis.
+
+    Returns
+    -------
+    (N,) float, 1/sr
+        0 where cos θ <= 0.
+    """
+    return np.maximum(cos_theta, 0.0) / np.pi
+
+
+def invert_cosine_hemisphere(direction: Vec3s) -> tuple[Scalars, Scalars]:
+    """The numbers (u1, u2) that :func:`sample_cosine_hemisphere` maps to a direction.
+
+    Parameters
+    ----------
+    direction : (N, 3) float
+        Unit vectors with z > 0.
+
+    Returns
+    -------
+    (N,), (N,) float
+        In [0, 1).
+    """
+    return direction[:, 0] ** 2 + direction[:, 1] ** 2, _azimuth(direction)
+
+
+def sample_uniform_sphere(u1: Scalars, u2: Scalars) -> Vec3s:
+    """Directions with density 1 / 4π.
+
+    Parameters
+    ----------
+    u1, u2 : (N,) float
+        In [0, 1).
+
+    Returns
+    -------
+    (N, 3) float
+        Unit vectors, z = 1 - 2 u1.
+    """
+    z = 1.0 - 2.0 * u1
+    return _about_z(z, 2.0 * np.sqrt(u1 * (1.0 - u1)), u2)
+
+
+def invert_uniform_sphere(direction: Vec3s) -> tuple[Scalars, Scalars]:
+    """The numbers (u1, u2) that :func:`sample_uniform_sphere` maps to a direction.
+
+    Parameters
+    ----------
+    direction : (N, 3) float
+        Unit vectors.
+
+    Returns
+    -------
+    (N,), (N,) float
+        In [0, 1).
+    """
+    return (1.0 - direction[:, 2]) / 2.0, _azimuth(direction)
+
+
+def sample_triangle(u1: Scalars, u2: Scalars) -> tuple[Scalars, Scalars]:
+    """Barycentric coordinates of a point uniform over the area of a triangle.
+
+    Parameters
+    ----------
+    u1, u2 : (N,) float
+        In [0, 1).
+
+    Returns
+    -------
+    (N,), (N,) float
+        Weights of the second and third vertex; both >= 0, sum at most 1.
+    """
+    root = np.sqrt(u1)
+    return root * (1.0 - u2), root * u2
+
+
+def invert_triangle(b1: Scalars, b2: Scalars) -> tuple[Scalars, Scalars]:
+    """The numbers (u1, u2) that :func:`sample_triangle` maps to barycentrics.
+
+    Parameters
+    ----------
+    b1, b2 : (N,) float
+        Weights of the second and third vertex, not both 0.
+
+    Returns
+    -------
+    (N,), (N,) float
+        In [0, 1).
+    """
+    return (b1 + b2) ** 2, b2 / (b1 + b2)
+
+
+def sample_table(cumulative: Scalars, u: Scalars) -> tuple[Indices, Scalars]:
+    """Index drawn in proportion to the weights of a table, and u used again.
+
+    Parameters
+    ----------
+    cumulative : (K,) float
+        Running sum of weights, the last one 1 (see :func:`cumulate`).
+    u : (N,) float
+        In [0, 1).
+
+    Returns
+    -------
+    (N,) int, (N,) float
+        Index, never one of weight 0, and the place of u within its interval, in
+        [0, 1): a uniform number independent of the index.
+    """
+    index = np.searchsorted(cumulative, u, side="right")
+    index = np.minimum(index, len(cumulative) - 1)
+    upper = cumulative[index]
+    lower = np.where(index > 0, cumulative[np.maximum(index - 1, 0)], 0.0)
+    remainder = (u - lower) / (upper - lower)
+    return index, np.minimum(remainder, 1.0 - 2.0**-53)
+
+
+def cumulate(weights: Scalars) -> Scalars:
+    """Running sum of weights, scaled to end at exactly 1.
+
+    Parameters
+    ----------
+    weights : (K,) float
+        Non-negative, not all 0.
+
+    Returns
+    -------
+    (K,) float
+        Non-decreasing; from the last positive weight on it is 1.
+
+    Raises
+    ------
+    ValueError
+        No weight is positive, or one is negative or not finite.
+    """
+    total = weights.sum()
+    if not (np.isfinite(total) and total > 0 and np.all(weights >= 0)):
+        raise ValueError("weights must be finite, non-negative and not all 0")
+    cumulative = np.cumsum(weights) / total
+    cumulative[np.flatnonzero(weights)[-1] :] = 1.0
+    return cumulative
+
+
+def _about_z(cos_theta: Scalars, sin_theta: Scalars, u: Scalars) -> Vec3s:
+    phi = (2.0 * np.pi) * u
+    return np.stack(
+        [sin_theta * np.cos(phi), sin_theta * np.sin(phi), cos_theta], axis=-1
+    )
+
+
+def _azimuth(direction: Vec3s) -> Scalars:
+    turns = np.arctan2(direction[:, 1], direction[:, 0]) / (2.0 * np.pi)
+    return np.where(turns < 0, turns + 1.0, turns)

@@ -1,0 +1,110 @@
+"""Pinhole camera."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reference.arrays import Scalars, Vec3s, dot, normalize
+
+
+@dataclass(frozen=True, slots=True)
+class Camera:
+    """Pinhole camera with square pixels.
+
+    Attributes
+    ----------
+    position : (float, float, float), m
+        The pinhole.
+    target : (float, float, float), m
+        Seen in the centre of the image.
+    up : (float, float, float)
+        Not parallel to the view; need not be orthogonal to it or unit.
+    fov_x : float, degrees
+        Horizontal angle of view, between 0 and 180.
+    width, height : int, pixels
+        Size of the image.
+    mirrored : bool
+        Left and right exchanged: a camera of a left-handed frame.
+    """
+
+    position: tuple[float, float, float]
+    target: tuple[float, float, float]
+    up: tuple[float, float, float] = (0.0, 1.0, 0.0)
+    fov_x: float = 60.0
+    width: int = 256
+    height: int = 256
+    mirrored: bool = False
+
+    @property
+    def axes(self) -> tuple[Vec3s, Vec3s, Vec3s]:
+        """Unit vectors to the right, upwards and forwards."""
+        position, target, up = (
+            np.asarray(v, float) for v in (self.position, self.target, self.up)
+        )
+        forward = normalize(target - position)
+        right = normalize(np.cross(forward, up))
+        upwards = np.cross(right, forward)
+        return (-right if self.mirrored else right), upwards, forward
+
+
+def pixel_centers(width: int, height: int) -> tuple[Scalars, Scalars]:
+    """Centres of all pixels, row by row from the top left.
+
+    Parameters
+    ----------
+    width, height : int
+        Size of the image.
+
+    Returns
+    -------
+    (N,), (N,) float64, pixels
+        x to the right and y downwards; row = y · width + x.
+    """
+    rows = np.arange(width * height)
+    return rows % width + 0.5, rows // width + 0.5
+
+
+def camera_rays(camera: Camera, x: Scalars, y: Scalars) -> tuple[Vec3s, Vec3s]:
+    """Rays from the pinhole through points of the image.
+
+    Parameters
+    ----------
+    camera : Camera
+        The camera.
+    x, y : (N,) float64, pixels
+        Points of the image, (0, 0) at its top left corner.
+
+    Returns
+    -------
+    (N, 3), (N, 3) float64
+        Origins, and unit directions.
+    """
+    right, up, forward = camera.axes
+    half_width = np.tan(np.radians(camera.fov_x) / 2)
+    along_right = (2.0 * x / camera.width - 1.0) * half_width
+    # Square pixels: both axes in units of half the width.
+    along_up = (camera.height - 2.0 * y) / camera.width * half_width
+    direction = normalize(
+        along_right[:, None] * right + along_up[:, None] * up + forward
+    )
+    origin = np.broadcast_to(np.asarray(camera.position, float), direction.shape)
+    return origin, direction
+
+
+def view_depth(camera: Camera, points: Vec3s) -> Scalars:
+    """Distance of points from the camera, along its axis.
+
+    Parameters
+    ----------
+    camera : Camera
+        The camera.
+    points : (N, 3) float64, m
+        In the world.
+
+    Returns
+    -------
+    (N,) float64, m
+        Negative behind the camera.
+    """
+    forward = camera.axes[2]
+    return dot(points - np.asarray(camera.position, float), forward)

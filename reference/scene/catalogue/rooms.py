@@ -1,0 +1,164 @@
+"""Rooms: the Cornell box, a door ajar, a hall of many lights."""
+
+import numpy as np
+
+from reference.arrays import Scalars
+from reference.rng import pcg4d, to_unit_interval
+from reference.scene.camera import Camera
+from reference.scene.materials.kinds import Lambertian
+from reference.scene.scene import Scene
+from reference.scene.shapes import Mesh, box, quad
+from reference.scene.textures import Color
+
+WHITE = Lambertian((0.73, 0.73, 0.73))
+RED = Lambertian((0.63, 0.065, 0.05))
+GREEN = Lambertian((0.14, 0.45, 0.091))
+BLACK = Lambertian((0.0, 0.0, 0.0))
+
+
+def pose(yaw_degrees: float, position: Color) -> Scalars:
+    """Rigid pose: a turn about the y axis, then a move.
+
+    Parameters
+    ----------
+    yaw_degrees : float
+        Counter-clockwise seen from above (+y).
+    position : (float, float, float), m
+        Where the origin of the own frame goes.
+
+    Returns
+    -------
+    (4, 4) float64
+        Own frame to world.
+    """
+    c, s = np.cos(np.radians(yaw_degrees)), np.sin(np.radians(yaw_degrees))
+    matrix = np.eye(4)
+    matrix[:3, :3] = [[c, 0, s], [0, 1, 0], [-s, 0, c]]
+    matrix[:3, 3] = position
+    return matrix
+
+
+def cornell_box() -> Scene:
+    """The Cornell box: red and green walls, two white blocks, one light.
+
+    Returns
+    -------
+    Scene
+        A room of 2 x 2 x 2 m; its edges lie exactly on pixel columns.
+    """
+    meshes = (
+        quad("floor", (-1, 0, 1), (2, 0, 0), (0, 0, -2), WHITE),
+        quad("ceiling", (-1, 2, -1), (2, 0, 0), (0, 0, 2), WHITE),
+        quad("back wall", (-1, 0, -1), (2, 0, 0), (0, 2, 0), WHITE),
+        quad("left wall", (-1, 0, 1), (0, 0, -2), (0, 2, 0), RED),
+        quad("right wall", (1, 0, -1), (0, 0, 2), (0, 2, 0), GREEN),
+        box("tall block", (0.6, 1.2, 0.6), pose(18, (-0.35, 0.6, -0.35)), WHITE),
+        box("short block", (0.6, 0.6, 0.6), pose(-17, (0.35, 0.3, 0.35)), WHITE),
+        quad(
+            "light",
+            (-0.25, 1.99, -0.25),
+            (0.5, 0, 0),
+            (0, 0, 0.5),
+            BLACK,
+            emission=(17.0, 12.0, 4.0),
+        ),
+    )
+    camera = Camera(position=(0, 1, 3.9), target=(0, 1, 0), fov_x=38.0)
+    return Scene(name="cornell-box", camera=camera, meshes=meshes)
+
+
+def door_ajar() -> Scene:
+    """A dim room lit through the gap of a door that stands ajar.
+
+    Returns
+    -------
+    Scene
+        All light comes from the next room; only what the gap lets through reaches
+        the camera's room.
+    """
+    wood = Lambertian((0.45, 0.25, 0.12))
+    wall = Lambertian((0.75, 0.73, 0.7))
+    floor = Lambertian((0.5, 0.45, 0.4))
+    # The camera's room spans x in [-2, 2]; the wall at x = -2 has a doorway at
+    # z in [-0.5, 0.5]; the lamp hangs in the next room, x in [-5, -2].
+    meshes = (
+        quad("floor", (-5, 0, 2), (7, 0, 0), (0, 0, -4), floor),
+        quad("ceiling", (-5, 2.5, -2), (7, 0, 0), (0, 0, 4), wall),
+        quad("north wall", (-5, 0, -2), (7, 0, 0), (0, 2.5, 0), wall),
+        quad("south wall", (2, 0, 2), (-7, 0, 0), (0, 2.5, 0), wall),
+        quad("east wall", (2, 0, -2), (0, 0, 4), (0, 2.5, 0), wall),
+        quad("west wall", (-5, 0, 2), (0, 0, -4), (0, 2.5, 0), wall),
+        box("wall by the hinge", (0.1, 2.5, 1.5), pose(0, (-2, 1.25, -1.25)), wall),
+        box("wall by the handle", (0.1, 2.5, 1.5), pose(0, (-2, 1.25, 1.25)), wall),
+        box("lintel", (0.1, 0.5, 1.0), pose(0, (-2, 2.25, 0)), wall),
+        # Hinged at z = -0.5, opened by 15 degrees into the camera's room.
+        box(
+            "door",
+            (0.05, 1.99, 1.0),
+            pose(15, (-2 + 0.5 * np.sin(np.radians(15)), 0.996, -0.5 + 0.5 * np.cos(np.radians(15)))),
+            wood,
+        ),
+        box("table", (0.9, 0.06, 1.4), pose(8, (0.1, 0.75, -0.7)), wood),
+        box("table leg", (0.7, 0.72, 0.08), pose(8, (0.1, 0.36, -0.7)), wood),
+        box("pot", (0.3, 0.35, 0.3), pose(40, (0.1, 0.955, -0.8)), WHITE),
+        quad(
+            "lamp",
+            (-4.99, 0.8, 0.9),
+            (0, 0, -0.8),
+            (0, 1.0, 0),
+            BLACK,
+            emission=(120.0, 110.0, 95.0),
+        ),
+    )
+    camera = Camera(
+        position=(1.85, 1.4, 1.6), target=(-1.0, 0.9, -0.6), fov_x=70.0
+    )
+    return Scene(name="door-ajar", camera=camera, meshes=meshes)
+
+
+def many_lights() -> Scene:
+    """A hall under 30,000 small coloured lamps.
+
+    Returns
+    -------
+    Scene
+        Each lamp is one triangle that faces down, 5 to 20 mm wide.
+    """
+    count = 30_000
+    keys = np.arange(count, dtype=np.uint32)
+    zero = np.uint32(0)
+    words = [*pcg4d(keys, zero, zero, zero), *pcg4d(keys, zero, zero, zero + 1)]  # type: ignore[arg-type]
+    u = [to_unit_interval(word) for word in words]
+    centre = np.stack([8 * u[0] - 4, 2.2 + 1.2 * u[1], 8 * u[2] - 4], axis=-1)
+    size = (0.005 + 0.015 * u[3])[:, None, None]
+    # Facing down: counter-clockwise seen from below.
+    triangle = np.array([[1.0, 0, 0], [-0.5, 0, 0.866], [-0.5, 0, -0.866]])
+    vertices = centre[:, None] + size * triangle
+    strength = 40.0 * u[4] ** 2
+    colors = [
+        (float(s * (1 - 0.8 * r)), float(s * 0.6), float(s * (0.2 + 0.8 * r)))
+        for s, r in zip(strength, u[5], strict=True)
+    ]
+    # Lamps of one colour share a mesh: 64 colours, so that the file stays a function.
+    bucket = np.arange(count) % 64
+    lamps = tuple(
+        Mesh(
+            name=f"lamps {b}",
+            vertices=vertices[bucket == b].reshape(-1, 3),
+            faces=np.arange(3 * int((bucket == b).sum())).reshape(-1, 3),
+            material=BLACK,
+            emission=colors[b],
+        )
+        for b in range(64)
+    )
+    meshes = (
+        quad("floor", (-4, 0, 4), (8, 0, 0), (0, 0, -8), WHITE),
+        quad("ceiling", (-4, 3.6, -4), (8, 0, 0), (0, 0, 8), WHITE),
+        quad("back wall", (-4, 0, -4), (8, 0, 0), (0, 3.6, 0), WHITE),
+        quad("left wall", (-4, 0, 4), (0, 0, -8), (0, 3.6, 0), RED),
+        quad("right wall", (4, 0, -4), (0, 0, 8), (0, 3.6, 0), GREEN),
+        box("pillar", (0.8, 3.0, 0.8), pose(30, (-1.2, 1.0, -0.5)), WHITE),
+        box("bench", (1.6, 0.5, 0.6), pose(-20, (1.3, 0.25, 0.6)), WHITE),
+    )
+    camera = Camera(position=(0.3, 1.5, 3.8), target=(0, 0.9, 0), fov_x=65.0)
+    return Scene(name="many-lights", camera=camera, meshes=meshes + lamps)

@@ -1,0 +1,60 @@
+"""Inside a sphere: the two scenes in which ReSTIR GI has no noise at all."""
+
+from reference.scene.camera import Camera
+from reference.scene.lights import PointLight
+from reference.scene.materials.kinds import Lambertian
+from reference.scene.scene import Scene
+from reference.scene.shapes import Sphere
+from reference.scene.textures import Checker
+
+ALBEDO = 0.5
+EMISSION = 2.0
+INTENSITY = 3.0
+
+_CAMERA = Camera(position=(0.3, 0.2, 0.1), target=(0.4, 0.9, -0.2), up=(0, 0, 1), fov_x=80.0)
+
+
+def sphere_furnace() -> Scene:
+    """A grey sphere that glows evenly, seen from inside.
+
+    Returns
+    -------
+    Scene
+        Light after i reflections is albedo^i · emission at every point.
+    """
+    grey = Lambertian((ALBEDO, ALBEDO, ALBEDO))
+    glow = (EMISSION, EMISSION, EMISSION)
+    sphere = Sphere(
+        name="sphere",
+        center=(0.0, 0.0, 0.0),
+        radius=1.0,
+        material=grey,
+        emission=glow,
+        inward=True,
+    )
+    return Scene(name="sphere-furnace", camera=_CAMERA, spheres=(sphere,))
+
+
+def half_lit_sphere() -> Scene:
+    """A sphere, half grey and half black, around a point light in its centre.
+
+    Returns
+    -------
+    Scene
+        Every sample point reflects one known radiance or none; half of the area each.
+        The camera sees grey alone.
+    """
+    # One repetition along the longitude is two halves; 0.4 of one along the latitude
+    # keeps to the first half.
+    halves = Checker((ALBEDO,) * 3, (0.0,) * 3, (0.4, 1.0))
+    sphere = Sphere(
+        name="sphere",
+        center=(0.0, 0.0, 0.0),
+        radius=1.0,
+        material=Lambertian(halves),
+        inward=True,
+    )
+    light = PointLight((0.0, 0.0, 0.0), (INTENSITY,) * 3)
+    return Scene(
+        name="half-lit-sphere", camera=_CAMERA, spheres=(sphere,), points=(light,)
+    )

@@ -1,0 +1,137 @@
+"""Open scenes under the sun: closed forms, grazing light, a glossy floor, a checker."""
+
+import numpy as np
+
+from reference.scene.camera import Camera
+from reference.scene.catalogue.rooms import WHITE, pose
+from reference.scene.lights import ConstantEnvironment, DirectionalLight, PointLight
+from reference.scene.materials.kinds import Conductor, Lambertian
+from reference.scene.scene import Scene
+from reference.scene.shapes import box, quad
+from reference.scene.textures import Checker
+
+SUN = (10.0, 9.0, 7.5)
+FLOOR_REFLECTANCE = (0.6, 0.5, 0.4)
+WALL_REFLECTANCE = (0.8, 0.4, 0.2)
+
+
+def sunlit_wall() -> Scene:
+    """A wall in the sun lights the floor before it; the sun grazes the floor exactly.
+
+    Returns
+    -------
+    Scene
+        The wall stands at z = 0 on the floor y = 0.  Its irradiance is uniform, so
+        that the light of the floor is the form factor of a rectangle.
+    """
+    meshes = (
+        quad("floor", (-4, 0, 4), (8, 0, 0), (0, 0, -4), Lambertian(FLOOR_REFLECTANCE)),
+        quad("wall", (-1, 0, 0), (2, 0, 0), (0, 2, 0), Lambertian(WALL_REFLECTANCE)),
+    )
+    return Scene(
+        name="sunlit-wall",
+        camera=Camera(position=(2.2, 2.4, 4.2), target=(0, 0.3, 0.8), fov_x=50.0),
+        meshes=meshes,
+        suns=(DirectionalLight((0.0, 0.0, -1.0), SUN),),
+    )
+
+
+def parallel_plates() -> Scene:
+    """Sunlight from below reaches the upper plate past the lower one.
+
+    Returns
+    -------
+    Scene
+        Unit squares at y = 0 and y = 1.  The sun rises at slope 1/2, so that the
+        shadow of the lower plate falls beside the upper one, which is lit evenly from
+        below and lights the lower one.
+    """
+    slope = np.array([1.0, 0.5, 0.0]) / np.sqrt(1.25)
+    lower, upper = Lambertian(FLOOR_REFLECTANCE), Lambertian(WALL_REFLECTANCE)
+    meshes = (
+        quad("lower plate", (-0.5, 0, 0.5), (1, 0, 0), (0, 0, -1), lower),
+        quad("upper plate", (-0.5, 1, -0.5), (1, 0, 0), (0, 0, 1), upper),
+    )
+    direction = (float(slope[0]), float(slope[1]), 0.0)
+    return Scene(
+        name="parallel-plates",
+        camera=Camera(position=(0.2, 0.75, 2.0), target=(0, 0.1, 0), fov_x=45.0),
+        meshes=meshes,
+        suns=(DirectionalLight(direction, SUN),),
+    )
+
+
+def glossy_floor() -> Scene:
+    """A stool on a glossy floor before a sunlit wall.
+
+    Returns
+    -------
+    Scene
+        Shadows and reflections of thin legs: where reuse without visibility is wrong.
+    """
+    floor = Conductor((0.7, 0.7, 0.7), alpha=0.2)
+    wood = Lambertian((0.5, 0.3, 0.15))
+    wall = Lambertian((0.8, 0.75, 0.65))
+    legs = tuple(
+        box(f"leg {x} {z}", (0.06, 0.9, 0.06), pose(20, (x, 0.45, z)), wood)
+        for x in (-0.35, 0.35)
+        for z in (-0.3, 0.3)
+    )
+    meshes = (
+        quad("floor", (-3, 0, 3), (6, 0, 0), (0, 0, -5), floor),
+        quad("wall", (-3, 0, -2), (6, 0, 0), (0, 3, 0), wall),
+        quad("side wall", (-3, 0, 3), (0, 0, -5), (0, 3, 0), Lambertian((0.3, 0.4, 0.6))),
+        box("seat", (0.95, 0.08, 0.85), pose(20, (0, 0.94, 0)), wood),
+        *legs,
+    )
+    return Scene(
+        name="glossy-floor",
+        camera=Camera(position=(1.4, 1.5, 3.4), target=(0, 0.5, -0.3), fov_x=50.0),
+        meshes=meshes,
+        points=(PointLight((1.8, 2.4, 0.5), (9.0, 8.5, 8.0)),),
+    )
+
+
+def grazing_light() -> Scene:
+    """A long floor lit only from its far left end, at grazing angles.
+
+    Returns
+    -------
+    Scene
+        The sun lights a low wall on the left; the floor sees it near its horizon.
+    """
+    meshes = (
+        quad("floor", (-1, 0, 2), (7, 0, 0), (0, 0, -4), WHITE),
+        quad("lit wall", (-1, 0, 2), (0, 0, -4), (0, 0.5, 0), WHITE),
+        box("block", (0.4, 0.3, 0.4), pose(30, (1.8, 0.15, -0.3)), WHITE),
+        box("post", (0.15, 0.8, 0.15), pose(10, (3.0, 0.4, 0.6)), WHITE),
+    )
+    return Scene(
+        name="grazing-light",
+        camera=Camera(position=(4.6, 2.0, 3.2), target=(1.6, 0.0, -0.2), fov_x=55.0),
+        meshes=meshes,
+        suns=(DirectionalLight((-1.0, 0.0, 0.0), (30.0, 28.0, 24.0)),),
+    )
+
+
+def checker() -> Scene:
+    """Checkered floor and blocks under an even sky.
+
+    Returns
+    -------
+    Scene
+        Textured visible and sample points.
+    """
+    tiles = Lambertian(Checker((0.8, 0.8, 0.8), (0.1, 0.15, 0.3), (6.0, 6.0)))
+    stripes = Lambertian(Checker((0.9, 0.3, 0.1), (0.9, 0.8, 0.5), (2.0, 2.0)))
+    meshes = (
+        quad("floor", (-3, 0, 3), (6, 0, 0), (0, 0, -6), tiles),
+        quad("wall", (-1.5, 0, -1.2), (3, 0, 0), (0, 1.6, 0), stripes),
+        box("block", (0.7, 0.9, 0.7), pose(35, (0.4, 0.45, 0.3)), WHITE),
+    )
+    return Scene(
+        name="checker",
+        camera=Camera(position=(1.5, 1.8, 3.6), target=(0, 0.4, 0), fov_x=50.0),
+        meshes=meshes,
+        environment=ConstantEnvironment((1.0, 1.1, 1.3)),
+    )

@@ -1,0 +1,293 @@
+"""All shapes of a scene as one list of primitives, in the world."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reference.arrays import Indices, Masks, Scalars, Vec3s, cross, dot, normalize, take
+from reference.scene.materials.kinds import Material
+from reference.scene.materials.parameters import MaterialTable, tabulate
+from reference.scene.scene import Scene
+from reference.scene.shapes import Mesh
+from reference.scene.surface import SurfacePoints
+from reference.scene.textures import Bitmap, Checker, read
+
+
+@dataclass(frozen=True, slots=True)
+class Hits:
+    """Where rays met primitives, N rows.
+
+    Attributes
+    ----------
+    primitive : (N,) int32
+        Triangle, or sphere after the last triangle; -1 for a miss.
+    u, v : (N,) float64
+        Barycentric coordinates of the second and third vertex, on triangles.
+    distance : (N,) float64, m
+        Along the ray; inf for a miss.
+    """
+
+    primitive: Indices
+    u: Scalars
+    v: Scalars
+    distance: Scalars
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Geometry:
+    """All primitives of a scene: T triangles, then S spheres.
+
+    Attributes
+    ----------
+    corner, edge_u, edge_v : (T, 3) float64, m
+        First vertex, and the edges to the second and the third.
+    face_normal : (T, 3) float64
+        Unit normal of the front.
+    area : (T + S,) float64, m²
+        Area of each primitive.
+    smooth : (T, 3, 3) float64 or None
+        Vertex normals; ``None`` where every face is flat.
+    uv : (T, 3, 2) float64 or None
+        Texture coordinates; ``None`` where no texture needs them.
+    center : (S, 3) float64, m
+        Sphere centres.
+    radius : (S,) float64, m
+        Sphere radii.
+    inward : (S,) bool
+        The front is the inside.
+    material : (T + S,) int32
+        Row of ``materials``.
+    emission : (T + S, 3) float64, W/(m² sr)
+        Radiance of the front.
+    shape : (T + S,) int32
+        Mesh, or sphere after the last mesh.
+    materials : MaterialTable
+        Materials of the scene.
+    dropped : int
+        Triangles without area, left out.
+    """
+
+    corner: Vec3s
+    edge_u: Vec3s
+    edge_v: Vec3s
+    face_normal: Vec3s
+    area: Scalars
+    smooth: Scalars | None
+    uv: Scalars | None
+    center: Vec3s
+    radius: Scalars
+    inward: Masks
+    material: Indices
+    emission: Vec3s
+    shape: Indices
+    materials: MaterialTable
+    dropped: int
+
+    @property
+    def triangles(self) -> int:
+        """Number of triangles."""
+        return len(self.corner)
+
+
+def build_geometry(scene: Scene) -> Geometry:
+    """Put all shapes of a scene into the world.
+
+    Parameters
+    ----------
+    scene : Scene
+        Validated.
+
+    Returns
+    -------
+    Geometry
+        Triangles without area are left out and counted.
+    """
+    shapes = (*scene.meshes, *scene.spheres)
+    materials: list[Material] = []
+    for shape in shapes:
+        if not any(shape.material is m for m in materials):
+            materials.append(shape.material)
+    row = {id(m): i for i, m in enumerate(materials)}
+    table = tabulate(materials)
+    world = [_world_triangles(mesh) for mesh in scene.meshes]
+    kept = [area > 0 for _, area in world]
+
+    def per_triangle(values: list[Scalars], empty: tuple[int, ...]) -> Scalars:
+        parts = [v[k] for v, k in zip(values, kept, strict=True)]
+        return np.concatenate(parts) if parts else np.zeros((0, *empty))
+
+    corners = per_triangle([c for c, _ in world], (3, 3))
+    triangle_area = per_triangle([a for _, a in world], ())
+    counts = [int(k.sum()) for k in kept] + [1] * len(scene.spheres)
+    shape_index = np.repeat(np.arange(len(shapes), dtype=np.int32), counts)
+    smooth = any(m.normals is not None for m in scene.meshes)
+    textured = any(isinstance(t, Bitmap | Checker) for t in table.textures)
+    edge_u, edge_v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    radius = np.array([s.radius for s in scene.spheres], float)
+    return Geometry(
+        corner=np.ascontiguousarray(corners[:, 0]),
+        edge_u=edge_u,
+        edge_v=edge_v,
+        face_normal=normalize(cross(edge_u, edge_v)),
+        area=np.concatenate([triangle_area, 4.0 * np.pi * radius**2]),
+        smooth=per_triangle([_world_normals(m) for m in scene.meshes], (3, 3))
+        if smooth
+        else None,
+        uv=per_triangle([_corner_uv(m) for m in scene.meshes], (3, 2))
+        if textured
+        else None,
+        center=np.array([s.center for s in scene.spheres], float).reshape(-1, 3),
+        radius=radius,
+        inward=np.array([s.inward for s in scene.spheres], bool),
+        material=np.array([row[id(s.material)] for s in shapes], np.int32)[shape_index],
+        emission=np.array([s.emission for s in shapes], float).reshape(-1, 3)[
+            shape_index
+        ],
+        shape=shape_index,
+        materials=table,
+        dropped=int(sum((~k).sum() for k in kept)),
+    )
+
+
+def _world_triangles(mesh: Mesh) -> tuple[Scalars, Scalars]:
+    vertices = mesh.vertices @ mesh.pose[:3, :3].T + mesh.pose[:3, 3]
+    corners = vertices[mesh.faces]
+    normal = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return corners, 0.5 * np.sqrt(dot(normal, normal))
+
+
+def _world_normals(mesh: Mesh) -> Scalars:
+    if mesh.normals is None:
+        corners, _ = _world_triangles(mesh)
+        flat = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        return np.repeat(normalize(flat)[:, None], 3, axis=1)
+    # Normals turn with the inverse transpose.
+    turned = normalize(mesh.normals @ np.linalg.inv(mesh.pose[:3, :3]))
+    corner_normals: Scalars = turned[mesh.faces]
+    return corner_normals
+
+
+def _corner_uv(mesh: Mesh) -> Scalars:
+    if mesh.uv is None:
+        return np.zeros((len(mesh.faces), 3, 2))
+    corner_uv: Scalars = np.asarray(mesh.uv, float)[mesh.faces]
+    return corner_uv
+
+
+def surface_points(
+    geometry: Geometry, hits: Hits, origin: Vec3s, direction: Vec3s
+) -> SurfacePoints:
+    """Points, normals and materials where rays met the scene.
+
+    Parameters
+    ----------
+    geometry : Geometry
+        The scene.
+    hits : Hits
+        N rows.
+    origin, direction : (N, 3) float64
+        The rays; unit directions.
+
+    Returns
+    -------
+    SurfacePoints
+        Positions from the barycentric coordinates, in float64: they lie in the
+        triangle to rounding, which origin + distance · direction would not.
+    """
+    primitive = hits.primitive
+    hit = primitive >= 0
+    on_sphere = primitive >= geometry.triangles
+    points = _on_triangles(geometry, hits)
+    if on_sphere.any():
+        rows = np.flatnonzero(on_sphere)
+        sphere = primitive[rows] - geometry.triangles
+        ray = origin[rows] + hits.distance[rows, None] * direction[rows]
+        outward = normalize(ray - geometry.center[sphere])
+        radius = geometry.radius[sphere][:, None]
+        points[0][rows] = geometry.center[sphere] + radius * outward
+        points[1][rows] = np.where(geometry.inward[sphere][:, None], -outward, outward)
+    position, normal = points
+    front = dot(normal, direction) < 0
+    facing = np.where(front, 1.0, -1.0)[:, None]
+    material = np.where(hit, geometry.material[primitive], 0).astype(np.int32)
+    smooth = None
+    if geometry.smooth is not None:
+        smooth = _smooth_normals(geometry, hits, on_sphere, normal) * facing
+        # Interpolation may turn a normal below its own face; the face then decides.
+        smooth = np.where((dot(smooth, normal) * facing[:, 0] > 0)[:, None], smooth, normal * facing)
+    return SurfacePoints(
+        position=position,
+        normal=normal * facing,
+        smooth=smooth,
+        wo=-direction,
+        color=_colors(geometry, hits, material, hit, normal),
+        material=material,
+        primitive=primitive,
+        front=front & hit,
+    )
+
+
+def _on_triangles(geometry: Geometry, hits: Hits) -> tuple[Vec3s, Vec3s]:
+    size = len(hits.primitive)
+    if geometry.triangles == 0:
+        return np.zeros((size, 3)), np.zeros((size, 3))
+    is_triangle = (hits.primitive >= 0) & (hits.primitive < geometry.triangles)
+    rows = np.where(is_triangle, hits.primitive, 0)
+    position = np.take(geometry.edge_u, rows, axis=0) * hits.u[:, None]
+    position += np.take(geometry.edge_v, rows, axis=0) * hits.v[:, None]
+    position += np.take(geometry.corner, rows, axis=0)
+    normal = np.take(geometry.face_normal, rows, axis=0)
+    if not is_triangle.all():
+        position[~is_triangle], normal[~is_triangle] = 0.0, 0.0
+    return position, normal
+
+
+def _barycentric(corners: Scalars, hits: Hits, rows: Indices) -> Scalars:
+    u, v = hits.u[rows, None], hits.v[rows, None]
+    blended: Scalars = (1 - u - v) * corners[:, 0] + u * corners[:, 1] + v * corners[:, 2]
+    return blended
+
+
+def _smooth_normals(
+    geometry: Geometry, hits: Hits, on_sphere: Masks, normal: Vec3s
+) -> Vec3s:
+    smooth = normal.copy()
+    rows = np.flatnonzero((hits.primitive >= 0) & ~on_sphere)
+    if geometry.smooth is not None and len(rows):
+        corners = geometry.smooth[hits.primitive[rows]]
+        smooth[rows] = normalize(_barycentric(corners, hits, rows))
+    return smooth
+
+
+def _colors(
+    geometry: Geometry, hits: Hits, material: Indices, hit: Masks, normal: Vec3s
+) -> Vec3s:
+    table = geometry.materials
+    color = np.take(table.color, material, axis=0)
+    if not hit.all():
+        color[~hit] = 0.0
+    for index, texture in enumerate(table.textures):
+        if not isinstance(texture, Bitmap | Checker):
+            continue
+        rows = np.flatnonzero(hit & (material == index))
+        if len(rows):
+            uv = _texture_coordinates(geometry, take(hits, rows), normal[rows])
+            color[rows] = read(texture, uv)
+    return color
+
+
+def _texture_coordinates(geometry: Geometry, hits: Hits, normal: Vec3s) -> Scalars:
+    uv = np.zeros((len(hits.primitive), 2))
+    on_sphere = hits.primitive >= geometry.triangles
+    triangle = np.flatnonzero(~on_sphere)
+    if geometry.uv is not None and len(triangle):
+        corners = geometry.uv[hits.primitive[triangle]]
+        uv[triangle] = _barycentric(corners, hits, triangle)
+    sphere = np.flatnonzero(on_sphere)
+    if len(sphere):
+        inward = geometry.inward[hits.primitive[sphere] - geometry.triangles]
+        n = normal[sphere] * np.where(inward, -1.0, 1.0)[:, None]
+        # Longitude from +x towards +z, latitude from the south pole at -y.
+        uv[sphere, 0] = (np.arctan2(n[:, 2], n[:, 0]) / (2.0 * np.pi)) % 1.0
+        uv[sphere, 1] = 0.5 + np.arcsin(np.clip(n[:, 1], -1.0, 1.0)) / np.pi
+    return uv

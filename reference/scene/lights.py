@@ -1,0 +1,78 @@
+"""Lights that are not shapes: a point, the sun, and what surrounds the scene."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from reference.arrays import Scalars, Vec3s
+from reference.scene.textures import Color
+
+
+@dataclass(frozen=True, slots=True)
+class PointLight:
+    """Light from one point, the same in all directions.
+
+    Attributes
+    ----------
+    position : (float, float, float), m
+        In the world.
+    intensity : Color, W/sr
+        Irradiance at distance d facing it is ``intensity / d²``.
+    """
+
+    position: tuple[float, float, float]
+    intensity: Color
+
+
+@dataclass(frozen=True, slots=True)
+class DirectionalLight:
+    """The sun: parallel light from infinitely far.
+
+    Attributes
+    ----------
+    direction : (float, float, float)
+        Unit vector along which the light travels.
+    irradiance : Color, W/m²
+        On a surface that faces it.
+    """
+
+    direction: tuple[float, float, float]
+    irradiance: Color
+
+
+@dataclass(frozen=True, slots=True)
+class ConstantEnvironment:
+    """The same radiance from everywhere beyond the scene.
+
+    Attributes
+    ----------
+    radiance : Color, W/(m² sr)
+        Radiance.
+    """
+
+    radiance: Color
+
+
+def _identity() -> Scalars:
+    return np.eye(3)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LatLongEnvironment:
+    """Radiance from beyond the scene, on a latitude-longitude map.
+
+    Attributes
+    ----------
+    pixels : (h, w, 3) float64, W/(m² sr)
+        Row 0 looks along +y of the map's frame; the middle of a row along +z, and
+        +x is a quarter of the width further left (so that the map is seen from
+        inside).
+    to_world : (3, 3) float64
+        Rotation of the map's frame into the world.
+    """
+
+    pixels: Vec3s
+    to_world: Scalars = field(default_factory=_identity)
+
+
+Environment = ConstantEnvironment | LatLongEnvironment

@@ -1,0 +1,1 @@
+"""How surfaces scatter light: one kind a file, and a table that picks the kind."""

@@ -1,0 +1,170 @@
+"""Light through a clear coat: what it reflects, what it lets pass, what it keeps in."""
+
+import functools
+
+import numpy as np
+
+from reference.arrays import Scalars, Vec3s, divide_or_zero
+from reference.scene.materials.fresnel import fresnel_dielectric
+from reference.scene.materials.microfacet import (
+    ggx_density,
+    reflect,
+    sample_visible_normal,
+    smith_g1,
+)
+
+NODES = 64
+"""Cosines at which the transmittance of a coat is tabulated."""
+
+
+def directional_reflectance(cos_o: Scalars, alpha: float, ior: float) -> Scalars:
+    """Share of the light from a direction that a coat reflects, E(cos θ_o).
+
+    Parameters
+    ----------
+    cos_o : (N,) float
+        Cosines of incidence, 0 to 1.
+    alpha : float
+        GGX width; 0 is smooth.
+    ior : float
+        Index of refraction behind the coat over that before it.
+
+    Returns
+    -------
+    (N,) float
+        0 to 1.
+
+    Notes
+    -----
+    E = ∫ F(wo·h) G1(wi) p(h) dh over the visible normals, by a midpoint rule on the
+    unit square of [Heitz18], 64 x 64: single scattering, as in the material itself.
+    """
+    cos_o = np.clip(cos_o, 1e-6, 1.0)
+    if alpha == 0:
+        return fresnel_dielectric(cos_o, np.full_like(cos_o, ior))[0]
+    grid = (np.arange(64) + 0.5) / 64
+    u1, u2 = (u.ravel() for u in np.meshgrid(grid, grid))
+    return np.array([_mean_reflectance(c, alpha, ior, u1, u2) for c in cos_o])
+
+
+def _mean_reflectance(
+    cos_o: float, alpha: float, ior: float, u1: Scalars, u2: Scalars
+) -> float:
+    wo = np.broadcast_to([np.sqrt(1 - cos_o * cos_o), 0.0, cos_o], (len(u1), 3))
+    width = np.full_like(u1, alpha)
+    h = sample_visible_normal(wo, width, u1, u2)
+    cos_d = np.clip(wo[:, 0] * h[:, 0] + wo[:, 2] * h[:, 2], 0.0, 1.0)
+    wi = reflect(wo, h)
+    fresnel, _ = fresnel_dielectric(cos_d, np.full_like(u1, ior))
+    return float(np.mean(fresnel * smith_g1(wi[:, 2], width)))
+
+
+@functools.cache
+def transmittance_table(alpha: float, ior: float) -> tuple[float, ...]:
+    """What a coat lets pass, 1 - E(cos θ), at evenly spaced cosines from 0 to 1.
+
+    Parameters
+    ----------
+    alpha : float
+        GGX width; 0 is smooth.
+    ior : float
+        Index of refraction of the coat over that of the outside.
+
+    Returns
+    -------
+    tuple of float
+        ``NODES`` values.
+    """
+    return tuple(1.0 - directional_reflectance(np.linspace(0, 1, NODES), alpha, ior))
+
+
+@functools.cache
+def internal_reflectance(alpha: float, ior: float) -> float:
+    """Share of diffuse light from below that a coat sends back, 2 ∫ E(μ) μ dμ.
+
+    Parameters
+    ----------
+    alpha : float
+        GGX width; 0 is smooth.
+    ior : float
+        Index of refraction of the coat over that of the outside.
+
+    Returns
+    -------
+    float
+        Seen from inside the index is 1 / ior; most of it is total reflection.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(128)
+    mu = 0.5 * (nodes + 1.0)
+    inside = directional_reflectance(mu, alpha, 1.0 / ior)
+    return float(np.sum(inside * mu * weights))
+
+
+def transmittance(cos: Scalars, table: Scalars) -> Scalars:
+    """Transmittance between the tabulated cosines, linearly.
+
+    Parameters
+    ----------
+    cos : (N,) float
+        Cosines, 0 to 1.
+    table : (N, NODES) or (NODES,) float
+        A table a row, or one for all.
+
+    Returns
+    -------
+    (N,) float
+        0 to 1.
+    """
+    place = np.clip(cos, 0.0, 1.0) * (NODES - 1)
+    left = np.minimum(place.astype(np.int64), NODES - 2)
+    share = place - left
+    if table.ndim == 1:
+        below, above = table[left], table[left + 1]
+    else:
+        rows = np.arange(len(cos))
+        below, above = table[rows, left], table[rows, left + 1]
+    between: Scalars = below + share * (above - below)
+    return between
+
+
+def base_scattering(color: Vec3s, keep: Scalars, nonlinear: Scalars) -> Vec3s:
+    """Series of bounces between the base and the coat, ρ / (1 - ρ K) or ρ / (1 - K).
+
+    Parameters
+    ----------
+    color : (N, 3) float
+        Reflectance ρ of the base.
+    keep : (N,) float
+        Internal reflectance K of the coat.
+    nonlinear : (N,) bool
+        Whether the base colours every bounce.
+
+    Returns
+    -------
+    (N, 3) float
+        Factor on what enters.
+    """
+    colored = np.where(nonlinear[:, None], color, 1.0)
+    return divide_or_zero(color, 1.0 - colored * keep[:, None])
+
+
+def specular_lobe(
+    cos_i: Scalars, cos_o: Scalars, cos_h: Scalars, alpha: Scalars
+) -> Scalars:
+    """GGX reflection without its Fresnel term, times cos θ_i: D G1 G1 / (4 cos θ_o).
+
+    Parameters
+    ----------
+    cos_i, cos_o, cos_h : (N,) float
+        Cosines with the surface normal of light, viewer and the vector half between.
+    alpha : (N,) float
+        Width.
+
+    Returns
+    -------
+    (N,) float, 1/sr
+        0 where the light or the viewer is below the surface.
+    """
+    shape = ggx_density(cos_h, alpha) * smith_g1(cos_i, alpha) * smith_g1(cos_o, alpha)
+    above = (cos_i > 0) & (cos_o > 0)
+    return divide_or_zero(np.where(above, shape, 0.0), 4.0 * cos_o)

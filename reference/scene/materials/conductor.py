@@ -1,0 +1,135 @@
+"""Metal: GGX microfacets, or a smooth mirror."""
+
+import numpy as np
+
+from reference.arrays import (
+    Scalars,
+    Vec3s,
+    divide_or_zero,
+    dot,
+    normal_frames,
+    normalize,
+    to_world,
+)
+from reference.rng import Draw
+from reference.scene.materials.coat import specular_lobe
+from reference.scene.materials.fresnel import fresnel_conductor, fresnel_schlick
+from reference.scene.materials.microfacet import (
+    ggx_density,
+    reflect,
+    sample_visible_normal,
+    smith_g1,
+)
+from reference.scene.materials.parameters import MaterialTable, lit_cosine
+from reference.scene.surface import SurfacePoints
+
+
+def reflectance(table: MaterialTable, points: SurfacePoints, cos: Scalars) -> Vec3s:
+    """Fresnel term times the material's colour.
+
+    Parameters
+    ----------
+    table : MaterialTable
+        Materials.
+    points : SurfacePoints
+        N points on conductors.
+    cos : (N,) float64
+        Cosine of the light with the (microfacet) normal, 0 to 1.
+
+    Returns
+    -------
+    (N, 3) float64
+        The colour alone where the material has no Fresnel term.
+    """
+    value = points.color
+    eta, schlick = table.eta[points.material], table.schlick[points.material]
+    has_index = eta[:, 0] > 0
+    if has_index.any():
+        fresnel = fresnel_conductor(cos, eta, table.k[points.material])
+        value = np.where(has_index[:, None], value * fresnel, value)
+    if schlick.any():
+        fitted = fresnel_schlick(cos, points.color)
+        value = np.where(schlick[:, None], fitted, value)
+    return value
+
+
+def scattering(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Vec3s:
+    """Reflection f cos θ_i = F D G1(wi) G1(wo) / (4 cos θ_o) of a rough conductor.
+
+    Parameters
+    ----------
+    table : MaterialTable
+        Materials.
+    points : SurfacePoints
+        N points.
+    wi : (N, 3) float64
+        Unit directions to the light.
+
+    Returns
+    -------
+    (N, 3) float64, 1/sr
+        0 below the surface.  [Walter07, Eq. 20].
+    """
+    h = normalize(points.wo + wi)
+    cos_o = np.maximum(dot(points.shading, points.wo), 0.0)
+    cos_d = np.clip(dot(wi, h), 0.0, 1.0)
+    alpha = table.alpha[points.material]
+    cos_i = lit_cosine(table, points, wi)
+    lobe = specular_lobe(cos_i, cos_o, dot(points.shading, h), alpha)
+    return reflectance(table, points, cos_d) * lobe[:, None]
+
+
+def pdf_reflected(
+    table: MaterialTable, points: SurfacePoints, wi: Vec3s
+) -> Scalars:
+    """Density of :func:`sample_reflected`, G1(wo) D(h) / (4 cos θ_o).
+
+    Parameters
+    ----------
+    table : MaterialTable
+        Materials.
+    points : SurfacePoints
+        N points.
+    wi : (N, 3) float64
+        Unit directions to the light.
+
+    Returns
+    -------
+    (N,) float64, 1/sr
+        0 where nothing is reflected.
+    """
+    h = normalize(points.wo + wi)
+    cos_o = dot(points.shading, points.wo)
+    alpha = table.alpha[points.material]
+    seen = ggx_density(dot(points.shading, h), alpha) * smith_g1(cos_o, alpha)
+    possible = (lit_cosine(table, points, wi) > 0) & (cos_o > 0)
+    return divide_or_zero(np.where(possible, seen, 0.0), 4.0 * np.abs(cos_o))
+
+
+def sample_reflected(table: MaterialTable, points: SurfacePoints, u: Draw) -> Vec3s:
+    """Mirror images of the viewer in visible microfacets.
+
+    Parameters
+    ----------
+    table : MaterialTable
+        Materials.
+    points : SurfacePoints
+        N points.
+    u : four (N,) float64
+        Lanes 1 and 2 are used.
+
+    Returns
+    -------
+    (N, 3) float64
+        Unit vectors; some are below the surface, and then reflect nothing.
+    """
+    n = points.shading
+    tangent, bitangent = normal_frames(n)
+    local = np.stack(
+        [dot(points.wo, tangent), dot(points.wo, bitangent), dot(points.wo, n)], axis=-1
+    )
+    # A viewer below the shading normal sees no microfacet; lift it to keep the
+    # arithmetic finite: the pdf is 0 there.
+    local[:, 2] = np.maximum(local[:, 2], 1e-9)
+    h = sample_visible_normal(local, table.alpha[points.material], u[1], u[2])
+    return reflect(points.wo, to_world(h, n))

@@ -1,0 +1,44 @@
+"""Smooth boundary between clear media."""
+
+import numpy as np
+
+from reference.arrays import Masks, Scalars, Vec3s, dot
+from reference.rng import Draw
+from reference.scene.materials.fresnel import fresnel_dielectric
+from reference.scene.materials.microfacet import reflect
+from reference.scene.materials.parameters import MaterialTable
+from reference.scene.surface import SurfacePoints
+
+
+def sample(
+    table: MaterialTable, points: SurfacePoints, u: Draw
+) -> tuple[Vec3s, Vec3s, Scalars, Masks]:
+    """Reflect with the probability of the Fresnel term, else refract.
+
+    Parameters
+    ----------
+    table : MaterialTable
+        Materials.
+    points : SurfacePoints
+        N points on dielectrics.
+    u : four (N,) float64
+        Lane 0 decides.
+
+    Returns
+    -------
+    (N, 3), (N, 3), (N,), (N,)
+        Fields of ``BsdfSamples``.  Refracted radiance is divided by the square of the
+        relative index, since it spreads over another solid angle [Veach97, Eq. 5.2].
+    """
+    n, wo = points.shading, points.wo
+    ior = table.ior[points.material]
+    eta = np.where(points.front, ior, 1.0 / ior)
+    cos_o = np.clip(dot(n, wo), 0.0, 1.0)
+    reflectance, cos_t = fresnel_dielectric(cos_o, eta)
+    refracted = n * (cos_o / eta - cos_t)[:, None] - wo / eta[:, None]
+    reflects = u[0] < reflectance
+    wi = np.where(reflects[:, None], reflect(wo, n), refracted)
+    weight = np.where(reflects, 1.0, 1.0 / (eta * eta))
+    size = len(points)
+    weights = np.repeat(weight[:, None], 3, axis=1)
+    return wi, weights, np.zeros(size), np.ones(size, bool)

@@ -1,0 +1,113 @@
+"""Materials as an author gives them.
+
+All are opaque and two-sided (the back scatters as the front does) unless
+``two_sided=False``, which makes the back black; a dielectric has an inside instead.
+"""
+
+from dataclasses import dataclass
+
+from reference.scene.textures import Color, Texture
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lambertian:
+    """Scatters alike into all directions: f = reflectance / π.
+
+    Attributes
+    ----------
+    reflectance : Texture
+        0 to 1.
+    two_sided : bool
+        Whether the back scatters too.
+    """
+
+    reflectance: Texture
+    two_sided: bool = True
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Conductor:
+    """Metal, rough (GGX) or, with alpha = 0, a smooth mirror.
+
+    Attributes
+    ----------
+    reflectance : Texture
+        Factor on the Fresnel term; with ``eta=None`` and ``schlick`` the reflectance
+        at normal incidence, else (``eta=None``) all there is.
+    alpha : float
+        GGX width; 0, or 1e-3 to 1.  glTF roughness r means alpha = r².
+    eta, k : Color or None
+        Complex index of refraction, eta + i k.
+    schlick : bool
+        Fresnel term by Schlick from the reflectance.
+    two_sided : bool
+        Whether the back reflects too.
+    """
+
+    reflectance: Texture
+    alpha: float
+    eta: Color | None = None
+    k: Color | None = None
+    schlick: bool = False
+    two_sided: bool = True
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Coated:
+    """Diffuse base under a clear coat, rough (GGX) or, with alpha = 0, smooth.
+
+    Attributes
+    ----------
+    reflectance : Texture
+        Of the base, 0 to 1.
+    alpha : float
+        GGX width of the coat; 0, or 1e-3 to 1.
+    ior : float
+        Index of refraction of the coat over that of the outside, above 1.
+    nonlinear : bool
+        Light reflected back and forth below the coat takes on the base's colour
+        again at each turn.
+    specular : Color
+        Factor on the coat's reflection; 1 is physical.
+    two_sided : bool
+        Whether the back scatters too.
+    """
+
+    reflectance: Texture
+    alpha: float
+    ior: float = 1.5
+    nonlinear: bool = False
+    specular: Color = (1.0, 1.0, 1.0)
+    two_sided: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Dielectric:
+    """Smooth boundary between two clear media: reflects and refracts.
+
+    Attributes
+    ----------
+    ior : float
+        Index of refraction behind the front over that before it.
+    """
+
+    ior: float = 1.5
+
+
+Material = Lambertian | Conductor | Coated | Dielectric
+
+
+def mirror(reflectance: Color = (1.0, 1.0, 1.0)) -> Conductor:
+    """Smooth mirror of constant reflectance.
+
+    Parameters
+    ----------
+    reflectance : Color
+        0 to 1.
+
+    Returns
+    -------
+    Conductor
+        With alpha 0 and no Fresnel term.
+    """
+    return Conductor(reflectance, alpha=0.0)

@@ -1,0 +1,180 @@
+"""Material parameters as columns, a row a material."""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+
+from reference.arrays import Indices, Masks, Scalars, Vec3s, dot
+from reference.scene.materials.coat import (
+    NODES,
+    internal_reflectance,
+    transmittance_table,
+)
+from reference.scene.materials.kinds import Coated, Conductor, Lambertian, Material
+from reference.scene.surface import SurfacePoints
+from reference.scene.textures import Texture, mean_color
+
+
+class Kind(IntEnum):
+    """What scatters in the same way."""
+
+    LAMBERTIAN = 0
+    ROUGH_CONDUCTOR = 1
+    SMOOTH_CONDUCTOR = 2
+    ROUGH_COATED = 3
+    SMOOTH_COATED = 4
+    DIELECTRIC = 5
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MaterialTable:
+    """Material parameters as columns, K rows.
+
+    Attributes
+    ----------
+    kinds : tuple of Kind
+        Those that occur.
+    kind : (K,) int8
+        How the material scatters.
+    textures : tuple of Texture
+        Reflectance of each material.
+    color : (K, 3) float64
+        Mean reflectance.
+    two_sided : (K,) bool
+        Whether the back scatters too.
+    alpha : (K,) float64
+        GGX width, 0 where smooth.
+    ior : (K,) float64
+        Of a coat or a dielectric.
+    eta, k : (K, 3) float64
+        Of a conductor; eta = 0 where it has no Fresnel term.
+    schlick : (K,) bool
+        Fresnel term from the reflectance.
+    specular : (K, 3) float64
+        Factor on a coat's reflection.
+    nonlinear : (K,) bool
+        See :class:`Coated`.
+    transmittance : (K, NODES) float64
+        Of a coat, at cosines from 0 to 1.
+    keep : (K,) float64
+        Internal reflectance of a coat.
+    """
+
+    kinds: tuple[Kind, ...]
+    kind: Indices
+    textures: tuple[Texture, ...]
+    color: Vec3s
+    two_sided: Masks
+    alpha: Scalars
+    ior: Scalars
+    eta: Vec3s
+    k: Vec3s
+    schlick: Masks
+    specular: Vec3s
+    nonlinear: Masks
+    transmittance: Scalars
+    keep: Scalars
+
+
+def kind_of(material: Material) -> Kind:
+    """How a material scatters.
+
+    Parameters
+    ----------
+    material : Material
+        As an author gives it.
+
+    Returns
+    -------
+    Kind
+        One of the six.
+    """
+    if isinstance(material, Lambertian):
+        return Kind.LAMBERTIAN
+    if isinstance(material, Conductor):
+        return Kind.ROUGH_CONDUCTOR if material.alpha > 0 else Kind.SMOOTH_CONDUCTOR
+    if isinstance(material, Coated):
+        return Kind.ROUGH_COATED if material.alpha > 0 else Kind.SMOOTH_COATED
+    return Kind.DIELECTRIC
+
+
+def tabulate(materials: list[Material]) -> MaterialTable:
+    """Put materials into a table.
+
+    Parameters
+    ----------
+    materials : list of Material
+        Row by row.
+
+    Returns
+    -------
+    MaterialTable
+        As many rows.
+    """
+    kind = [kind_of(m) for m in materials]
+    white = (1.0, 1.0, 1.0)
+    textures = tuple(getattr(m, "reflectance", white) for m in materials)
+    coats = [m if isinstance(m, Coated) else None for m in materials]
+    return MaterialTable(
+        kinds=tuple(sorted(set(kind))),
+        kind=np.array(kind, np.int8),
+        textures=textures,
+        color=np.array([mean_color(t) for t in textures]).reshape(-1, 3),
+        two_sided=np.array([getattr(m, "two_sided", True) for m in materials]),
+        alpha=np.array([getattr(m, "alpha", 0.0) for m in materials]),
+        ior=np.array([getattr(m, "ior", 1.5) for m in materials]),
+        eta=_column(materials, "eta", (0.0, 0.0, 0.0)),
+        k=_column(materials, "k", (0.0, 0.0, 0.0)),
+        schlick=np.array([getattr(m, "schlick", False) for m in materials]),
+        specular=_column(materials, "specular", white),
+        nonlinear=np.array([getattr(m, "nonlinear", False) for m in materials]),
+        transmittance=np.array(
+            [
+                transmittance_table(c.alpha, c.ior) if c else np.zeros(NODES)
+                for c in coats
+            ]
+        ),
+        keep=np.array(
+            [internal_reflectance(c.alpha, c.ior) if c else 0.0 for c in coats]
+        ),
+    )
+
+
+def _column(materials: list[Material], name: str, absent: tuple[float, ...]) -> Vec3s:
+    values = (getattr(m, name, None) for m in materials)
+    return np.array([absent if v is None else v for v in values], float)
+
+
+def lit_cosine(
+    table: MaterialTable, points: SurfacePoints, wi: Vec3s
+) -> Scalars:
+    """Cosine of light with the shading normal where it can be reflected, else 0.
+
+    Parameters
+    ----------
+    table : MaterialTable
+        Says which materials have a black back.
+    points : SurfacePoints
+        N points.
+    wi : (N, 3) float64
+        Unit directions to the light.
+
+    Returns
+    -------
+    (N,) float64
+        0 where ``wi`` is below the geometric surface or below the shading normal, and
+        on the back of one-sided materials.
+
+    Notes
+    -----
+    The geometric normal decides on which side the light is, as in [Pharr23]: no light
+    leaks through a smooth-shaded face.
+    """
+    cosine = np.maximum(dot(points.shading, wi), 0.0)
+    if points.smooth is not None:
+        cosine = np.where(dot(points.normal, wi) > 0, cosine, 0.0)
+    if not table.two_sided.all():
+        shows = points.front | table.two_sided[points.material]
+        cosine = np.where(shows, cosine, 0.0)
+    return cosine

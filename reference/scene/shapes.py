@@ -1,0 +1,148 @@
+"""Shapes as an author gives them: triangle meshes with a rigid pose, and spheres."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from reference.arrays import Indices, Scalars, Vec3s
+from reference.scene.materials.kinds import Material
+from reference.scene.textures import Color
+
+
+def _identity() -> Scalars:
+    return np.eye(4)
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Mesh:
+    """Triangles of one material.
+
+    Attributes
+    ----------
+    name : str
+        For messages.
+    vertices : (V, 3) float64, m
+        In the mesh's own frame.
+    faces : (F, 3) int
+        Counter-clockwise seen from the front, the side that emits.
+    material : Material
+        How both sides scatter (the front alone where the material is one-sided).
+    emission : Color, W/(m² sr)
+        Radiance that leaves the front in every direction.
+    normals : (V, 3) float64 or None
+        Unit vertex normals; ``None`` for flat faces.
+    uv : (V, 2) float64 or None
+        Texture coordinates.
+    pose : (4, 4) float64
+        Own frame to world; rotation, translation and (when loaded) scale.
+    """
+
+    name: str
+    vertices: Vec3s
+    faces: Indices
+    material: Material
+    emission: Color = (0.0, 0.0, 0.0)
+    normals: Vec3s | None = None
+    uv: Scalars | None = None
+    pose: Scalars = field(default_factory=_identity)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sphere:
+    """An analytic sphere: exact, so that the noise-free identities hold on it.
+
+    Attributes
+    ----------
+    name : str
+        For messages.
+    center : (float, float, float), m
+        In the world.
+    radius : float, m
+        Positive.
+    material : Material
+        How both sides scatter.
+    emission : Color, W/(m² sr)
+        Radiance that leaves the front.
+    inward : bool
+        The front is the inside.
+    """
+
+    name: str
+    center: tuple[float, float, float]
+    radius: float
+    material: Material
+    emission: Color = (0.0, 0.0, 0.0)
+    inward: bool = False
+
+
+def quad(
+    name: str,
+    corner: Color,
+    edge_u: Color,
+    edge_v: Color,
+    material: Material,
+    emission: Color = (0.0, 0.0, 0.0),
+) -> Mesh:
+    """A parallelogram of two triangles; its front is the side of edge_u × edge_v.
+
+    Parameters
+    ----------
+    name : str
+        For messages.
+    corner, edge_u, edge_v : (float, float, float), m
+        One corner and the two edges that leave it.
+    material : Material
+        How it scatters.
+    emission : Color, W/(m² sr)
+        Radiance that leaves the front.
+
+    Returns
+    -------
+    Mesh
+        With (u, v) from 0 to 1 along the edges.
+    """
+    o, u, v = (np.asarray(x, float) for x in (corner, edge_u, edge_v))
+    return Mesh(
+        name=name,
+        vertices=np.array([o, o + u, o + u + v, o + v]),
+        faces=np.array([[0, 1, 2], [0, 2, 3]]),
+        uv=np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]),
+        material=material,
+        emission=emission,
+    )
+
+
+def box(
+    name: str, size: Color, pose: Scalars, material: Material, inward: bool = False
+) -> Mesh:
+    """A closed cuboid about the origin of its own frame.
+
+    Parameters
+    ----------
+    name : str
+        For messages.
+    size : (float, float, float), m
+        Extents along its own axes.
+    pose : (4, 4) float64
+        Own frame to world.
+    material : Material
+        How it scatters.
+    inward : bool
+        The front is the inside.
+
+    Returns
+    -------
+    Mesh
+        Twelve triangles.
+    """
+    signs = np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)])
+    corners = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4)]
+    corners += [(2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    faces = np.array([t for a, b, c, d in corners for t in ((a, b, c), (a, c, d))])
+    return Mesh(
+        name=name,
+        vertices=signs * (np.asarray(size, float) / 2),
+        faces=faces[:, ::-1] if inward else faces,
+        material=material,
+        pose=pose,
+    )

@@ -1,0 +1,332 @@
+"""The rules of the house that a machine can check, each beside a planted violation."""
+
+import ast
+import re
+import shutil
+import subprocess
+import sys
+import tokenize
+from collections.abc import Collection, Iterator
+from pathlib import Path
+from textwrap import dedent
+from zipfile import ZipFile
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PACKAGES = ("reference", "extensions", "hashgrid", "gradient_domain")
+MODULES = sorted(path for name in PACKAGES for path in (ROOT / name).rglob("*.py"))
+BIBLIOGRAPHY = ROOT / "docs" / "reference" / "references.md"
+EMBREE_FILE = ROOT / "reference" / "rays.py"
+MOST_LINES = 250
+
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+every_module = pytest.mark.parametrize(
+    "path", MODULES, ids=lambda path: path.relative_to(ROOT).as_posix()
+)
+
+
+@pytest.fixture
+def plant(tmp_path):
+    """Write a small module and return its path."""
+
+    def write(source):
+        path = tmp_path / "planted.py"
+        path.write_text(dedent(source).lstrip("\n"), encoding="utf-8")
+        return path
+
+    return write
+
+
+# ---------------------------------------------------------------- citations
+
+KEY = r"[A-Z][A-Za-z]+(?:\d\d[a-z]?|ND)"
+
+
+def citations(path: Path) -> set[str]:
+    """Keys cited in a module's strings and comments: [Key], [Key, Eq. 1; Other]."""
+    with path.open("rb") as file:
+        texts = [
+            token.string
+            for token in tokenize.tokenize(file.readline)
+            if token.type in (tokenize.STRING, tokenize.COMMENT)
+        ]
+    brackets = re.findall(r"\[([^\[\]]+)\]", "\n".join(texts))
+    parts = [part for bracket in brackets for part in bracket.split(";")]
+    matches = [re.match(rf"\s*({KEY})\s*(,|$)", part) for part in parts]
+    return {match[1] for match in matches if match}
+
+
+def bibliography() -> set[str]:
+    """Keys that the bibliography defines, each a line of its own: [Key]."""
+    text = BIBLIOGRAPHY.read_text(encoding="utf-8")
+    return set(re.findall(rf"^\[({KEY})\]$", text, re.MULTILINE))
+
+
+@every_module
+def test_every_citation_stands_in_the_bibliography(path):
+    assert citations(path) <= bibliography()
+
+
+def test_control_an_unknown_citation_is_found(plant):
+    path = plant('''
+        """A module; see [Nobody99, Eq. 3; Ouyang21] and [0, 1), not [N, 3]."""
+        x = 1  # [Noone98a]
+    ''')
+    assert citations(path) == {"Nobody99", "Ouyang21", "Noone98a"}
+    assert citations(path) - bibliography() == {"Nobody99", "Noone98a"}
+
+
+# ---------------------------------------------------------------- docstrings
+
+
+def is_protocol(node: ast.ClassDef) -> bool:
+    """Whether a class is written down as derived from Protocol."""
+    bases = [ast.unparse(base).partition("[")[0] for base in node.bases]
+    return any(base.rpartition(".")[2] == "Protocol" for base in bases)
+
+
+def public_definitions(
+    body: list[ast.stmt], prefix: str = "", in_protocol: bool = False
+) -> Iterator[tuple[str, Function | ast.ClassDef, bool]]:
+    """Public functions, classes and methods: name, node, and whether in a Protocol."""
+    for node in body:
+        if isinstance(node, Function | ast.ClassDef) and not node.name.startswith("_"):
+            name = prefix + node.name
+            yield name, node, in_protocol
+            if isinstance(node, ast.ClassDef):
+                yield from public_definitions(node.body, f"{name}.", is_protocol(node))
+
+
+def section(docstring: str, title: str) -> str | None:
+    """Body of a numpydoc section, None where there is no such heading."""
+    underlined = re.split(r"^(\w[\w ]*)\n-{3,}$", docstring, flags=re.MULTILINE)
+    return dict(zip(underlined[1::2], underlined[2::2], strict=True)).get(title)
+
+
+def documented_names(parameters: str) -> set[str]:
+    """Names that the headings of a Parameters section introduce."""
+    headings = re.findall(r"^(\*{0,2}\w.*?)(?: : .*)?$", parameters, re.MULTILINE)
+    return {name.strip(" *") for heading in headings for name in heading.split(",")}
+
+
+def argument_names(function: Function) -> list[str]:
+    """Names of all arguments but self and cls."""
+    args = function.args
+    every = [*args.posonlyargs, *args.args, args.vararg, *args.kwonlyargs, args.kwarg]
+    names = [argument.arg for argument in every if argument]
+    return [name for name in names if name not in ("self", "cls")]
+
+
+def faults_of_a_function(function: Function, docstring: str) -> Iterator[str]:
+    """What the docstring of a function with arguments leaves out."""
+    names = argument_names(function)
+    if not names:
+        return
+    parameters = section(docstring, "Parameters")
+    if parameters is None:
+        yield "has no Parameters section"
+    elif missing := set(names) - documented_names(parameters):
+        yield f"does not document {', '.join(sorted(missing))}"
+    result = ast.unparse(function.returns) if function.returns else ""
+    returns = [section(docstring, title) for title in ("Returns", "Yields")]
+    if result not in ("None", "NoReturn", "Never") and returns == [None, None]:
+        yield "has no Returns section"
+
+
+def faults_of_docstrings(path: Path) -> list[str]:
+    """Public names of a module that lack a docstring or a section of one.
+
+    A method of a Protocol needs a docstring only: its sections stand where the class
+    that implements it has them.
+    """
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    faults = [] if ast.get_docstring(tree) else ["the module has no docstring"]
+    for name, node, in_protocol in public_definitions(tree.body):
+        docstring = ast.get_docstring(node)
+        if docstring is None:
+            faults.append(f"{name} has no docstring")
+        elif isinstance(node, Function) and not in_protocol:
+            faults += [f"{name} {x}" for x in faults_of_a_function(node, docstring)]
+    return sorted(faults)
+
+
+@every_module
+def test_every_public_name_is_documented(path):
+    if path.name != "__main__.py":
+        assert faults_of_docstrings(path) == []
+
+
+def test_control_each_gap_in_the_docstrings_is_found(plant):
+    path = plant('''
+        import math
+
+        def bare(): pass
+
+        def no_sections(x):
+            """Say nothing of x."""
+
+        def half(a, b, *rest, **more) -> float:
+            """Document one of four.
+
+            Parameters
+            ----------
+            a, rest : float
+                One, two.
+            """
+
+        class Shape:
+            def area(self): pass
+
+        class Method(Protocol[T]):
+            """Announce."""
+            def run(self, x):
+                """One line is enough here."""
+            def stop(self, x): pass
+    ''')
+    assert faults_of_docstrings(path) == [
+        "Method.stop has no docstring",
+        "Shape has no docstring",
+        "Shape.area has no docstring",
+        "bare has no docstring",
+        "half does not document b, more",
+        "half has no Returns section",
+        "no_sections has no Parameters section",
+        "no_sections has no Returns section",
+        "the module has no docstring",
+    ]
+
+
+def test_control_a_whole_docstring_has_no_fault(plant):
+    path = plant('''
+        """A module."""
+
+        def _private(x): pass
+
+        def whole(a, b=1, *rest, key: int, **more) -> float:
+            """Everything.
+
+            Parameters
+            ----------
+            a, b : (N,) float, m
+                With a text, and more text.
+
+                And a second paragraph.
+            *rest
+                No type.
+            key : {"x", "y"}, optional
+                One of two.
+            **more : Any
+                Others.
+
+            Returns
+            -------
+            (N,) float
+                A number.
+            """
+
+        def silent(x: int) -> None:
+            """Return nothing.
+
+            Parameters
+            ----------
+            x : int
+                A number.
+            """
+    ''')
+    assert faults_of_docstrings(path) == []
+
+
+# ---------------------------------------------------------------- Embree
+
+
+def imports(path: Path) -> set[str]:
+    """Top-level names of everything that a module imports, wherever it does so."""
+    names: list[str] = []
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            names.append(node.module or "")
+    return {name.split(".")[0] for name in names}
+
+
+@every_module
+def test_only_rays_imports_embree(path):
+    assert path == EMBREE_FILE or "embreex" not in imports(path)
+
+
+@pytest.mark.parametrize(
+    "statement", ["import embreex", "import embreex.mesh", "from embreex import mesh"]
+)
+def test_control_an_import_of_embree_is_found(plant, statement):
+    path = plant(f"def late():\n    {statement}\n")
+    assert "embreex" in imports(path)
+
+
+# ---------------------------------------------------------------- size
+
+
+def count_lines(path: Path) -> int:
+    """Lines of a file."""
+    return len(path.read_text(encoding="utf-8").splitlines())
+
+
+@every_module
+def test_a_module_holds_one_idea(path):
+    assert count_lines(path) <= MOST_LINES
+
+
+def test_control_a_long_module_is_found(plant):
+    assert count_lines(plant("x = 1\n" * MOST_LINES)) == MOST_LINES
+    assert count_lines(plant("x = 1\n" * (MOST_LINES + 1))) > MOST_LINES
+
+
+# ---------------------------------------------------------------- wheel
+
+
+def build_wheel(checkout: Path, out: Path) -> set[str]:
+    """Build the wheel of a checkout and return the names of its files."""
+    command = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", out]
+    subprocess.run(command, cwd=checkout, check=True, capture_output=True)
+    (wheel,) = out.glob("*.whl")
+    with ZipFile(wheel) as archive:
+        return set(archive.namelist())
+
+
+def faults_of_a_wheel(names: Collection[str]) -> list[str]:
+    """Files of the packages that are missing, and files of anything else."""
+    expected = {path.relative_to(ROOT).as_posix() for path in MODULES}
+    expected |= {f"{package}/py.typed" for package in PACKAGES}
+    missing = [f"{name} is missing" for name in expected.difference(names)]
+    folders = (*PACKAGES, "restir_gi_oracle-")
+    foreign = [f"{name} is foreign" for name in names if not name.startswith(folders)]
+    return sorted(missing + foreign)
+
+
+def test_the_wheel_holds_the_four_packages_and_nothing_else(tmp_path):
+    assert faults_of_a_wheel(build_wheel(ROOT, tmp_path)) == []
+
+
+def test_control_a_wheel_with_gaps_is_found(tmp_path):
+    checkout = tmp_path / "checkout"
+    checkout.mkdir()
+    for package in (*PACKAGES, "tests"):
+        skip = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(ROOT / package, checkout / package, ignore=skip)
+    for name in ("README.md", "LICENSE"):
+        shutil.copy(ROOT / name, checkout)
+    (checkout / "reference" / "py.typed").unlink()
+    (checkout / "tests" / "planted.py").touch()
+    settings = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    right = 'packages = ["reference", "extensions", "hashgrid", "gradient_domain"]\n'
+    wrong = 'packages = ["reference", "extensions", "hashgrid", "tests"]\n'
+    assert right in settings
+    (checkout / "pyproject.toml").write_text(settings.replace(right, wrong))
+
+    faults = faults_of_a_wheel(build_wheel(checkout, tmp_path / "dist"))
+
+    assert "reference/py.typed is missing" in faults
+    assert "gradient_domain/__init__.py is missing" in faults
+    assert "tests/planted.py is foreign" in faults
