@@ -16,8 +16,16 @@ Layers = dict[str, NDArray[Any]]  # each (H, W, 1) or (H, W, 3)
 def channels_of_layers(layers: Mapping[str, NDArray[Any]]) -> Channels:
     """Name the components: R, G, B for ``"color"``, else name.R, ... or name alone.
 
-    Each channel is a contiguous copy: of a strided view the library writes the wrong
-    numbers, and says nothing.
+    Parameters
+    ----------
+    layers : mapping of str to (H, W, C) float32
+        C = 1 or 3.
+
+    Returns
+    -------
+    dict of str to (H, W) float32
+        Contiguous copies: of a strided view the library writes the wrong numbers, and
+        says nothing.
     """
     channels: Channels = {}
     for name, layer in layers.items():
@@ -26,6 +34,8 @@ def channels_of_layers(layers: Mapping[str, NDArray[Any]]) -> Channels:
         else:
             names = ["R", "G", "B"] if name == "color" else _triple(name)
         for component, channel in enumerate(names):
+            if channel in channels:
+                raise ValueError(f"two layers would write the channel {channel!r}")
             channels[channel] = np.ascontiguousarray(layer[..., component])
     return channels
 

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.images import Bytes, Floats, luminance
+from reference.display import Bytes
+from reference.images import Floats, luminance
 
-ACES_85 = 2.1188723  # radiance that FLIP's ACES curve maps to 0.85, a bright grey
+ACES_85 = 2.1188723  # radiance that FLIP's ACES curve maps to 0.85
 MOST_EXPOSURES = 32  # FLIP takes one a stop, about 2 s each at 1920 x 1080
 
 
@@ -53,11 +54,13 @@ def flip_hdr(a: Floats, b: Floats) -> tuple[NDArray[np.float32], float]:
 
 
 def _exposures(rgb: Floats) -> dict[str, float]:
-    """Stops that bring the brightest and the median lit pixel to a bright grey."""
+    """Choose the stops that bring the brightest and the median lit pixel to 0.85."""
     y = luminance(rgb.astype(np.float64))
     lit = y[y > 0] if y.any() else np.ones(1)
     # Beyond 100 stops the library's float32 powers of two overflow.
-    start, stop = np.clip(np.log2(ACES_85 / np.array([lit.max(), np.median(lit)])), -100, 100)
+    start, stop = np.clip(
+        np.log2(ACES_85 / np.array([lit.max(), np.median(lit)])), -100, 100
+    )
     count = min(max(ceil(stop - start), 2), MOST_EXPOSURES)
     return {
         "startExposure": float(start),

@@ -1,21 +1,15 @@
-"""Frames as pictures: the only place where (H, W, 3) exists, and how it is shown."""
+"""Frames as images of layers: the only place where (H, W, 3) is made of rows."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from io import BytesIO
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reference.arrays import dot
-from reference.files import write_file
 
 Floats = NDArray[np.floating[Any]]
-Bytes = NDArray[np.uint8]
-
-MARKER = (255, 0, 255)  # magenta: no radiance looks like this by chance
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,9 +59,11 @@ def to_image(rows: Floats, width: int, height: int) -> NDArray[np.float32]:
 
     Parameters
     ----------
-    rows : (N,) or (N, C) float, N = width * height
+    rows : (N,) or (N, C) float
         Any precision; beyond the range of float32 it becomes infinite, for
         comparisons to report.
+    width, height : int
+        Pixels, N = width · height.
 
     Returns
     -------
@@ -81,7 +77,18 @@ def to_image(rows: Floats, width: int, height: int) -> NDArray[np.float32]:
 
 
 def to_rows(layer: Floats) -> Floats:
-    """Layer as a frame: the inverse of `to_image`, (H, W, C) to (H·W, C)."""
+    """Layer as a frame: the inverse of `to_image`.
+
+    Parameters
+    ----------
+    layer : (H, W, C) float
+        Of an image.
+
+    Returns
+    -------
+    (H·W, C) float
+        Scalars too keep their axis, C = 1.
+    """
     return layer.reshape(-1, layer.shape[2])
 
 
@@ -99,72 +106,16 @@ def luminance_weights() -> tuple[float, float, float]:
 
 
 def luminance(rgb: Floats) -> Floats:
-    """Luminance Y = w · rgb of linear Rec. 709 colours, (..., 3) to (...)."""
-    return dot(rgb, np.array(luminance_weights()))
-
-
-def encode_srgb(linear: Floats) -> Floats:
-    """Values a screen expects for linear light in [0, 1].
-
-    1.055 c^(1/2.4) - 0.055 above 0.0031308, and 12.92 c below, where the power would
-    be too steep.  Written out rather than imported: two lines of IEC 61966-2-1, and a
-    PNG need not wait a second for colour-science, which the tests compare it with.
-    """
-    power = 1.055 * np.maximum(linear, 0.0031308) ** (1 / 2.4) - 0.055
-    return np.where(linear <= 0.0031308, 12.92 * linear, power)
-
-
-def auto_exposure(rgb: Floats) -> float:
-    """Factor that brings the 95th percentile of luminance to 0.8.
-
-    A percentile, because the maximum is a lamp or a firefly; of the lit pixels,
-    because a scene may be black but for a gap.
+    """Luminance Y = w · rgb of linear Rec. 709 colours, with `luminance_weights` w.
 
     Parameters
     ----------
-    rgb : (H, W, 3) float
-        Linear radiance; pixels that are not finite do not count.
-
-    Returns
-    -------
-    float
-        1 for a black image.
-    """
-    y = luminance(rgb[np.isfinite(rgb).all(axis=-1)].astype(np.float64))
-    lit = y[y > 0]
-    return float(0.8 / np.percentile(lit, 95)) if lit.size else 1.0
-
-
-def to_display(rgb: Floats, exposure: float) -> Bytes:
-    """Pixels of a screen: exposed, clipped, sRGB, 8 bit.
-
-    Parameters
-    ----------
-    rgb : (H, W, 3) float
+    rgb : (..., 3) float
         Linear radiance.
-    exposure : float
-        Factor on it; 1 leaves it as it is.
 
     Returns
     -------
-    (H, W, 3) uint8
-        Magenta where the radiance is not finite.
+    (...) float64
+        NaN and infinities as they follow.
     """
-    finite = np.isfinite(rgb).all(axis=-1, keepdims=True)
-    exposed = np.where(finite, rgb, 0.0).astype(np.float64) * exposure
-    encoded = np.rint(255 * encode_srgb(np.clip(exposed, 0, 1))).astype(np.uint8)
-    return np.where(finite, encoded, np.array(MARKER, np.uint8))
-
-
-def encode_png(pixels: Bytes) -> bytes:
-    """PNG file of (H, W, 3) uint8 pixels."""
-    from PIL import Image as Pillow
-
-    buffer = BytesIO()
-    Pillow.fromarray(pixels).save(buffer, "PNG")
-    return buffer.getvalue()
-
-
-def write_png(path: Path, rgb: Floats, exposure: float) -> None:
-    """Write linear radiance (H, W, 3) as a PNG; see `to_display` and `write_file`."""
-    write_file(path, encode_png(to_display(rgb, exposure)))
+    return dot(rgb, np.array(luminance_weights()))

@@ -1,7 +1,7 @@
 """How far an image is from the truth: each metric one function, one formula.
 
-A is the image, B the truth, both linear radiance of shape (..., 3) and finite; sums
-run over all pixels and channels, n terms in all, in float64.
+A is the image, B the truth, both linear radiance, finite.  Sums run over all pixels
+and channels, n terms in all, in float64.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ EPSILON = 0.01  # radiance below which relative errors fade into absolute ones
 
 
 def mse(a: Colors, b: Colors, variance: Colors | float = 0.0) -> float:
-    """Mean squared error Σ ((A - B)² - v) / n.
+    """Mean squared error Σ ((A − B)² − v) / n.
 
     Parameters
     ----------
@@ -28,46 +28,108 @@ def mse(a: Colors, b: Colors, variance: Colors | float = 0.0) -> float:
     Returns
     -------
     float
-        The truth is noisy too, and E (A - B)² = E (A - E B)² + v for independent
-        noise; with v taken off it estimates the error against the *true* image
-        without bias, and may fall below 0.
+        With v taken off, the error against the *noiseless* truth without bias: for
+        independent noise E (A − B)² = E (A − E B)² + v.  It may fall below 0.
     """
     return float(np.mean((a - b) ** 2 - variance))
 
 
 def rmse(a: Colors, b: Colors) -> float:
-    """Root mean squared error √(Σ (A - B)² / n)."""
+    """Root mean squared error √(Σ (A − B)² / n).
+
+    Parameters
+    ----------
+    a, b : (..., 3) float64
+        Image and truth.
+
+    Returns
+    -------
+    float
+        In the unit of radiance.
+    """
     return float(np.sqrt(mse(a, b)))
 
 
 def rel_mse(a: Colors, b: Colors, variance: Colors | float = 0.0) -> float:
-    """Relative mean squared error Σ ((A - B)² - v) / (B² + ε) / n, ε = `EPSILON`.
+    """Relative mean squared error Σ ((A − B)² − v) / (B² + ε) / n, ε = `EPSILON`.
 
-    ``variance`` is that of `mse`.
+    Parameters
+    ----------
+    a, b : (..., 3) float64
+        Image and truth.
+    variance : (..., 3) float64, or 0
+        v, as in `mse`.
+
+    Returns
+    -------
+    float
+        Dark and bright pixels count alike, down to a radiance of √ε = 0.1.
     """
     return float(np.mean(((a - b) ** 2 - variance) / (b**2 + EPSILON)))
 
 
 def mape(a: Colors, b: Colors) -> float:
-    """Mean absolute error relative to the truth, Σ |A - B| / (|B| + ε) / n."""
+    """Mean absolute error relative to the truth, Σ |A − B| / (|B| + ε) / n.
+
+    Parameters
+    ----------
+    a, b : (..., 3) float64
+        Image and truth.
+
+    Returns
+    -------
+    float
+        A share: 0.1 is 10 %.
+    """
     return float(np.mean(np.abs(a - b) / (np.abs(b) + EPSILON)))
 
 
 def smape(a: Colors, b: Colors) -> float:
-    """Symmetric form, Σ 2 |A - B| / (|A| + |B| + ε) / n: at most 2, swap A and B."""
+    """Symmetric form of `mape`, Σ 2 |A − B| / (|A| + |B| + ε) / n.
+
+    Parameters
+    ----------
+    a, b : (..., 3) float64
+        Image and truth, in either order.
+
+    Returns
+    -------
+    float
+        A share, below 2.
+    """
     return float(np.mean(2 * np.abs(a - b) / (np.abs(a) + np.abs(b) + EPSILON)))
 
 
 def channel_means(a: Colors) -> tuple[float, float, float]:
-    """Mean of R, of G and of B."""
+    """Mean of each channel, 3 Σ A / n.
+
+    Parameters
+    ----------
+    a : (..., 3) float64
+        Image.
+
+    Returns
+    -------
+    (float, float, float)
+        Of R, of G and of B.
+    """
     red, green, blue = np.mean(a.reshape(-1, 3), axis=0)
     return float(red), float(green), float(blue)
 
 
 def relative_bias(a: Colors, b: Colors) -> float:
-    """Y(Σ A) / Y(Σ B) - 1 with luminance Y: is the image too bright as a whole?
+    """Bias of the image as a whole, Y(Σ A) / Y(Σ B) − 1 with luminance Y.
 
-    Infinite where only the truth is black; 0 where both are.
+    Parameters
+    ----------
+    a, b : (..., 3) float64
+        Image and truth.
+
+    Returns
+    -------
+    float
+        Above 0 if the image is too bright; 0 if both are black, infinite if only the
+        truth is.
     """
     y_a, y_b = (float(luminance(np.array(channel_means(c)))) for c in (a, b))
     if y_b == 0:
@@ -76,7 +138,7 @@ def relative_bias(a: Colors, b: Colors) -> float:
 
 
 def z_scores(a: Colors, b: Colors, variance: Colors) -> Colors:
-    """Difference in standard deviations, (A - B) / √v, channel by channel.
+    """Difference in standard deviations, (A − B) / √v, channel by channel.
 
     Parameters
     ----------
@@ -104,10 +166,34 @@ def z_scores(a: Colors, b: Colors, variance: Colors) -> Colors:
 
 
 def rms(z: Colors) -> float:
-    """Root mean square √(Σ z² / n): 1 without bias, if the errors are honest."""
+    """Root mean square √(Σ z² / n).
+
+    Parameters
+    ----------
+    z : (...) float64
+        z scores.
+
+    Returns
+    -------
+    float
+        1 without bias, if the standard errors are honest.
+    """
     return float(np.sqrt(np.mean(z**2)))
 
 
 def excess(z: Colors, limit: float) -> float:
-    """Share of |z| above a limit: 0.0027 at 3 if the errors are normal as well."""
+    """Share of z scores with |z| above a limit.
+
+    Parameters
+    ----------
+    z : (...) float64
+        z scores.
+    limit : float
+        In standard deviations.
+
+    Returns
+    -------
+    float
+        0.0027 at 3 without bias, if the errors are normal as well.
+    """
     return float(np.mean(np.abs(z) > limit))

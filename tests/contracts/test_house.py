@@ -297,7 +297,9 @@ def build_wheel(checkout: Path, out: Path) -> set[str]:
 
 def faults_of_a_wheel(names: Collection[str]) -> list[str]:
     """Files of the packages that are missing, and files of anything else."""
-    expected = {path.relative_to(ROOT).as_posix() for path in MODULES}
+    files = [path for name in PACKAGES for path in (ROOT / name).rglob("*.*")]
+    expected = {path.relative_to(ROOT).as_posix() for path in files if path.is_file()}
+    expected = {name for name in expected if "__pycache__" not in name}
     expected |= {f"{package}/py.typed" for package in PACKAGES}
     missing = [f"{name} is missing" for name in expected.difference(names)]
     folders = (*PACKAGES, "restir_gi_oracle-")

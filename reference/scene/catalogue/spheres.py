@@ -44,9 +44,9 @@ def half_lit_sphere() -> Scene:
         Every sample point reflects one known radiance or none; half of the area each.
         The camera sees grey alone.
     """
-    # One repetition along the longitude is two halves; 0.4 of one along the latitude
-    # keeps to the first half.
-    halves = Checker((ALBEDO,) * 3, (0.0,) * 3, (0.4, 1.0))
+    # 0.4 repetitions along the longitude stay in the first half of the checker, so that
+    # the latitude alone decides: black in the south, grey in the north.
+    halves = Checker((0.0,) * 3, (ALBEDO,) * 3, (0.4, 1.0))
     sphere = Sphere(
         name="sphere",
         center=(0.0, 0.0, 0.0),

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.images import MARKER, Bytes, Floats, luminance
+from reference.display import MARKER, Bytes
+from reference.images import Floats, luminance
 from reference.metrics import EPSILON
 
 SIGNED, UNSIGNED = "RdBu_r", "inferno"  # blue, white, red; black to yellow
@@ -46,7 +47,18 @@ class ErrorMap:
         )
 
     def bar(self, steps: int = 17) -> Bytes:
-        """Colours from low to high, (steps, 3) uint8."""
+        """Colour bar.
+
+        Parameters
+        ----------
+        steps : int
+            Samples of the scale.
+
+        Returns
+        -------
+        (steps, 3) uint8
+            From low to high.
+        """
         return _colored(np.linspace(0, 1, steps), self.colors)
 
 
@@ -58,11 +70,22 @@ def _colored(t: Floats, colors: str) -> Bytes:
 
 
 def difference_map(a: Floats, b: Floats) -> ErrorMap:
-    """Signed luminance of A - B, for (H, W, 3) images."""
+    """Signed luminance of A − B.
+
+    Parameters
+    ----------
+    a, b : (H, W, 3) float64
+        Image and truth; NaN where a pixel is left out.
+
+    Returns
+    -------
+    ErrorMap
+        On a scale that is symmetric about 0.
+    """
     values = luminance(a) - luminance(b)
     limit = scale_of(values[~np.isnan(values)])
     meaning = (
-        "Luminance of A - B: red where A is brighter, blue where it is darker. The"
+        "Luminance of A − B: red where A is brighter, blue where it is darker. The"
         " scale ends at the 99th percentile of its size."
     )
     return ErrorMap(
@@ -71,10 +94,21 @@ def difference_map(a: Floats, b: Floats) -> ErrorMap:
 
 
 def relative_error_map(a: Floats, b: Floats) -> ErrorMap:
-    """What each pixel of two (H, W, 3) images adds to `metrics.mape`."""
+    """Share of each pixel in `metrics.mape`.
+
+    Parameters
+    ----------
+    a, b : (H, W, 3) float64
+        Image and truth; NaN where a pixel is left out.
+
+    Returns
+    -------
+    ErrorMap
+        On a scale from 0 to 100 %, the same for all pairs of images.
+    """
     values = np.mean(np.abs(a - b) / (np.abs(b) + EPSILON), axis=-1)
     meaning = (
-        f"Mean over the channels of |A - B| / (|B| + {EPSILON}). The mean of this map"
+        f"Mean over the channels of |A − B| / (|B| + {EPSILON}). The mean of this map"
         " is MAPE."
     )
     return ErrorMap(
@@ -83,7 +117,18 @@ def relative_error_map(a: Floats, b: Floats) -> ErrorMap:
 
 
 def flip_map(error: Floats) -> ErrorMap:
-    """FLIP error (H, W) as `flip.flip_hdr` gives it."""
+    """What a viewer notices.
+
+    Parameters
+    ----------
+    error : (H, W) float
+        As `flip.flip_hdr` gives it; NaN where a pixel is left out.
+
+    Returns
+    -------
+    ErrorMap
+        On FLIP's own scale from 0 to 1.
+    """
     meaning = (
         "HDR-FLIP: what a viewer notices who flips between A and B, at the exposure"
         " where it shows most."
@@ -92,17 +137,39 @@ def flip_map(error: Floats) -> ErrorMap:
 
 
 def z_map(z: Floats) -> ErrorMap:
-    """Of each pixel's three z scores (H, W, 3), the one furthest from 0."""
+    """Of each pixel's three z scores the one furthest from 0.
+
+    Parameters
+    ----------
+    z : (H, W, 3) float64
+        As `metrics.z_scores` gives them; NaN where a pixel is left out.
+
+    Returns
+    -------
+    ErrorMap
+        On a scale of ±`Z_SCALE` standard deviations.
+    """
     furthest = np.argmax(np.abs(z), axis=-1, keepdims=True)
     values = np.take_along_axis(z, furthest, axis=-1)[..., 0]
     meaning = (
-        "(A - B) / standard error, in the channel where it is largest. Noise is"
+        "(A − B) / standard error, in the channel where it is largest. Noise is"
         " speckle of both colours, bias an area of one."
     )
     return ErrorMap("z", "z score", meaning, values, -Z_SCALE, Z_SCALE, SIGNED)
 
 
 def scale_of(difference: Floats) -> float:
-    """99th percentile of |d|, so that a firefly does not hide the rest; never 0."""
+    """99th percentile of |d|, so that a firefly does not hide the rest.
+
+    Parameters
+    ----------
+    difference : (...) float
+        d.
+
+    Returns
+    -------
+    float
+        Never 0: the largest |d| if the percentile is 0, and 1 if that is 0 as well.
+    """
     size = np.abs(difference)
     return float(np.percentile(size, 99) or size.max() or 1.0)

@@ -1,0 +1,99 @@
+"""The folder of a comparison: PNG pictures, and one page that needs nothing else."""
+
+from base64 import b64encode
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from reference.comparison.histogram import histogram_bars
+from reference.comparison.labels import NUMBERS
+from reference.comparison.maps import ErrorMap
+from reference.display import encode_png, to_display
+from reference.errors import UsageError
+from reference.files import write_file
+from reference.images import Image
+
+MOST_PROBED = 2**18  # pixels whose values the page carries: 8 MiB of text at most
+
+
+def write_pages(
+    out: Path,
+    images: tuple[Image, Image],
+    names: tuple[str, str],
+    numbers: Mapping[str, Any],
+    maps: Sequence[ErrorMap],
+) -> None:
+    """Write ``a.png``, ``b.png``, a PNG a map, and last ``index.html``.
+
+    Parameters
+    ----------
+    out : Path
+        Folder; made if it is missing.
+    images : (Image, Image)
+        A and the truth B; displayed at one exposure.
+    names : (str, str)
+        What the page calls them.
+    numbers : mapping
+        `judge.Comparison.as_dict`.
+    maps : sequence of ErrorMap
+        The signed difference first.
+
+    Raises
+    ------
+    UsageError
+        The folder or a file cannot be written.
+
+    Notes
+    -----
+    The page embeds the pictures, so it stays whole when it is moved or mailed, and
+    an older page stays whole when this one cannot be written.
+    """
+    shown = [to_display(image.color, numbers["exposure"]) for image in images]
+    files = {"a": encode_png(shown[0]), "b": encode_png(shown[1])}
+    files |= {error.name: encode_png(error.pixels()) for error in maps}
+    page = _page(images, names, numbers, maps, files)
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(
+            f"cannot make the folder {out}: {error.strerror}; name one that can be made"
+        ) from error
+    for name, contents in files.items():
+        write_file(out / f"{name}.png", contents)
+    write_file(out / "index.html", page.encode(errors="backslashreplace"))
+
+
+def _page(
+    images: tuple[Image, Image],
+    names: tuple[str, str],
+    numbers: Mapping[str, Any],
+    maps: Sequence[ErrorMap],
+    files: Mapping[str, bytes],
+) -> str:
+    templates = Environment(
+        loader=PackageLoader("reference.comparison", "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    size = numbers["width"] * numbers["height"]
+    return templates.get_template("comparison.html").render(
+        names=names,
+        numbers=numbers,
+        rows=[row for row in NUMBERS if numbers[row.name] is not None],
+        maps=maps,
+        pictures={name: b64encode(png).decode() for name, png in files.items()},
+        bars=histogram_bars(maps[0].values, maps[0].high),
+        keys=sorted({key for image in images for key in image.metadata}),
+        metadata=[image.metadata for image in images],
+        probes=[_values(image) for image in images] if size <= MOST_PROBED else None,
+    )
+
+
+def _values(image: Image) -> str:
+    """Colours as base64 of little-endian float32, for the page's probe."""
+    return b64encode(image.color.astype(np.dtype("<f4")).tobytes()).decode()

@@ -1,0 +1,65 @@
+"""G-buffer: the visible point of each pixel."""
+
+import numpy as np
+
+from reference.arrays import Masks, Scalars, Vec3s, dot
+from reference.path_tracer import first_hits
+from reference.scene.camera import view_depth
+from reference.scene.surface import VisiblePoints
+from reference.world import World
+
+
+def visible_points(world: World, x: Scalars, y: Scalars) -> VisiblePoints:
+    """What the camera sees through points of the image.
+
+    Parameters
+    ----------
+    world : World
+        The scene.
+    x, y : (N,) float64, pixels
+        Points of the image.
+
+    Returns
+    -------
+    VisiblePoints
+        N rows; depth 0 where the ray left the scene.
+    """
+    surface = first_hits(world, x, y)
+    depth = view_depth(world.camera, surface.position)
+    return VisiblePoints(surface, np.where(surface.hit, depth, 0.0))
+
+
+def similar(
+    n_a: Vec3s,
+    depth_a: Scalars,
+    n_b: Vec3s,
+    depth_b: Scalars,
+    max_angle: float,
+    max_depth: float,
+) -> Masks:
+    """Whether visible points are alike enough to share samples.
+
+    Parameters
+    ----------
+    n_a, n_b : (N, 3) float64
+        Unit shading normals.
+    depth_a, depth_b : (N,) float64, m
+        View depths, 0 where nothing is seen.
+    max_angle : float, degrees
+        Between the normals, inclusive.
+    max_depth : float
+        Relative difference |a - b| / max(a, b), inclusive.
+
+    Returns
+    -------
+    (N,) bool
+        Symmetric in a and b; false where either saw nothing.
+
+    Notes
+    -----
+    [Ouyang21, section 4.2]: 25 degrees and 0.05.
+    """
+    alike = dot(n_a, n_b) >= np.cos(np.radians(max_angle))
+    near, far = np.minimum(depth_a, depth_b), np.maximum(depth_a, depth_b)
+    similar_rows: Masks = alike & (near > 0) & (far - near <= max_depth * far)
+    return similar_rows

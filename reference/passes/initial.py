@@ -1,0 +1,212 @@
+"""Algorithm 2: one new sample point a pixel."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from reference.arrays import (
+    Indices,
+    Masks,
+    Scalars,
+    Vec3s,
+    divide_or_zero,
+    scatter,
+    take,
+    to_world,
+)
+from reference.path_tracer import follow, reflected_radiance
+from reference.resampling.reservoir import Samples
+from reference.rng import Draw, Uniforms
+from reference.sampling import (
+    pdf_cosine_hemisphere,
+    pdf_uniform_hemisphere,
+    sample_cosine_hemisphere,
+    sample_uniform_hemisphere,
+)
+from reference.scene.materials.parameters import Kind, MaterialTable, lit_cosine
+from reference.scene.materials.table import (
+    HAS_DELTA,
+    BsdfSamples,
+    pdf,
+    sample,
+    sample_delta,
+    scattering,
+)
+from reference.scene.surface import SurfacePoints, direction_and_distance
+from reference.settings import GlossySamples, Source
+from reference.world import World
+
+
+@dataclass(frozen=True, slots=True)
+class InitialSamples:
+    """What the initial pass hands on, N rows.
+
+    Attributes
+    ----------
+    y : Samples
+        Sample points; nulls where a path found no light or may not be reused.
+    pdf : (N,) float64, 1/sr
+        Source density of the direction to the sample point.
+    unshared : (N, 3) float64, W/(m² sr)
+        Light of this frame's paths that cannot be reused by reconnection: by way of a
+        delta lobe of the visible point, or of a sample point that is not Lambertian.
+    """
+
+    y: Samples
+    pdf: Scalars
+    unshared: Vec3s
+
+
+def source_pdf(
+    source: Source, table: MaterialTable, points: SurfacePoints, omega: Vec3s
+) -> Scalars:
+    """Source density p_q of initial directions.
+
+    Parameters
+    ----------
+    source : 'uniform', 'cosine' or 'bsdf'
+        Kind of density.
+    table : MaterialTable
+        Materials.
+    points : SurfacePoints
+        N visible points.
+    omega : (N, 3) float64
+        Unit directions.
+
+    Returns
+    -------
+    (N,) float64, 1/sr
+        0 below the horizon: such a draw is a null.
+    """
+    if source == "bsdf":
+        return pdf(table, points, omega)
+    cosine = lit_cosine(table, points, omega)
+    if source == "cosine":
+        return pdf_cosine_hemisphere(cosine)
+    return np.where(cosine > 0, pdf_uniform_hemisphere(cosine), 0.0)
+
+
+def sample_source(
+    source: Source, table: MaterialTable, points: SurfacePoints, u: Draw
+) -> BsdfSamples:
+    """Draw initial directions.
+
+    Parameters
+    ----------
+    source : 'uniform', 'cosine' or 'bsdf'
+        Kind of density.
+    table : MaterialTable
+        Materials.
+    points : SurfacePoints
+        N visible points.
+    u : four (N,) float64
+        Lane 0 picks a lobe, 1 and 2 the direction.
+
+    Returns
+    -------
+    BsdfSamples
+        ``delta`` where ``source`` is the BSDF and it chose a delta lobe.
+    """
+    if source == "bsdf":
+        return sample(table, points, u)
+    hemisphere = sample_cosine_hemisphere if source == "cosine" else sample_uniform_hemisphere
+    wi = to_world(hemisphere(u[1], u[2]), points.shading)
+    density = source_pdf(source, table, points, wi)
+    weight = np.repeat((density > 0)[:, None], 3, axis=1).astype(float)
+    return BsdfSamples(wi, weight, density, np.zeros(len(points), bool))
+
+
+def initial_samples(
+    world: World,
+    points: SurfacePoints,
+    source: Source,
+    glossy_samples: GlossySamples,
+    bounces: int,
+    directions: Uniforms,
+    paths: Uniforms,
+    speculars: Uniforms,
+) -> InitialSamples:
+    """One new sample point for each visible point.
+
+    Parameters
+    ----------
+    world : World
+        The scene.
+    points : SurfacePoints
+        N visible points.
+    source : 'uniform', 'cosine' or 'bsdf'
+        Density of the directions.
+    glossy_samples : 'path-traced' or 'as-lambertian'
+        What becomes of sample points that are not Lambertian.
+    bounces : int
+        Bounces of indirect light, at least 1.
+    directions, paths, speculars : Uniforms
+        N rows: for the direction, for L_o at the sample point, for delta lobes.
+
+    Returns
+    -------
+    InitialSamples
+        N rows.
+
+    Notes
+    -----
+    [Ouyang21, Alg. 2].  Emission of the sample point is direct light of the visible
+    point and stays out of L_o.
+    """
+    # Sample a direction (line 3) and trace it to the sample point (line 4).
+    drawn = sample_source(source, world.materials, points, directions.draw(0))
+    possible = np.flatnonzero(points.hit & drawn.weight.any(axis=1))
+    met = _follow_some(world, points, drawn, possible)
+    # Estimate the radiance that leaves it (line 5).
+    radiance = reflected_radiance(world, met, bounces - 1, paths)
+    # The sample is the point, not the ray: density and target take the direction from
+    # point to point, which differs from the ray's by the step off the surface.
+    omega, _ = direction_and_distance(points.position, met.position)
+    density = source_pdf(source, world.materials, points, omega)
+    shared = ~drawn.delta & (density > 0)
+    unshared = np.where(drawn.delta[:, None], drawn.weight * radiance, 0.0)
+    if glossy_samples == "path-traced":
+        lambertian = is_lambertian(world.materials, met)
+        if not lambertian[met.hit].all():
+            value = scattering(world.materials, points, omega) * radiance
+            alone = (shared & ~lambertian)[:, None]
+            unshared += np.where(alone, divide_or_zero(value, density[:, None]), 0.0)
+            shared &= lambertian
+    if source != "bsdf" and any(k in HAS_DELTA for k in world.materials.kinds):
+        first = sample_delta(world.materials, points, speculars.draw(0))
+        unshared += reflected_radiance(
+            world, points, bounces, speculars, skip_direct=True, first=first
+        )
+    y = Samples(met.position, met.normal, np.where(shared[:, None], radiance, 0.0))
+    return InitialSamples(y, density, unshared)
+
+
+def is_lambertian(table: MaterialTable, points: SurfacePoints) -> Masks:
+    """Whether the radiance that leaves a point is the same in all directions.
+
+    Parameters
+    ----------
+    table : MaterialTable
+        Materials.
+    points : SurfacePoints
+        N points.
+
+    Returns
+    -------
+    (N,) bool
+        By material.
+    """
+    lambertian: Masks = table.kind[points.material] == Kind.LAMBERTIAN
+    return lambertian
+
+
+def _follow_some(
+    world: World, points: SurfacePoints, drawn: BsdfSamples, rows: Indices
+) -> SurfacePoints:
+    if len(rows) == len(points):
+        return follow(world, points, drawn.wi, "initial")
+    met = follow(world, take(points, rows), drawn.wi[rows], "initial")
+    # Rows that were not followed are misses.
+    primitive = np.full(len(points), -1, np.int32)
+    primitive[rows] = met.primitive
+    return replace(scatter(rows, met, len(points)), primitive=primitive)

@@ -1,0 +1,32 @@
+"""Shading: the estimate f(y) W of the pixel's indirect light."""
+
+from reference.arrays import Vec3s
+from reference.resampling.reservoir import Reservoirs
+from reference.resampling.target import reflected
+from reference.scene.surface import SurfacePoints
+from reference.world import World
+
+
+def shade(world: World, points: SurfacePoints, reservoirs: Reservoirs) -> Vec3s:
+    """Radiance f(y) W that visible points scatter towards the camera.
+
+    Parameters
+    ----------
+    world : World
+        The scene.
+    points : SurfacePoints
+        N visible points.
+    reservoirs : Reservoirs
+        Their reservoirs.
+
+    Returns
+    -------
+    (N, 3) float64, W/(m² sr)
+        Visibility of the sample is part of W.
+
+    Notes
+    -----
+    [Ouyang21, Eq. 8].
+    """
+    radiance: Vec3s = reflected(world.materials, points, reservoirs.y)
+    return radiance * reservoirs.W[:, None]

@@ -1,0 +1,218 @@
+"""Weighted reservoir sampling: Algorithm 1 of the paper.
+
+While samples compete they are :class:`Candidates`; a closed choice is a
+:class:`Reservoirs`.  The running sum w lives in the first alone: it is rebuilt from
+W and M at every pass, after M was capped.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from reference.arrays import Masks, Scalars, Vec3s, divide_or_zero, where
+
+
+@dataclass(frozen=True, slots=True)
+class Samples:
+    """Sample points x_s, N rows.
+
+    Attributes
+    ----------
+    position : (N, 3), m
+        x_s, where a ray from a visible point met a surface.
+    normal : (N, 3)
+        n_s, unit geometric normal on the side that was seen.
+    radiance : (N, 3), W/(m² sr)
+        L_o, that leaves x_s on that side, taken to be the same in all directions;
+        0 for a null: a miss, or a path that found no light.
+    """
+
+    position: Vec3s
+    normal: Vec3s
+    radiance: Vec3s
+
+
+@dataclass(frozen=True, slots=True)
+class Candidates:
+    """Open reservoirs, N rows: samples still compete.
+
+    Attributes
+    ----------
+    y : record or (N,) array
+        The samples, or whatever stands for them.
+    p_hat : (N,)
+        Target p̂ of the sample at the receiver.
+    w : (N,)
+        Sum of resampling weights.
+    M : (N,)
+        Sum of confidence weights.
+    """
+
+    y: Any
+    p_hat: Scalars
+    w: Scalars
+    M: Scalars
+
+
+@dataclass(frozen=True, slots=True)
+class Reservoirs:
+    """Closed reservoirs, N rows: a sample with its weight, E[f(y) W] = ∫ f dω.
+
+    Attributes
+    ----------
+    y : record or (N,) array
+        The samples.
+    W : (N,), sr
+        Unbiased contribution weight, 0 for an empty row.
+    M : (N,)
+        Confidence weight.
+    """
+
+    y: Any
+    W: Scalars
+    M: Scalars
+
+
+def merge(a: Candidates, b: Candidates, u: Scalars) -> Candidates:
+    """Keep b's sample with probability b.w / (a.w + b.w), else a's.
+
+    Parameters
+    ----------
+    a, b : Candidates
+        N rows each.
+    u : (N,)
+        Uniform in [0, 1).
+
+    Returns
+    -------
+    Candidates
+        Weights and confidences are summed.  Merging is associative in distribution,
+        so that a stream of any length is a fold.
+
+    Notes
+    -----
+    [Ouyang21, Alg. 1, lines 6 to 10].
+    """
+    w = a.w + b.w
+    take_b = choose_second(a.w, b.w, u)
+    y, p_hat = where(take_b, b.y, a.y), np.where(take_b, b.p_hat, a.p_hat)
+    return Candidates(y=y, p_hat=p_hat, w=w, M=a.M + b.M)
+
+
+def choose_second(w_a: Scalars, w_b: Scalars, u: Scalars) -> Masks:
+    """Whether the second of two weights is drawn: u (w_a + w_b) < w_b.
+
+    Parameters
+    ----------
+    w_a, w_b : (N,)
+        Non-negative weights.
+    u : (N,)
+        Uniform in [0, 1).
+
+    Returns
+    -------
+    (N,) bool
+        Strict, so that a row of weight 0 is never taken; and a positive weight
+        always is, against 0, even where u · w rounds to w.
+    """
+    taken = (u * (w_a + w_b) < w_b) | ((w_a == 0) & (w_b > 0))
+    return taken.astype(bool)
+
+
+def finalize(c: Candidates, normalization: Scalars) -> Reservoirs:
+    """Close the reservoirs: W = w / (normalization · p̂(y)).
+
+    Parameters
+    ----------
+    c : Candidates
+        N rows.
+    normalization : (N,)
+        What the sum of weights is divided by: M, Z, or the balance heuristic's; see
+        :mod:`reference.resampling.mis`.
+
+    Returns
+    -------
+    Reservoirs
+        W = 0 where p̂ = 0 or nothing could be kept.
+
+    Notes
+    -----
+    [Ouyang21, Eq. 7].
+    """
+    # Two divisions: the product may underflow where the quotient does not.
+    W = divide_or_zero(divide_or_zero(c.w, c.p_hat), normalization)
+    return Reservoirs(y=c.y, W=W, M=c.M)
+
+
+def initial_candidates(y: Any, p_hat: Scalars, pdf: Scalars) -> Candidates:
+    """Fresh samples: w = p̂ / p, M = 1.
+
+    Parameters
+    ----------
+    y : record or (N,) array
+        The samples.
+    p_hat : (N,)
+        Target of each.
+    pdf : (N,), 1/sr
+        Source density of each.
+
+    Returns
+    -------
+    Candidates
+        w = 0 where p̂ or p is; M counts such nulls too.
+
+    Notes
+    -----
+    [Ouyang21, Eq. 5].
+    """
+    w = divide_or_zero(p_hat, pdf)
+    return Candidates(y=y, p_hat=p_hat, w=w, M=np.ones_like(w))
+
+
+def reused_candidates(
+    r: Reservoirs, p_hat: Scalars, jacobian: Scalars | None = None
+) -> Candidates:
+    """Closed reservoirs compete again: w = p̂(T(y)) · W · M · |∂T/∂y|.
+
+    Parameters
+    ----------
+    r : Reservoirs
+        Donors; M already capped.
+    p_hat : (N,)
+        Target of their samples at the receiver, 0 where it cannot use them.
+    jacobian : (N,) or None, sr/sr
+        |∂ω_to / ∂ω_from|; ``None`` where donor and receiver are one point.
+
+    Returns
+    -------
+    Candidates
+        M counts where w = 0 too.
+
+    Notes
+    -----
+    [Ouyang21, Alg. 1, line 12].  The weight is *multiplied* by the Jacobian: Algorithm
+    4, line 11, prints a division, which is right for a density.
+    """
+    w = p_hat * r.W * r.M
+    if jacobian is not None:
+        w = w * jacobian
+    return Candidates(y=r.y, p_hat=p_hat, w=w, M=r.M)
+
+
+def cap_confidence(r: Reservoirs, cap: float) -> Reservoirs:
+    """Limit trust in the past: M becomes min(M, cap).
+
+    Parameters
+    ----------
+    r : Reservoirs
+        N rows.
+    cap : float
+        At least 1; inf for no limit.
+
+    Returns
+    -------
+    Reservoirs
+        W is unchanged: the cap is on confidence, not on the estimate.
+    """
+    return Reservoirs(y=r.y, W=r.W, M=np.minimum(r.M, cap))

@@ -1,0 +1,93 @@
+"""Target functions p̂ of Equations 9 and 10: how much a sample matters to a point."""
+
+from typing import Literal
+
+import numpy as np
+
+from reference.arrays import Scalars, Vec3s, dot
+from reference.images import luminance_weights
+from reference.resampling.reservoir import Samples
+from reference.scene.materials.parameters import MaterialTable, lit_cosine
+from reference.scene.materials.table import scattering
+from reference.scene.surface import SurfacePoints, direction_and_distance
+
+Target = Literal["scattered", "outgoing"]
+"""Eq. 9, light that the receiver scatters; Eq. 10, light that leaves the sample."""
+
+
+def luminance(color: Vec3s) -> Scalars:
+    """Luminance of linear Rec. 709 colours.
+
+    Parameters
+    ----------
+    color : (N, 3)
+        Radiance or reflectance.
+
+    Returns
+    -------
+    (N,)
+        In the unit of ``color``.
+    """
+    return dot(color, np.array(luminance_weights()))
+
+
+def reflected(
+    table: MaterialTable, receiver: SurfacePoints, y: Samples
+) -> Vec3s:
+    """Integrand f = f_r(ω_o, ω) cos θ L_o(x_s) of the pixel, without visibility.
+
+    Parameters
+    ----------
+    table : MaterialTable
+        Materials of the receivers.
+    receiver : SurfacePoints
+        N visible points.
+    y : Samples
+        N sample points.
+
+    Returns
+    -------
+    (N, 3), W/(m² sr²)
+        0 below the receiver's horizon and on the unlit side of the sample point.
+
+    Notes
+    -----
+    [Ouyang21, Eq. 8 and 9].
+    """
+    omega, _ = direction_and_distance(receiver.position, y.position)
+    lit = dot(y.normal, omega) < 0
+    value = scattering(table, receiver, omega) * y.radiance
+    return np.where(lit[:, None], value, 0.0)
+
+
+def target(
+    kind: Target, table: MaterialTable, receiver: SurfacePoints, y: Samples
+) -> Scalars:
+    """Target p̂ of samples at receivers.
+
+    Parameters
+    ----------
+    kind : 'scattered' or 'outgoing'
+        Equation 9 or 10.
+    table : MaterialTable
+        Materials of the receivers.
+    receiver : SurfacePoints
+        N visible points.
+    y : Samples
+        N sample points.
+
+    Returns
+    -------
+    (N,)
+        Luminance; 0 below the receiver's horizon and on the unlit side of the sample
+        point, for both kinds, and for nulls.
+
+    Notes
+    -----
+    [Ouyang21, Eq. 9 and 10].  Visibility is not in it: it costs a ray.
+    """
+    if kind == "scattered":
+        return luminance(reflected(table, receiver, y))
+    omega, _ = direction_and_distance(receiver.position, y.position)
+    lit = (dot(y.normal, omega) < 0) & (lit_cosine(table, receiver, omega) > 0)
+    return np.where(lit, luminance(y.radiance), 0.0)

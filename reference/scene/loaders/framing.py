@@ -1,0 +1,162 @@
+"""Cameras and lights for files that have none, and the angle of view."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from reference.arrays import Vec3s
+from reference.scene.camera import Camera
+from reference.scene.lights import ConstantEnvironment
+from reference.scene.loaders.ledger import Ledger
+from reference.scene.scene import Scene
+from reference.scene.shapes import Mesh, Sphere
+from reference.scene.textures import Color
+
+FOV = 45.0  # degrees
+VIEW = (1.0, 0.75, 1.5)  # towards the eye: from the right, above, in front
+
+
+def color(values: Sequence[float] | Vec3s) -> Color:
+    """Three numbers of any kind as a colour or a point.
+
+    Parameters
+    ----------
+    values : (3,) float
+        Any sequence.
+
+    Returns
+    -------
+    Color
+        Python floats.
+
+    Raises
+    ------
+    ValueError
+        Not three numbers.
+    """
+    x, y, z = (float(value) for value in values)
+    return x, y, z
+
+
+def horizontal_fov(fov: float, axis: str, width: float, height: float) -> float:
+    """Horizontal angle of view from one given along some axis.
+
+    Parameters
+    ----------
+    fov : float, degrees
+        Between 0 and 180.
+    axis : {'x', 'y', 'diagonal', 'larger', 'smaller'}
+        The side of the image that it spans.
+    width, height : float
+        Size of the image, in any unit.
+
+    Returns
+    -------
+    float, degrees
+        tan(fov_x / 2) = tan(fov / 2) · width / side.
+
+    Raises
+    ------
+    KeyError
+        For any other axis.
+    """
+    side = {
+        "x": width,
+        "y": height,
+        "diagonal": float(np.hypot(width, height)),
+        "larger": max(width, height),
+        "smaller": min(width, height),
+    }[axis]
+    if side == width:
+        return fov
+    return float(2 * np.degrees(np.arctan(np.tan(np.radians(fov) / 2) * width / side)))
+
+
+def framing_camera(meshes: Sequence[Mesh], spheres: Sequence[Sphere]) -> Camera:
+    """Camera that sees all shapes from the front, right and above.
+
+    Parameters
+    ----------
+    meshes : sequence of Mesh
+        In the world (their poses are the identity).
+    spheres : sequence of Sphere
+        In the world.
+
+    Returns
+    -------
+    Camera
+        Square, y up; its image contains the sphere about the bounding box.
+    """
+    corners = [mesh.vertices[np.isfinite(mesh.vertices).all(axis=1)] for mesh in meshes]
+    for sphere in spheres:
+        center = np.array(sphere.center)
+        corners.append(np.array([center - sphere.radius, center + sphere.radius]))
+    points = np.concatenate([np.zeros((0, 3)), *corners])
+    if not len(points):
+        points = np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]])
+    low, high = points.min(axis=0), points.max(axis=0)
+    center = low / 2 + high / 2
+    radius = float(np.linalg.norm(high - low)) / 2 or 1.0
+    direction = np.array(VIEW) / np.linalg.norm(VIEW)
+    distance = radius / np.sin(np.radians(FOV) / 2)
+    return Camera(
+        position=color(center + distance * direction), target=color(center), fov_x=FOV
+    )
+
+
+def camera_or_framing(
+    camera: Camera | None,
+    meshes: Sequence[Mesh],
+    spheres: Sequence[Sphere],
+    ledger: Ledger,
+) -> Camera:
+    """Camera of the file, or else one that frames the scene, noted.
+
+    Parameters
+    ----------
+    camera : Camera or None
+        What the file has.
+    meshes : sequence of Mesh
+        In the world.
+    spheres : sequence of Sphere
+        In the world.
+    ledger : Ledger
+        Takes the note.
+
+    Returns
+    -------
+    Camera
+        One of the two.
+    """
+    if camera is not None:
+        return camera
+    ledger.note(
+        "The file has no camera: it is seen from the right, above and in front (y up),"
+        f" as a whole, with a horizontal angle of view of {FOV:g} degrees, 256x256"
+    )
+    return framing_camera(meshes, spheres)
+
+
+def default_environment(scene: Scene, ledger: Ledger) -> ConstantEnvironment | None:
+    """Light for a file that has none, noted.
+
+    Parameters
+    ----------
+    scene : Scene
+        Without an environment.
+    ledger : Ledger
+        Takes the note.
+
+    Returns
+    -------
+    ConstantEnvironment or None
+        Of radiance 1, unless something emits.
+    """
+    emissions = [shape.emission for shape in (*scene.meshes, *scene.spheres)]
+    if scene.points or scene.suns or np.any(emissions):
+        return None
+    ledger.note(
+        "Nothing in the file emits light: a constant environment of radiance 1"
+        " surrounds the scene"
+    )
+    return ConstantEnvironment((1.0, 1.0, 1.0))

@@ -1,0 +1,62 @@
+"""A scene from a file, by the suffix of its name."""
+
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+
+from reference.errors import UsageError
+from reference.scene.scene import Scene
+
+# The loader of a format is imported when a file of it comes: trimesh takes 0.3 s.
+LOADERS = {
+    ".gltf": "gltf",
+    ".glb": "gltf",
+    ".obj": "meshes",
+    ".ply": "meshes",
+    ".xml": "mitsuba_xml",
+    ".json": "json_scene",
+}
+
+
+def load_scene(path: Path, lenient: bool = False) -> Scene:
+    """Scene in a file.
+
+    Parameters
+    ----------
+    path : Path
+        .gltf, .glb, .obj, .ply, .xml (Mitsuba 3) or .json (docs: scene.json).
+    lenient : bool
+        Replace what is missing or not modelled, and say so in the scene's notes,
+        rather than refuse the file.
+
+    Returns
+    -------
+    Scene
+        As in the file, not validated: NaN and infinite values pass through.  ``notes``
+        says in sentences what differs from the file.
+
+    Raises
+    ------
+    UsageError
+        Missing, empty or corrupt file, an unknown suffix, or (unless lenient)
+        something that is not modelled.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in LOADERS:
+        raise UsageError(
+            f"{path}: a scene file ends in one of {', '.join(LOADERS)},"
+            f" not in {suffix!r}"
+        )
+    try:
+        size = path.stat().st_size
+    except OSError as error:
+        raise UsageError(
+            f"cannot read {path}: {error.strerror}; name a scene file that exists"
+        ) from error
+    if not path.is_file():
+        raise UsageError(f"{path} is not a file; name a scene file")
+    if size == 0:
+        raise UsageError(f"{path} is empty; name a file with a scene in it")
+    module = import_module(f"reference.scene.loaders.{LOADERS[suffix]}")
+    loader: Callable[[Path, bool], Scene] = module.load
+    return loader(path, lenient)

@@ -1,0 +1,135 @@
+"""Triangles from files as meshes that the renderer can take at their word."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from reference.arrays import Indices, Scalars, Vec3s, cross, dot
+from reference.scene.loaders.framing import color
+from reference.scene.loaders.ledger import Ledger
+from reference.scene.materials.kinds import Dielectric
+from reference.scene.shapes import Mesh
+from reference.scene.textures import Bitmap, Checker, mean_color
+
+
+def check_indices(mesh: Mesh, ledger: Ledger) -> None:
+    """Refuse faces that name vertices which do not exist, and tables that do not fit.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        As read.
+    ledger : Ledger
+        Raises.
+
+    Raises
+    ------
+    UsageError
+        The first fault.
+    """
+    count = len(mesh.vertices)
+    if len(mesh.faces) and not 0 <= mesh.faces.min() <= mesh.faces.max() < count:
+        wrong = mesh.faces[(mesh.faces < 0) | (mesh.faces >= count)][0]
+        ledger.stop(
+            f'mesh "{mesh.name}" has a face with vertex {wrong};'
+            f" its vertices are 0 to {count - 1}"
+        )
+    for name, table in (("normals", mesh.normals), ("texture coordinates", mesh.uv)):
+        if table is not None and len(table) != count:
+            ledger.stop(
+                f'mesh "{mesh.name}" has {len(table)} {name} for {count} vertices;'
+                " it needs one each"
+            )
+
+
+def turn_faces_to_normals(mesh: Mesh) -> Mesh:
+    """Let each face look the way that its vertex normals point.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        In the world.
+
+    Returns
+    -------
+    Mesh
+        Faces whose normal has a negative product with the sum of its vertex normals
+        are turned over.  Renderers tell the sides apart by the shading normal, so a
+        lamp that is wound the other way round still shines where they have it shine.
+    """
+    if mesh.normals is None:
+        return mesh
+    corners = mesh.vertices[mesh.faces]
+    face_normal = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    against = dot(face_normal, mesh.normals[mesh.faces].sum(axis=1)) < 0
+    if not against.any():
+        return mesh
+    return replace(mesh, faces=turn_over(mesh.faces, against))
+
+
+def turn_over(faces: Indices, which: Scalars | bool = True) -> Indices:
+    """Reverse the order of the vertices.
+
+    Parameters
+    ----------
+    faces : (F, 3) int
+        Triangles.
+    which : (F,) bool or bool
+        Those to turn over.
+
+    Returns
+    -------
+    (F, 3) int
+        The first vertex stays the first.
+    """
+    turned: Indices = np.where(np.reshape(which, (-1, 1)), faces[:, [0, 2, 1]], faces)
+    return turned
+
+
+def drop_texture_without_uv(mesh: Mesh, ledger: Ledger) -> Mesh:
+    """Replace a texture that cannot be placed by its mean colour.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Any.
+    ledger : Ledger
+        Takes the note, or stops.
+
+    Returns
+    -------
+    Mesh
+        Its material has one colour if the mesh has no texture coordinates.
+    """
+    material = mesh.material
+    if mesh.uv is not None or isinstance(material, Dielectric):
+        return mesh
+    if not isinstance(material.reflectance, Bitmap | Checker):
+        return mesh
+    ledger.replace(
+        f'mesh "{mesh.name}" has a texture but no texture coordinates',
+        "taken in the mean colour of the texture",
+    )
+    mean = color(mean_color(material.reflectance))
+    return replace(mesh, material=replace(material, reflectance=mean))
+
+
+def place(vertices: Vec3s, matrix: Scalars) -> Vec3s:
+    """Points moved by an affine matrix.
+
+    Parameters
+    ----------
+    vertices : (V, 3) float
+        Points.
+    matrix : (4, 4) float64
+        Acts on columns.
+
+    Returns
+    -------
+    (V, 3) float64
+        In the world.
+    """
+    # Like a non-finite vertex, a product beyond float64 is the validation's to report.
+    with np.errstate(invalid="ignore", over="ignore"):
+        placed: Vec3s = vertices @ matrix[:3, :3].T + matrix[:3, 3]
+    return placed
