@@ -2,9 +2,8 @@
 
 The only file that knows Embree, which works in float32.  The scene is handed to it
 moved and scaled into the cube [-1, 1]³, so that its rounding is the same relative to
-every scene, however small or far from the origin.  Where a ray starts follows from one
-fact: a point was found by a ray that came along ``wo``, so stepping back along ``wo``
-stays in front of every surface that touches the point, its own and its neighbours'.
+every scene, however small or far from the origin.  Surface points stand a step before
+their triangle (:data:`reference.scene.geometry.STEP`), so that rays start where they are.
 """
 
 import threading
@@ -15,15 +14,8 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 
 from reference.arrays import Indices, Masks, Scalars, Vec3s, dot
-from reference.scene.geometry import Geometry, Hits
+from reference.scene.geometry import STEP, Geometry, Hits, contact
 from reference.scene.surface import SurfacePoints
-
-STEP = 2.0**-19
-"""How far rays start from their surface, in half extents of the scene.
-
-Embree's vertices are rounded to float32: 2⁻²⁴ each, in three coordinates, and its
-intersection adds a few more.  2⁻¹⁹ is 32 such roundings.
-"""
 
 STOP = 2.0**-17
 """How far before its target a visibility ray ends; occluders closer do not count."""
@@ -47,22 +39,18 @@ class RayCaster:
     ----------
     counts : Counter of str
         Rays traced so far: 'primary', 'bounce', 'shadow', 'reuse', ...
-    extent : float, m
-        Half of the longest side of the scene's bounding box.
     """
 
     def __init__(self, geometry: Geometry) -> None:
         self.counts: Counter[str] = Counter()
         self._lock = threading.Lock()
         self._geometry = geometry
-        low, high = _bounds(geometry)
-        self._middle = (low + high) / 2
-        self.extent = float(np.max(high - low)) / 2 or 1.0
-        self._center = (geometry.center - self._middle) / self.extent
-        self._radius = geometry.radius / self.extent
+        self._middle, self._extent = geometry.middle, geometry.extent
+        self._center = (geometry.center - self._middle) / self._extent
+        self._radius = geometry.radius / self._extent
         self._embree: EmbreeScene | None = None
         if geometry.triangles:
-            self._embree = _commit(geometry, self._middle, self.extent)
+            self._embree = _commit(geometry)
 
     def from_camera(self, origin: Vec3s, direction: Vec3s) -> Hits:
         """First primitive along rays that start in free space.
@@ -83,7 +71,7 @@ class RayCaster:
         o, advance = _approach(self._normalized(origin), direction)
         hits = self._closest_triangle(o, direction)
         hits = self._closest_sphere(o, direction, hits, None)
-        distance = (hits.distance + advance) * self.extent
+        distance = (hits.distance + advance) * self._extent
         return Hits(hits.primitive, hits.u, hits.v, distance)
 
     def from_surface(self, points: SurfacePoints, direction: Vec3s, kind: str) -> Hits:
@@ -104,35 +92,17 @@ class RayCaster:
             Primitive -1 and distance inf where nothing is hit.
         """
         self._count(kind, len(points))
-        step_out = self._normalized(self.leave(points, direction))
-        hits = self._closest_triangle(step_out, direction)
+        origin = points.position
+        below = dot(points.normal, direction) < 0
+        if below.any():
+            # To the other side: as far behind the surface as the point is before it.
+            inner = contact(self._geometry, points)
+            inner -= points.normal * (STEP * self._extent)
+            origin = np.where(below[:, None], inner, origin)
+        hits = self._closest_triangle(self._normalized(origin), direction)
         exact = self._normalized(points.position)
         hits = self._closest_sphere(exact, direction, hits, points.primitive)
-        return Hits(hits.primitive, hits.u, hits.v, hits.distance * self.extent)
-
-    def leave(self, points: SurfacePoints, direction: Vec3s) -> Vec3s:
-        """Origins of rays that leave surface points.
-
-        Parameters
-        ----------
-        points : SurfacePoints
-            N points.
-        direction : (N, 3) float64
-            Where the rays go; below the surface they start behind it.
-
-        Returns
-        -------
-        (N, 3) float64, m
-            A step along the normal, and a step back to where the point was seen from.
-        """
-        step = STEP * self.extent
-        above = dot(points.normal, direction) >= 0
-        if above.all():
-            return points.position + step * (points.normal + points.wo)
-        side = np.where(above, 1.0, -1.0)[:, None]
-        back = np.where(above[:, None], points.wo, 0.0)
-        origin: Vec3s = points.position + step * (side * points.normal + back)
-        return origin
+        return Hits(hits.primitive, hits.u, hits.v, hits.distance * self._extent)
 
     def visible(
         self, points: SurfacePoints, x_to: Vec3s, n_to: Vec3s, kind: str
@@ -156,13 +126,14 @@ class RayCaster:
             Nothing lies between, up to ``STOP`` of the scene before ``x_to``.
         """
         toward = x_to - points.position
-        origin = self.leave(points, toward)
-        side = np.where(dot(n_to, toward) > 0, -STEP, STEP) * self.extent
-        offset = x_to + side[:, None] * n_to - origin
+        side = np.where(dot(n_to, toward) > 0, -STEP, STEP) * self._extent
+        offset = toward + side[:, None] * n_to
         distance = np.sqrt(dot(offset, offset))
-        shorter = np.maximum(distance - STOP * self.extent, 0.0)
+        shorter = np.maximum(distance - STOP * self._extent, 0.0)
         share = np.divide(shorter, distance, out=np.zeros_like(distance), where=distance > 0)
-        free = self._no_triangle(origin, offset * share[:, None], 1.0, kind)
+        free = self._no_triangle(
+            points.position, offset * share[:, None], 1.0, kind
+        )
         if len(self._radius):
             free &= self._no_sphere(points, toward, share)
         return free
@@ -185,14 +156,15 @@ class RayCaster:
             Nothing lies in that direction.
         """
         free = self._no_triangle(
-            self.leave(points, direction), direction, BEYOND, kind
+            points.position, direction * self._extent, BEYOND, kind
         )
         if len(self._radius):
-            free &= self._no_sphere(points, direction, np.full(len(points), np.inf))
+            endless = np.full(len(points), np.inf)
+            free &= self._no_sphere(points, direction, endless)
         return free
 
     def _normalized(self, x: Vec3s) -> Vec3s:
-        moved: Vec3s = (x - self._middle) / self.extent
+        moved: Vec3s = (x - self._middle) / self._extent
         return moved
 
     def _no_triangle(
@@ -203,7 +175,7 @@ class RayCaster:
             return np.ones(len(origin), bool)
         answer = self._embree.run(
             self._normalized(origin).astype(np.float32),
-            (along / self.extent).astype(np.float32),
+            (along / self._extent).astype(np.float32),
             query="OCCLUDED",
             dists=np.full(len(origin), reach, np.float32),
         )
@@ -211,7 +183,7 @@ class RayCaster:
         return free
 
     def _no_sphere(self, points: SurfacePoints, along: Vec3s, reach: Scalars) -> Masks:
-        o, d = self._normalized(points.position), along / self.extent
+        o, d = self._normalized(points.position), along / self._extent
         free = np.ones(len(o), bool)
         for index in range(len(self._radius)):
             t = self._sphere_hit(o, d, index, points.primitive)
@@ -261,16 +233,7 @@ class RayCaster:
             self.counts[kind] += rays
 
 
-def _bounds(geometry: Geometry) -> tuple[Vec3s, Vec3s]:
-    corners = [geometry.corner, geometry.corner + geometry.edge_u]
-    corners += [geometry.corner + geometry.edge_v]
-    corners += [geometry.center - geometry.radius[:, None]]
-    corners += [geometry.center + geometry.radius[:, None]]
-    every = np.concatenate(corners)
-    return every.min(axis=0), every.max(axis=0)
-
-
-def _commit(geometry: Geometry, middle: Vec3s, extent: float) -> EmbreeScene:
+def _commit(geometry: Geometry) -> EmbreeScene:
     corners = np.stack(
         [
             geometry.corner,
@@ -279,7 +242,7 @@ def _commit(geometry: Geometry, middle: Vec3s, extent: float) -> EmbreeScene:
         ],
         axis=1,
     )
-    vertices = ((corners - middle) / extent).astype(np.float32).reshape(-1, 3)
+    vertices = ((corners - geometry.middle) / geometry.extent).astype(np.float32).reshape(-1, 3)
     faces = np.arange(len(vertices), dtype=np.int32).reshape(-1, 3)
     scene = EmbreeScene(robust=True)
     TriangleMesh(scene, np.ascontiguousarray(vertices), faces)

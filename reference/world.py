@@ -52,5 +52,5 @@ def build_world(scene: Scene) -> World:
     """
     geometry = build_geometry(scene)
     caster = RayCaster(geometry)
-    emitters = build_emitters(scene, geometry, caster.extent)
+    emitters = build_emitters(scene, geometry)
     return World(scene.camera, geometry, caster, emitters)

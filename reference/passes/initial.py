@@ -23,6 +23,7 @@ from reference.sampling import (
     sample_cosine_hemisphere,
     sample_uniform_hemisphere,
 )
+from reference.scene.geometry import contact
 from reference.scene.materials.parameters import Kind, MaterialTable, lit_cosine
 from reference.scene.materials.table import (
     HAS_DELTA,
@@ -160,8 +161,9 @@ def initial_samples(
     # Estimate the radiance that leaves it (line 5).
     radiance = reflected_radiance(world, met, bounces - 1, paths)
     # The sample is the point, not the ray: density and target take the direction from
-    # point to point, which differs from the ray's by the step off the surface.
-    omega, _ = direction_and_distance(points.position, met.position)
+    # point to point, which differs from the ray's by Embree's rounding.
+    x_s = contact(world.geometry, met)
+    omega, _ = direction_and_distance(points.position, x_s)
     density = source_pdf(source, world.materials, points, omega)
     shared = ~drawn.delta & (density > 0)
     unshared = np.where(drawn.delta[:, None], drawn.weight * radiance, 0.0)
@@ -177,7 +179,7 @@ def initial_samples(
         unshared += reflected_radiance(
             world, points, bounces, speculars, skip_direct=True, first=first
         )
-    y = Samples(met.position, met.normal, np.where(shared[:, None], radiance, 0.0))
+    y = Samples(x_s, met.normal, np.where(shared[:, None], radiance, 0.0))
     return InitialSamples(y, density, unshared)
 
 

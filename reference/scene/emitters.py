@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s, divide_or_zero, dot
+from reference.arrays import Indices, Masks, Scalars, Vec3s, divide_or_zero, dot, take
 from reference.images import luminance_weights
 from reference.rng import Draw
 from reference.sampling import (
@@ -20,7 +20,7 @@ from reference.scene.environment import (
     pdf_environment,
     sample_environment,
 )
-from reference.scene.geometry import Geometry
+from reference.scene.geometry import Geometry, contact
 from reference.scene.scene import Scene
 from reference.scene.surface import SurfacePoints, direction_and_distance
 
@@ -87,7 +87,7 @@ class LightSamples:
     distant: Masks
 
 
-def build_emitters(scene: Scene, geometry: Geometry, extent: float) -> Emitters | None:
+def build_emitters(scene: Scene, geometry: Geometry) -> Emitters | None:
     """List the lights of a scene.
 
     Parameters
@@ -96,8 +96,6 @@ def build_emitters(scene: Scene, geometry: Geometry, extent: float) -> Emitters 
         Validated.
     geometry : Geometry
         Of the scene.
-    extent : float, m
-        Half of the longest side of its bounding box.
 
     Returns
     -------
@@ -112,7 +110,7 @@ def build_emitters(scene: Scene, geometry: Geometry, extent: float) -> Emitters 
     irradiance = np.array([s.irradiance for s in scene.suns], float).reshape(-1, 3)
     environment = build_environment(scene.environment) if scene.environment else None
     # Power: π A L of an area, 4π I of a point; light from afar falls on a disk.
-    disk = np.pi * 3.0 * extent * extent
+    disk = np.pi * 3.0 * geometry.extent**2
     area_power = np.pi * geometry.area[primitive, None] * geometry.emission[primitive]
     powers = [area_power, 4.0 * np.pi * intensity, disk * irradiance]
     if environment is not None:
@@ -328,8 +326,9 @@ def pdf_light(
         light = np.where(points.hit, emitters.entry[points.primitive], -1)
         rows = np.flatnonzero(points.front & (light >= 0))
         primitive = points.primitive[rows]
-        offset = points.position[rows] - x[rows]
-        cosine = dot(points.normal[rows], points.wo[rows])
+        light_points = take(points, rows)
+        offset = contact(geometry, light_points) - x[rows]
+        cosine = dot(light_points.normal, light_points.wo)
         density = emitters.probability[light[rows]] / geometry.area[primitive]
         pdf[rows] = divide_or_zero(density * dot(offset, offset), cosine)
     if emitters.environment is not None:

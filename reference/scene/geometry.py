@@ -13,6 +13,14 @@ from reference.scene.surface import SurfacePoints
 from reference.scene.textures import Bitmap, Checker, read
 
 
+STEP = 2.0**-19
+"""How far before its triangle a point stands, in half extents of the scene.
+
+Embree holds vertices in float32, rounded by 2⁻²⁴ in each of three coordinates, and its
+intersection adds a few roundings more.  2⁻¹⁹ is 32 of them.
+"""
+
+
 @dataclass(frozen=True, slots=True)
 class Hits:
     """Where rays met primitives, N rows.
@@ -65,6 +73,10 @@ class Geometry:
         Materials of the scene.
     dropped : int
         Triangles without area, left out.
+    middle : (3,) float64, m
+        Centre of the bounding box.
+    extent : float, m
+        Half of its longest side.
     """
 
     corner: Vec3s
@@ -82,6 +94,8 @@ class Geometry:
     shape: Indices
     materials: MaterialTable
     dropped: int
+    middle: Vec3s
+    extent: float
 
     @property
     def triangles(self) -> int:
@@ -123,7 +137,11 @@ def build_geometry(scene: Scene) -> Geometry:
     smooth = any(m.normals is not None for m in scene.meshes)
     textured = any(isinstance(t, Bitmap | Checker) for t in table.textures)
     edge_u, edge_v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    center = np.array([s.center for s in scene.spheres], float).reshape(-1, 3)
     radius = np.array([s.radius for s in scene.spheres], float)
+    reach = radius[:, None]
+    every = np.concatenate([corners.reshape(-1, 3), center - reach, center + reach])
+    low, high = every.min(axis=0), every.max(axis=0)
     return Geometry(
         corner=np.ascontiguousarray(corners[:, 0]),
         edge_u=edge_u,
@@ -136,7 +154,7 @@ def build_geometry(scene: Scene) -> Geometry:
         uv=per_triangle([_corner_uv(m) for m in scene.meshes], (3, 2))
         if textured
         else None,
-        center=np.array([s.center for s in scene.spheres], float).reshape(-1, 3),
+        center=center,
         radius=radius,
         inward=np.array([s.inward for s in scene.spheres], bool),
         material=np.array([row[id(s.material)] for s in shapes], np.int32)[shape_index],
@@ -146,6 +164,8 @@ def build_geometry(scene: Scene) -> Geometry:
         shape=shape_index,
         materials=table,
         dropped=int(sum((~k).sum() for k in kept)),
+        middle=(low + high) / 2,
+        extent=float(np.max(high - low)) / 2,
     )
 
 
@@ -191,8 +211,8 @@ def surface_points(
     Returns
     -------
     SurfacePoints
-        Positions from the barycentric coordinates, in float64: they lie in the
-        triangle to rounding, which origin + distance · direction would not.
+        Positions from the barycentric coordinates, in float64, a ``STEP`` before the
+        triangle; on spheres, exactly on the sphere.
     """
     primitive = hits.primitive
     hit = primitive >= 0
@@ -210,21 +230,75 @@ def surface_points(
     front = dot(normal, direction) < 0
     facing = np.where(front, 1.0, -1.0)[:, None]
     material = np.where(hit, geometry.material[primitive], 0).astype(np.int32)
+    color = _colors(geometry, hits, material, hit, normal)
     smooth = None
     if geometry.smooth is not None:
         smooth = _smooth_normals(geometry, hits, on_sphere, normal) * facing
         # Interpolation may turn a normal below its own face; the face then decides.
-        smooth = np.where((dot(smooth, normal) * facing[:, 0] > 0)[:, None], smooth, normal * facing)
+        above = dot(smooth, normal) * facing[:, 0] > 0
+        smooth = np.where(above[:, None], smooth, normal * facing)
+    # Where Embree found a point, rays leave from a step before it: along the normal, and
+    # back along the ray that came.  That ray has just shown the way to be free, so the
+    # step stays before every other surface that touches the point, as in a corner.
+    normal *= facing
+    wo = -direction
+    position = position + step_before(geometry, primitive, normal, wo)
     return SurfacePoints(
         position=position,
-        normal=normal * facing,
+        normal=normal,
         smooth=smooth,
-        wo=-direction,
-        color=_colors(geometry, hits, material, hit, normal),
+        wo=wo,
+        color=color,
         material=material,
         primitive=primitive,
         front=front & hit,
     )
+
+
+def step_before(
+    geometry: Geometry, primitive: Indices, normal: Vec3s, wo: Vec3s
+) -> Vec3s:
+    """Offset from a point on a surface to where its rays start.
+
+    Parameters
+    ----------
+    geometry : Geometry
+        The scene.
+    primitive : (N,) int32
+        What was hit; rays are exact on spheres and need no step.
+    normal, wo : (N, 3) float64
+        Unit normal on the side that was seen, and direction back along the ray.
+
+    Returns
+    -------
+    (N, 3) float64, m
+        Add it to go before the surface, subtract it to return to the surface.
+    """
+    step = STEP * geometry.extent
+    offset: Vec3s = (normal + wo) * step
+    if len(geometry.radius):
+        offset = np.where((primitive < geometry.triangles)[:, None], offset, 0.0)
+    return offset
+
+
+def contact(geometry: Geometry, points: SurfacePoints) -> Vec3s:
+    """Points on the surfaces themselves, without the step.
+
+    Parameters
+    ----------
+    geometry : Geometry
+        The scene.
+    points : SurfacePoints
+        N points.
+
+    Returns
+    -------
+    (N, 3) float64, m
+        Where the rays met the surface.
+    """
+    offset = step_before(geometry, points.primitive, points.normal, points.wo)
+    touched: Vec3s = points.position - offset
+    return touched
 
 
 def _on_triangles(geometry: Geometry, hits: Hits) -> tuple[Vec3s, Vec3s]:

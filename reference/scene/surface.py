@@ -14,7 +14,8 @@ class SurfacePoints:
     Attributes
     ----------
     position : (N, 3) float64, m
-        On the surface; (0, 0, 0) where the ray left the scene.
+        Where rays leave the surface: on spheres a point of it, on triangles a tiny
+        step before it (:func:`reference.scene.geometry.contact` takes it back).
     normal : (N, 3) float64
         Unit geometric normal on the side that the ray came from.
     smooth : (N, 3) float64 or None

@@ -44,7 +44,7 @@ def cornell_box() -> Scene:
     Returns
     -------
     Scene
-        A room of 2 x 2 x 2 m; its edges lie exactly on pixel columns.
+        A room of 2 x 2 x 2 m.
     """
     meshes = (
         quad("floor", (-1, 0, 1), (2, 0, 0), (0, 0, -2), WHITE),

@@ -152,7 +152,7 @@ def default_environment(scene: Scene, ledger: Ledger) -> ConstantEnvironment | N
     ConstantEnvironment or None
         Of radiance 1, unless something emits.
     """
-    emissions = [shape.emission for shape in (*scene.meshes, *scene.spheres)]
+    emissions = [m.emission for m in scene.meshes] + [s.emission for s in scene.spheres]
     if scene.points or scene.suns or np.any(emissions):
         return None
     ledger.note(

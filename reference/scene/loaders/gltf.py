@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import Indices, Scalars, Vec3s, normalize
+from reference.arrays import Scalars, normalize
 from reference.scene.camera import Camera
 from reference.scene.lights import DirectionalLight, PointLight
 from reference.scene.loaders.framing import (
@@ -22,25 +22,18 @@ from reference.scene.loaders.framing import (
     default_environment,
     horizontal_fov,
 )
-from reference.scene.loaders.gltf_buffers import Document, read_accessor, read_document
+from reference.scene.loaders.gltf_buffers import Document, read_document
 from reference.scene.loaders.gltf_materials import (
     KNOWN_EXTENSIONS,
     Finish,
     read_finish,
 )
+from reference.scene.loaders.gltf_meshes import read_primitive
 from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.triangles import (
-    check_indices,
-    drop_texture_without_uv,
-    place,
-    turn_faces_to_normals,
-    turn_over,
-)
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh
 
 LONG_SIDE = 256  # pixels; a glTF camera knows the shape of its image, not the size
-TRIANGLES, STRIP, FAN = 4, 5, 6
 
 
 @dataclass(slots=True)
@@ -111,7 +104,7 @@ def _collect(document: Document) -> _Parts:
             for i, primitive in enumerate(mesh["primitives"]):
                 label = name if len(mesh["primitives"]) == 1 else f"{name}.{i}"
                 worn = finish(primitive.get("material"))
-                if placed := _mesh(document, primitive, label, worn, matrix):
+                if placed := read_primitive(document, primitive, label, worn, matrix):
                     parts.meshes.append(placed)
         if "camera" in node:
             entry = document.tree["cameras"][node["camera"]]
@@ -161,70 +154,6 @@ def _local_matrix(node: dict[str, Any]) -> Scalars:
     matrix[:3, :3] = rotation * np.array(node.get("scale", [1, 1, 1]), float)
     matrix[:3, 3] = node.get("translation", [0, 0, 0])
     return matrix
-
-
-def _mesh(
-    document: Document,
-    primitive: dict[str, Any],
-    name: str,
-    finish: Finish,
-    matrix: Scalars,
-) -> Mesh | None:
-    ledger = document.ledger
-    attributes = primitive["attributes"]
-    mode = primitive.get("mode", TRIANGLES)
-    if mode not in (TRIANGLES, STRIP, FAN):
-        ledger.note(f'mesh "{name}": its points or lines are left out')
-        return None
-    if "targets" in primitive:
-        ledger.note(f'mesh "{name}": its morph targets are ignored')
-    if "COLOR_0" in attributes:
-        ledger.note(f'mesh "{name}": its vertex colours are ignored')
-    vertices = read_accessor(document, attributes["POSITION"]).astype(np.float64)
-    indices: Indices = np.arange(len(vertices))
-    if "indices" in primitive:
-        indices = read_accessor(document, primitive["indices"])[:, 0]
-    normals = None
-    if "NORMAL" in attributes:
-        normals = _turn(read_accessor(document, attributes["NORMAL"]), matrix)
-    uv = None
-    if f"TEXCOORD_{finish.uv_set}" in attributes:
-        stored = read_accessor(document, attributes[f"TEXCOORD_{finish.uv_set}"])
-        u, v, _ = finish.uv_matrix @ np.c_[stored, np.ones(len(stored))].T
-        # glTF counts v from the top of the picture, we from its bottom.
-        uv = np.stack([u, 1 - v], axis=-1)
-    faces = _faces(indices, mode)
-    mesh = Mesh(
-        name=name,
-        vertices=place(vertices, matrix),
-        # A mirrored front would be the back.
-        faces=turn_over(faces) if np.linalg.det(matrix[:3, :3]) < 0 else faces,
-        material=finish.material,
-        emission=finish.emission,
-        normals=normals,
-        uv=uv,
-    )
-    check_indices(mesh, ledger)
-    return drop_texture_without_uv(turn_faces_to_normals(mesh), ledger)
-
-
-def _turn(normals: Vec3s, matrix: Scalars) -> Vec3s | None:
-    """Normals turn with the inverse transpose; a flattened mesh keeps none."""
-    linear = matrix[:3, :3]
-    if np.linalg.det(linear) == 0 or not np.isfinite(linear).all():
-        return None
-    return normalize(normals @ np.linalg.inv(linear))
-
-
-def _faces(indices: Indices, mode: int) -> Indices:
-    if mode == TRIANGLES:
-        return indices[: len(indices) // 3 * 3].reshape(-1, 3)
-    if mode == FAN:
-        first = np.full(max(len(indices) - 2, 0), indices[0] if len(indices) else 0)
-        return np.stack([first, indices[1:-1], indices[2:]], axis=-1)
-    faces = np.stack([indices[:-2], indices[1:-1], indices[2:]], axis=-1)
-    # Every other triangle of a strip is wound the other way round.
-    return turn_over(faces, np.arange(len(faces)) % 2 == 1)
 
 
 def _camera(entry: dict[str, Any], matrix: Scalars, ledger: Ledger) -> Camera | None:

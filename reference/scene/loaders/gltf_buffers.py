@@ -14,9 +14,8 @@ from reference.files import read_file
 from reference.scene.loaders.ledger import Ledger
 
 MAGIC, JSON_CHUNK, BINARY_CHUNK = b"glTF", b"JSON", b"BIN\0"
-COMPONENTS = dict(
-    zip((5120, 5121, 5122, 5123, 5125, 5126), "i1 u1 <i2 <u2 <u4 <f4".split(), strict=True)
-)
+COMPONENTS = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2"}
+COMPONENTS |= {5125: "<u4", 5126: "<f4"}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 
 

@@ -153,7 +153,9 @@ def _decode(contents: bytes, kind: str, path: Path) -> list[dict[str, Any]]:
         # With fix_texture=True vertices are reordered, but not their normals.
         return [load_ply(BytesIO(contents), fix_texture=False, skip_materials=True)]
     # The materials tell us only their names.
-    geometry = load_obj(BytesIO(contents), resolver=FilePathResolver(str(path)))["geometry"]
+    geometry = load_obj(BytesIO(contents), resolver=FilePathResolver(str(path)))[
+        "geometry"
+    ]
     return list(geometry.values())
 
 

@@ -10,9 +10,7 @@ import numpy as np
 
 from reference.arrays import Scalars
 from reference.errors import UsageError
-from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger
-from reference.scene.textures import Color
 
 VARIANT = "scalar_rgb"  # the one that needs no compiler at run time
 
@@ -67,9 +65,9 @@ class Node:
     kind : str
         Name of the plugin.
     name : str
-        Kind and id, or kind and place in the file: for messages.
+        Kind with id, place in the file, or name of what it is in: for messages.
     id : str
-        As in the file, or the name.
+        As in the file, else kind and place.
     values : dict
         Numbers, strings, colours, transforms.
     children : dict of str to Node
@@ -209,6 +207,10 @@ def parse(mi: Any, ledger: Ledger) -> Node:
                 if entry.props.type(key) == reference:
                     node.children[key] = nodes[entry.props[key].index()]
                     del node.values[key]
+        for node in nodes[1:]:  # outer ones first
+            for inner in node.children.values():
+                if inner.id == inner.name:
+                    inner.name = f"{inner.kind} in {node.name}"
         return nodes[0]
 
 
@@ -226,37 +228,3 @@ def _node(mi: Any, state: Any, entry: Any) -> Node:
         values=values,
         unread=set(values),
     )
-
-
-def constant_color(mi: Any, value: Any, emission: bool, ledger: Ledger) -> Color:
-    """Colour of a parameter that is no picture.
-
-    Parameters
-    ----------
-    mi : module
-        ``mitsuba``.
-    value : Any
-        Number, colour or spectrum, as parsed.
-    emission : bool
-        A spectrum is one of emitted light, not of reflectance.
-    ledger : Ledger
-        Of the file.
-
-    Returns
-    -------
-    Color
-        Linear Rec. 709, by Mitsuba's own conversion.
-    """
-    if isinstance(value, int | float):
-        return (float(value),) * 3
-    if type(value).__name__.startswith("Color3"):
-        return color(value)
-    with ledger.reading("spectrum"):
-        props = mi.Properties()
-        props["value"] = value
-        texture = (
-            props.get_emissive_texture("value")
-            if emission
-            else props.get_unbounded_texture("value")
-        )
-        return color(texture.eval(mi.SurfaceInteraction3f()))

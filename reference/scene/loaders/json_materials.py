@@ -1,0 +1,114 @@
+"""Materials of scene.json files."""
+
+from reference.scene.loaders.json_entries import Entry
+from reference.scene.loaders.ledger import roughness
+from reference.scene.materials.kinds import (
+    Coated,
+    Conductor,
+    Dielectric,
+    Lambertian,
+    Material,
+)
+from reference.scene.textures import Color
+
+ROUGH_METAL = ("ggx_conductor", "roughconductor", "rough_conductor")
+SMOOTH_METAL = ("mirror", "conductor")
+ROUGH_COAT = ("roughplastic", "rough_plastic", "ggx_plastic")
+KNOWN = ("diffuse", *ROUGH_METAL, *SMOOTH_METAL, *ROUGH_COAT, "plastic", "dielectric")
+MATT = Lambertian((0.5, 0.5, 0.5), two_sided=False)
+WHITE = (1.0, 1.0, 1.0)
+
+
+def read_material(entry: Entry) -> Material:
+    """Material of a file; one-sided unless it says ``"twosided": true``.
+
+    Parameters
+    ----------
+    entry : Entry
+        An object with a "type".
+
+    Returns
+    -------
+    Material
+        As the type says.
+
+    Raises
+    ------
+    UsageError
+        The type or a key is not understood, unless lenient.
+    """
+    kind = entry.get("type")
+    if kind not in KNOWN:
+        entry.ledger.replace(
+            f"{entry.name} has the type {kind!r}; known are {', '.join(KNOWN)}",
+            "taken as diffuse with reflectance 0.5",
+        )
+        return MATT
+    if kind == "dielectric":
+        material: Material = Dielectric(_ior(entry))
+        entry.get("twosided")
+    else:
+        two_sided = bool(entry.get("twosided", False))
+        if kind in (*ROUGH_METAL, *SMOOTH_METAL):
+            material = _metal(entry, kind in ROUGH_METAL, two_sided)
+        elif kind == "diffuse":
+            material = Lambertian(entry.color("reflectance"), two_sided)
+        else:
+            material = _coat(entry, kind in ROUGH_COAT, two_sided)
+    entry.refuse_unread()
+    return material
+
+
+def _metal(entry: Entry, rough: bool, two_sided: bool) -> Conductor:
+    key = "reflectance" if "reflectance" in entry.raw else "specular_reflectance"
+    reflectance = entry.color(key, WHITE)
+    eta, k = (entry.color(x) if x in entry.raw else None for x in ("eta", "k"))
+    fresnel = entry.get("fresnel")
+    if fresnel is not None:
+        # A constant Fresnel factor is one more factor of the reflectance.
+        factor = entry.color("fresnel")
+        reflectance = _product(reflectance, factor)
+    if (eta is None) != (k is None) or (eta is not None and fresnel is not None):
+        entry.ledger.stop(
+            f"{entry.name}: its Fresnel term is eta together with k, or fresnel (a"
+            " constant), or neither"
+        )
+    return Conductor(
+        reflectance,
+        alpha=_alpha(entry) if rough else 0.0,
+        eta=eta,
+        k=k,
+        two_sided=two_sided,
+    )
+
+
+def _coat(entry: Entry, rough: bool, two_sided: bool) -> Coated:
+    key = "reflectance" if "reflectance" in entry.raw else "diffuse_reflectance"
+    return Coated(
+        entry.color(key),
+        alpha=_alpha(entry) if rough else 0.0,
+        ior=_ior(entry),
+        nonlinear=bool(entry.get("nonlinear", False)),
+        specular=entry.color("specular_reflectance", WHITE),
+        two_sided=two_sided,
+    )
+
+
+def _alpha(entry: Entry) -> float:
+    distribution = entry.get("distribution", "ggx")
+    if distribution != "ggx":
+        entry.ledger.replace(
+            f"{entry.name}: the distribution {distribution!r} is not modelled, ggx is",
+            "taken as GGX of the same alpha",
+        )
+    return roughness(entry.number("alpha"), entry.name, entry.ledger)
+
+
+def _ior(entry: Entry) -> float:
+    if "int_ior" in entry.raw:
+        return entry.number("int_ior") / entry.number("ext_ior", 1.0)
+    return entry.number("ior", 1.5)
+
+
+def _product(a: Color, b: Color) -> Color:
+    return a[0] * b[0], a[1] * b[1], a[2] * b[2]

@@ -1,0 +1,226 @@
+"""Scenes in our plain convention: scene.json beside PLY files (docs: scene_json)."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from reference.errors import UsageError
+from reference.files import read_file
+from reference.scene.camera import Camera
+from reference.scene.lights import (
+    ConstantEnvironment,
+    DirectionalLight,
+    Environment,
+    LatLongEnvironment,
+    PointLight,
+)
+from reference.scene.loaders.framing import camera_or_framing, color, horizontal_fov
+from reference.scene.loaders.json_entries import Entry
+from reference.scene.loaders.json_materials import MATT, read_material
+from reference.scene.loaders.ledger import Ledger
+from reference.scene.loaders.meshes import read_parts
+from reference.scene.loaders.pictures import read_picture
+from reference.scene.loaders.triangles import check_indices
+from reference.scene.materials.kinds import Material
+from reference.scene.scene import Scene
+from reference.scene.shapes import Mesh, Sphere
+
+KNOWN = {"name", "camera", "materials", "shapes", "lights", "environment"}
+LIGHTS = ("point", "directional", "constant", "envmap")
+
+
+def load(path: Path, lenient: bool) -> Scene:
+    """Scene of a scene.json file.
+
+    Parameters
+    ----------
+    path : Path
+        .json; meshes and pictures are looked for beside it.
+    lenient : bool
+        Replace rather than refuse.
+
+    Returns
+    -------
+    Scene
+        Of flat faces.
+
+    Raises
+    ------
+    UsageError
+        Not such a file, or (unless lenient) with something not understood.
+    """
+    ledger = Ledger(path, lenient)
+    with ledger.reading("scene.json file"):
+        tree = json.loads(read_file(path).decode("utf-8"))
+    if not isinstance(tree, dict) or not isinstance(tree.get("shapes"), list):
+        ledger.stop('an object with a list "shapes" is needed at the top')
+    if ignored := sorted(tree.keys() - KNOWN):
+        ledger.note(f"Ignored at the top of the file: {', '.join(ignored)}")
+    materials = _materials(tree.get("materials", {}), ledger)
+    meshes: list[Mesh] = []
+    spheres: list[Sphere] = []
+    for i, raw in enumerate(tree["shapes"]):
+        name = raw.get("id", raw.get("file", i)) if isinstance(raw, dict) else i
+        _add_shape(meshes, spheres, Entry(f'shape "{name}"', raw, ledger), materials)
+    lights = tree.get("lights") or []
+    entries = [Entry(f"light {i}", raw, ledger) for i, raw in enumerate(lights)]
+    if tree.get("environment") is not None:
+        entries.append(_environment_entry(tree["environment"], ledger))
+    made = [light for light in map(_light, entries) if light is not None]
+    environments = [x for x in made if isinstance(x, Environment)]
+    camera = (
+        _camera(Entry("camera", tree["camera"], ledger)) if "camera" in tree else None
+    )
+    return Scene(
+        name=str(tree.get("name", path.stem)),
+        camera=camera_or_framing(camera, meshes, spheres, ledger),
+        meshes=tuple(meshes),
+        spheres=tuple(spheres),
+        points=tuple(x for x in made if isinstance(x, PointLight)),
+        suns=tuple(x for x in made if isinstance(x, DirectionalLight)),
+        environment=environments[-1] if environments else None,
+        notes=tuple(ledger.notes),
+    )
+
+
+def _materials(raw: Any, ledger: Ledger) -> dict[str, Material]:
+    if not isinstance(raw, dict):
+        ledger.stop('"materials" is no object of names and materials')
+    return {
+        name: read_material(Entry(f'material "{name}"', entry, ledger))
+        for name, entry in raw.items()
+    }
+
+
+def _camera(entry: Entry) -> Camera:
+    width, height = entry.count("width", 256), entry.count("height", 256)
+    axis = str(entry.get("fov_axis", "x"))
+    try:
+        fov_x = horizontal_fov(entry.number("fov_deg"), axis, width, height)
+    except KeyError:
+        entry.ledger.stop(
+            f"camera: fov_axis is {axis!r}; it can be x, y, diagonal, larger or smaller"
+        )
+    camera = Camera(
+        position=entry.color("origin"),
+        target=entry.color("target"),
+        up=entry.color("up", (0.0, 1.0, 0.0)),
+        fov_x=fov_x,
+        width=width,
+        height=height,
+    )
+    entry.refuse_unread(harmless={"near", "far", "near_clip", "far_clip"})
+    return camera
+
+
+def _add_shape(
+    meshes: list[Mesh],
+    spheres: list[Sphere],
+    entry: Entry,
+    materials: Mapping[str, Material],
+) -> None:
+    ledger = entry.ledger
+    wanted = entry.get("material")
+    material = materials.get(str(wanted))
+    if material is None:
+        ledger.replace(
+            f'{entry.name}: there is no material "{wanted}" (but'
+            f" {', '.join(materials) or 'none at all'})",
+            "taken as diffuse with reflectance 0.5",
+        )
+        material = MATT
+    emission = (0.0, 0.0, 0.0)
+    if entry.get("emission") is not None:
+        emission = entry.color("emission")
+    if entry.get("type") == "sphere":
+        center, radius = entry.color("center"), entry.number("radius")
+        inward = bool(entry.get("inward", False))
+        spheres.append(
+            Sphere(
+                name=entry.id,
+                center=center,
+                radius=radius,
+                material=material,
+                emission=emission,
+                inward=inward,
+            )
+        )
+    else:
+        meshes.extend(_meshes(entry, material, emission))
+    entry.refuse_unread(harmless={"id", "vertices", "area", "bounds", "bbox"})
+
+
+def _meshes(
+    entry: Entry, material: Material, emission: tuple[float, float, float]
+) -> list[Mesh]:
+    ledger = entry.ledger
+    path = ledger.path.parent / str(entry.get("file"))
+    if not path.is_file() or path.suffix.lower() not in (".ply", ".obj"):
+        ledger.replace(
+            f'{entry.name}: "{path.name}" is no PLY or OBJ file beside the scene',
+            "left out",
+        )
+        entry.get("triangles")
+        return []
+    parts = read_parts(path, ledger)
+    found, promised = sum(len(p.faces) for p in parts), entry.get("triangles")
+    if promised is not None and promised != found:
+        ledger.replace(
+            f"{entry.name} has {found} triangles in {path.name}, not {promised}",
+            f"taken with its {found}",
+        )
+    if any(part.normals is not None for part in parts):
+        ledger.note(f"{path.name}: its vertex normals are ignored, faces are flat")
+    meshes = [
+        Mesh(
+            name=entry.id,
+            vertices=part.vertices,
+            faces=part.faces,
+            material=material,
+            emission=emission,
+        )
+        for part in parts
+    ]
+    for mesh in meshes:
+        check_indices(mesh, ledger)
+    return meshes
+
+
+def _environment_entry(raw: Any, ledger: Ledger) -> Entry:
+    if not isinstance(raw, dict):
+        raw = {"type": "constant", "radiance": raw}
+    kind = "envmap" if "file" in raw else "constant"
+    return Entry("environment", {"type": kind, **raw}, ledger)
+
+
+def _light(entry: Entry) -> PointLight | DirectionalLight | Environment | None:
+    kind = entry.get("type")
+    light: PointLight | DirectionalLight | Environment
+    if kind == "point":
+        light = PointLight(entry.color("position"), entry.color("intensity"))
+    elif kind == "directional":
+        direction = np.array(entry.color("direction"))
+        # A direction of length zero is the validation's to report.
+        direction = direction / (np.linalg.norm(direction) or 1.0)
+        light = DirectionalLight(color(direction), entry.color("irradiance"))
+    elif kind == "constant":
+        light = ConstantEnvironment(entry.color("radiance"))
+    elif kind == "envmap":
+        path = entry.ledger.path.parent / str(entry.get("file"))
+        scale = entry.number("scale", 1.0)
+        try:
+            light = LatLongEnvironment(read_picture(path, entry.ledger) * scale)
+        except UsageError as error:
+            entry.ledger.replace(f"{entry.name}: {error}", "left out")
+            return None
+    else:
+        entry.ledger.replace(
+            f"{entry.name} has the type {kind!r}; known are {', '.join(LIGHTS)}",
+            "left out",
+        )
+        return None
+    entry.refuse_unread()
+    return light
