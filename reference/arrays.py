@@ -1,15 +1,13 @@
 """Row-wise verbs: the only functions that know which axis holds the components.
 
-A frame is N rows.  Scalars are ``(N,)``, vectors ``(N, 3)``; a record is a frozen
-dataclass of such arrays.  Everything here runs on any dtype: float16 to longdouble,
-and object arrays of ``fractions.Fraction`` or ``mpmath.mpf``.
+A frame is N rows.  Scalars are ``(N,)``, vectors ``(N, 3)``.  Everything here runs on any
+dtype: float16 to longdouble, and object arrays of ``fractions.Fraction`` or
+``mpmath.mpf``.
 """
 
-from collections.abc import Callable
-from dataclasses import fields
 from fractions import Fraction
 from math import isqrt
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +16,6 @@ Scalars = NDArray[Any]
 Vec3s = NDArray[Any]
 Masks = NDArray[np.bool_]
 Indices = NDArray[np.integer[Any]]
-
-Record = TypeVar("Record")
 
 
 def dot(a: Vec3s, b: Vec3s) -> Scalars:
@@ -212,115 +208,3 @@ def turn(a: Vec3s, matrix: Scalars) -> Vec3s:
         By column sums: a matrix product may round differently in another band.
     """
     return np.stack([dot(a, matrix[i]) for i in range(3)], axis=-1)
-
-
-def map_rows(function: Callable[..., Any], *records: Record) -> Record:
-    """Apply a function of arrays to each field of records of one type.
-
-    Parameters
-    ----------
-    function : callable
-        Takes as many arrays as there are records and returns an array.
-    *records : record or array
-        All of one type.  Nested records are descended into; ``None`` stays ``None``.
-
-    Returns
-    -------
-    record or array
-        Of the same type.
-    """
-    first: Any = records[0]
-    if first is None:
-        return first  # type: ignore[no-any-return]
-    if isinstance(first, np.ndarray):
-        return function(*records)  # type: ignore[no-any-return]
-    return type(first)(  # type: ignore[no-any-return]
-        **{
-            field.name: map_rows(function, *(getattr(r, field.name) for r in records))
-            for field in fields(first)
-        }
-    )
-
-
-def take(record: Record, rows: Indices) -> Record:
-    """Rows of a record (or array), by index.
-
-    Parameters
-    ----------
-    record : record or array
-        N rows.
-    rows : (K,) int
-        Which rows, in which order.
-
-    Returns
-    -------
-    record or array
-        K rows.
-    """
-    return map_rows(lambda a: np.take(a, rows, axis=0), record)
-
-
-def where(mask: Masks, yes: Record, no: Record) -> Record:
-    """Choose between two records (or arrays) row by row.
-
-    Parameters
-    ----------
-    mask : (N,) bool
-        Take ``yes`` where true.
-    yes, no : record or array
-        N rows each, of one type.
-
-    Returns
-    -------
-    record or array
-        N rows.
-    """
-
-    def choose(a: Any, b: Any) -> Any:
-        return np.where(mask[:, None] if a.ndim == 2 else mask, a, b)
-
-    return map_rows(choose, yes, no)
-
-
-def concatenate(records: list[Record]) -> Record:
-    """Join records (or arrays) end to end.
-
-    Parameters
-    ----------
-    records : list of record or array
-        At least one, all of one type.
-
-    Returns
-    -------
-    record or array
-        All rows, in the order given.
-    """
-    if len(records) == 1:
-        return records[0]
-    return map_rows(lambda *arrays: np.concatenate(arrays), *records)
-
-
-def scatter(rows: Indices, values: Record, size: int) -> Record:
-    """Put K rows into a record of ``size`` rows that is 0 elsewhere.
-
-    Parameters
-    ----------
-    rows : (K,) int
-        Where each row goes; no index twice.
-    values : record or array
-        K rows.
-    size : int
-        Rows of the result.
-
-    Returns
-    -------
-    record or array
-        ``size`` rows.
-    """
-
-    def put(a: Any) -> Any:
-        out = np.zeros((size, *a.shape[1:]), a.dtype)
-        out[rows] = a
-        return out
-
-    return map_rows(put, values)

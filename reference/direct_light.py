@@ -2,9 +2,11 @@
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s, divide_or_zero, take
+from reference.arrays import Scalars, Vec3s, divide_or_zero
+from reference.records import take
 from reference.rng import Draw
-from reference.scene.emitters import emitted, pdf_light, sample_light
+from reference.scene.emitters import emitted, pdf_light
+from reference.scene.light_sampling import sample_light
 from reference.scene.materials.table import BsdfSamples, pdf, scattering
 from reference.scene.surface import SurfacePoints
 from reference.world import World

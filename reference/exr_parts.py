@@ -2,8 +2,8 @@
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
-from io import BytesIO
+from contextlib import contextmanager, redirect_stdout
+from io import BytesIO, StringIO
 from pathlib import Path
 from typing import Any
 
@@ -101,25 +101,14 @@ def _refuse_what_is_no_flat_frame(
 def _silent() -> Iterator[None]:
     """Keep the library's own lines about a bad file out of the output.
 
-    Its C++ parts write them to descriptors 1 and 2, past Python: into the JSON on the
-    one, beside the only line of an error on the other.
+    It prints some to ``sys.stdout``, into the JSON, and its C core writes others to
+    descriptor 2, past Python, beside the only line of an error.
     """
-    streams = [fd for fd in (1, 2) if _is_open(fd)]
-    saved = [os.dup(fd) for fd in streams]
-    try:
-        with open(os.devnull, "wb") as null:
-            for fd in streams:
-                os.dup2(null.fileno(), fd)
-        yield
-    finally:
-        for fd, copy in zip(streams, saved, strict=True):
-            os.dup2(copy, fd)
-            os.close(copy)
-
-
-def _is_open(fd: int) -> bool:
-    try:
-        os.fstat(fd)
-    except OSError:
-        return False
-    return True
+    with redirect_stdout(StringIO()), open(os.devnull, "wb") as null:
+        saved = os.dup(2)
+        os.dup2(null.fileno(), 2)
+        try:
+            yield
+        finally:
+            os.dup2(saved, 2)
+            os.close(saved)

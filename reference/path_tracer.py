@@ -9,12 +9,13 @@ from typing import Literal
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s, take
+from reference.arrays import Scalars, Vec3s
 from reference.direct_light import found_by_chance, next_event
+from reference.records import take
 from reference.rng import Uniforms
 from reference.scene.camera import camera_rays
 from reference.scene.emitters import emitted
-from reference.scene.geometry import surface_points
+from reference.scene.hits import surface_points
 from reference.scene.materials.table import BsdfSamples, can_scatter, sample
 from reference.scene.surface import SurfacePoints
 from reference.world import World

@@ -3,7 +3,7 @@
 The only file that knows Embree, which works in float32.  The scene is handed to it
 moved and scaled into the cube [-1, 1]³, so that its rounding is the same relative to
 every scene, however small or far from the origin.  Surface points stand a step before
-their triangle (:data:`reference.scene.geometry.STEP`), so that rays start where they are.
+their triangle (:data:`reference.scene.hits.STEP`), so that rays start where they are.
 """
 
 import threading
@@ -14,7 +14,8 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 
 from reference.arrays import Indices, Masks, Scalars, Vec3s, dot
-from reference.scene.geometry import STEP, Geometry, Hits, contact
+from reference.scene.geometry import Geometry
+from reference.scene.hits import STEP, Hits, contact
 from reference.scene.surface import SurfacePoints
 
 STOP = 2.0**-17
@@ -130,10 +131,10 @@ class RayCaster:
         offset = toward + side[:, None] * n_to
         distance = np.sqrt(dot(offset, offset))
         shorter = np.maximum(distance - STOP * self._extent, 0.0)
-        share = np.divide(shorter, distance, out=np.zeros_like(distance), where=distance > 0)
-        free = self._no_triangle(
-            points.position, offset * share[:, None], 1.0, kind
+        share = np.divide(
+            shorter, distance, out=np.zeros_like(distance), where=distance > 0
         )
+        free = self._no_triangle(points.position, offset * share[:, None], 1.0, kind)
         if len(self._radius):
             free &= self._no_sphere(points, toward, share)
         return free
@@ -242,7 +243,11 @@ def _commit(geometry: Geometry) -> EmbreeScene:
         ],
         axis=1,
     )
-    vertices = ((corners - geometry.middle) / geometry.extent).astype(np.float32).reshape(-1, 3)
+    vertices = (
+        ((corners - geometry.middle) / geometry.extent)
+        .astype(np.float32)
+        .reshape(-1, 3)
+    )
     faces = np.arange(len(vertices), dtype=np.int32).reshape(-1, 3)
     scene = EmbreeScene(robust=True)
     TriangleMesh(scene, np.ascontiguousarray(vertices), faces)

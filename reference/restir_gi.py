@@ -5,12 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Indices, Vec3s, take
+from reference.arrays import Indices, Vec3s
 from reference.passes.gbuffer import visible_points
 from reference.passes.initial import initial_samples
 from reference.passes.shade import shade
 from reference.passes.spatial import spatial_pass
 from reference.passes.temporal import temporal_pass
+from reference.records import take
 from reference.resampling.reservoir import Reservoirs
 from reference.rng import KeyedUniforms, Stream
 from reference.scene.camera import pixel_centers

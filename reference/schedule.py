@@ -7,7 +7,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from reference.arrays import Indices, map_rows
+from reference.arrays import Indices
+from reference.records import map_rows
 
 Result = TypeVar("Result")
 

@@ -4,17 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.arrays import (
-    Indices,
-    Masks,
-    Scalars,
-    Vec3s,
-    divide_or_zero,
-    scatter,
-    take,
-    to_world,
-)
+from reference.arrays import Indices, Masks, Scalars, Vec3s, divide_or_zero, to_world
 from reference.path_tracer import follow, reflected_radiance
+from reference.records import scatter, take
 from reference.resampling.reservoir import Samples
 from reference.rng import Draw, Uniforms
 from reference.sampling import (
@@ -23,7 +15,7 @@ from reference.sampling import (
     sample_cosine_hemisphere,
     sample_uniform_hemisphere,
 )
-from reference.scene.geometry import contact
+from reference.scene.hits import contact
 from reference.scene.materials.parameters import Kind, MaterialTable, lit_cosine
 from reference.scene.materials.table import (
     HAS_DELTA,
@@ -110,7 +102,9 @@ def sample_source(
     """
     if source == "bsdf":
         return sample(table, points, u)
-    hemisphere = sample_cosine_hemisphere if source == "cosine" else sample_uniform_hemisphere
+    hemisphere = (
+        sample_cosine_hemisphere if source == "cosine" else sample_uniform_hemisphere
+    )
     wi = to_world(hemisphere(u[1], u[2]), points.shading)
     density = source_pdf(source, table, points, wi)
     weight = np.repeat((density > 0)[:, None], 3, axis=1).astype(float)

@@ -1,13 +1,18 @@
 """Algorithm 4: pixels resample what their neighbours keep."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, concatenate, take, where
-from reference.passes.initial import source_pdf
+from reference.arrays import Indices, Scalars
 from reference.passes.neighbors import NONE, find_neighbors
-from reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
+from reference.passes.normalization import (
+    HISTORY,
+    OWN,
+    Stream,
+    drop_hidden,
+    normalization,
+    sees,
+)
+from reference.records import concatenate, take, where
 from reference.resampling.reservoir import (
     Candidates,
     Reservoirs,
@@ -23,32 +28,9 @@ from reference.rng import Draw, Uniforms
 from reference.scene.surface import (
     SurfacePoints,
     VisiblePoints,
-    direction_and_distance,
 )
 from reference.settings import Settings
 from reference.world import World
-
-HISTORY, OWN = 0, 1
-"""Slots of the stream: the pixel's spatial and temporal reservoirs, then neighbours."""
-
-
-@dataclass(frozen=True, slots=True)
-class Stream:
-    """Who takes part in a pixel's spatial resampling, K rows.
-
-    Attributes
-    ----------
-    donors : list of (K,) int
-        Row of each slot, ``NONE`` where it is empty.
-    M : list of (K,) float64
-        Confidence of each slot, 0 where it is empty.
-    chosen : Candidates
-        ``y`` is the slot whose sample was kept.
-    """
-
-    donors: list[Indices]
-    M: list[Scalars]
-    chosen: Candidates
 
 
 def spatial_pass(
@@ -134,10 +116,10 @@ def _resample(
     c = stream.chosen
     chosen = Candidates(y=y, p_hat=c.p_hat, w=c.w, M=c.M)
     # Lines 16 to 20: divide by the confidences of those that could have made it.
-    total = _normalization(world, points, visible, settings, stream, y)
+    total = normalization(world, points, visible, settings, stream, y)
     kept = finalize(chosen, total)
     if settings.visibility == "chosen":
-        kept = _drop_hidden(world, points, kept)
+        kept = drop_hidden(world, points, kept)
     return cap_confidence(kept, settings.spatial_cap)
 
 
@@ -182,9 +164,7 @@ def _stream_neighbor(
     M = np.where(there, r.M, 0.0)
     # Lines 10 and 11: the sample seen from here, in the measure of here.
     x_from = np.take(visible.surface.position, donor, axis=0)
-    jacobian = reconnection_jacobian(
-        x_from, points.position, r.y.position, r.y.normal
-    )
+    jacobian = reconnection_jacobian(x_from, points.position, r.y.position, r.y.normal)
     p_hat = target(settings.target, world.materials, points, r.y)
     slot = np.full(len(donor), len(stream.donors), np.int8)
     candidate = reused_candidates(Reservoirs(slot, r.W, M), p_hat, jacobian)
@@ -192,7 +172,7 @@ def _stream_neighbor(
     if settings.visibility == "all":
         rows = np.flatnonzero(candidate.w > 0)
         seen = np.zeros(len(donor), bool)
-        seen[rows] = _sees(world, take(points, rows), take(r.y, rows))
+        seen[rows] = sees(world, take(points, rows), take(r.y, rows))
         candidate = Candidates(
             slot, candidate.p_hat, np.where(seen, candidate.w, 0.0), M
         )
@@ -210,70 +190,3 @@ def _sample_of(
     if history is None:
         return y
     return where(slot == HISTORY, take(history.y, rows), y)
-
-
-def _normalization(
-    world: World,
-    points: SurfacePoints,
-    visible: VisiblePoints,
-    settings: Settings,
-    stream: Stream,
-    y: Samples,
-) -> Scalars:
-    if settings.mis == "1/M":
-        return one_over_m(stream.M)
-    rows = np.flatnonzero(stream.chosen.w > 0)
-    z, receiver = take(y, rows), take(points, rows)
-    slot = stream.chosen.y[rows]
-    everywhere = np.ones(len(rows), bool)
-    holds, p = [everywhere, everywhere], [stream.chosen.p_hat[rows]] * 2
-    M = [m[rows] for m in stream.M]
-    for k in range(2, len(stream.donors)):
-        donor = stream.donors[k][rows]
-        some = np.flatnonzero(donor != NONE)
-        lender = take(visible.surface, donor[some])
-        made = slot[some] == k
-        at_k = _target_of_maker(world, settings, lender, take(z, some), made)
-        holds_k, p_k = np.zeros(len(rows), bool), np.zeros(len(rows))
-        holds_k[some] = at_k > 0
-        if settings.mis == "balance":
-            z_some = take(z, some)
-            p_k[some] = at_k * reconnection_jacobian(
-                receiver.position[some], lender.position, z_some.position, z_some.normal
-            )
-        holds.append(holds_k)
-        p.append(p_k)
-    if settings.mis == "1/Z":
-        total = one_over_z(M, holds)
-    else:
-        made_by = np.stack(p)[slot, np.arange(len(rows))]
-        total = balance_heuristic(M, p, made_by)
-    whole = np.ones(len(points))
-    whole[rows] = total
-    return whole
-
-
-def _target_of_maker(
-    world: World, settings: Settings, k: SurfacePoints, z: Samples, made: Masks
-) -> Scalars:
-    """Target of z at donors k, and 0 where k could not have made z."""
-    p_hat = target(settings.target, world.materials, k, z)
-    omega, _ = direction_and_distance(k.position, z.position)
-    possible = source_pdf(settings.source, world.materials, k, omega) > 0
-    p_hat = np.where(possible, p_hat, 0.0)
-    # Who made it sees it: only the others cost a ray.
-    rows = np.flatnonzero((p_hat > 0) & ~made)
-    hidden = np.zeros(len(made), bool)
-    hidden[rows] = ~_sees(world, take(k, rows), take(z, rows))
-    return np.where(hidden, 0.0, p_hat)
-
-
-def _sees(world: World, points: SurfacePoints, y: Samples) -> Masks:
-    return world.caster.visible(points, y.position, y.normal, "reuse")
-
-
-def _drop_hidden(world: World, points: SurfacePoints, r: Reservoirs) -> Reservoirs:
-    rows = np.flatnonzero(r.W > 0)
-    seen = np.zeros(len(r.W), bool)
-    seen[rows] = _sees(world, take(points, rows), take(r.y, rows))
-    return Reservoirs(y=r.y, W=np.where(seen, r.W, 0.0), M=r.M)

@@ -1,5 +1,6 @@
 """Algorithm 3: the new sample meets what the pixel kept from earlier frames."""
 
+from reference.passes.initial import InitialSamples
 from reference.resampling.mis import one_over_m
 from reference.resampling.reservoir import (
     Reservoirs,
@@ -9,7 +10,6 @@ from reference.resampling.reservoir import (
     merge,
     reused_candidates,
 )
-from reference.passes.initial import InitialSamples
 from reference.resampling.target import Target, target
 from reference.rng import Uniforms
 from reference.scene.surface import SurfacePoints
@@ -61,9 +61,7 @@ def temporal_pass(
     if history is None:
         return cap_confidence(finalize(new, new.M), cap)
     # Line 3: the reservoir of the last frame competes with w = p̂ W M.
-    old = reused_candidates(
-        history, target(kind, world.materials, points, history.y)
-    )
+    old = reused_candidates(history, target(kind, world.materials, points, history.y))
     # Lines 5 and 6.
     both = merge(old, new, uniforms.draw(0)[0])
     return cap_confidence(finalize(both, one_over_m([old.M, new.M])), cap)

@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import Masks, Scalars, Vec3s, divide_or_zero, where
+from reference.arrays import Masks, Scalars, Vec3s, divide_or_zero
+from reference.records import where
 
 
 @dataclass(frozen=True, slots=True)

@@ -31,9 +31,7 @@ def luminance(color: Vec3s) -> Scalars:
     return dot(color, np.array(luminance_weights()))
 
 
-def reflected(
-    table: MaterialTable, receiver: SurfacePoints, y: Samples
-) -> Vec3s:
+def reflected(table: MaterialTable, receiver: SurfacePoints, y: Samples) -> Vec3s:
     """Integrand f = f_r(ω_o, ω) cos θ L_o(x_s) of the pixel, without visibility.
 
     Parameters

@@ -48,7 +48,9 @@ def build_environment(source: Environment) -> EnvironmentMap:
         return EnvironmentMap(source, None, None)
     height, width, _ = source.pixels.shape
     luminance = source.pixels @ np.array(luminance_weights())
-    padded = np.pad(np.pad(luminance, ((1, 1), (0, 0)), "edge"), ((0, 0), (1, 1)), "wrap")
+    padded = np.pad(
+        np.pad(luminance, ((1, 1), (0, 0)), "edge"), ((0, 0), (1, 1)), "wrap"
+    )
     largest = np.max(
         [padded[i : i + height, j : j + width] for i in range(3) for j in range(3)],
         axis=0,

@@ -30,6 +30,8 @@
       image.style.clipPath = "";
     }
     if (split) images.b.style.clipPath = `inset(0 0 0 ${get("split").value}%)`;
+    get("divider").hidden = !split;
+    get("divider").style.left = `${get("split").value}%`;
     for (const figure of figures) figure.hidden = figure.dataset.view !== name;
     get("split-label").style.visibility = split ? "visible" : "hidden";
     document.querySelector(`#views input[value=${name}]`).checked = true;
@@ -73,7 +75,8 @@
       const text = (rgb) => rgb.map((v) => v.toPrecision(4).padStart(11)).join(" ");
       const [va, vb] = [pixel(a), pixel(b)];
       line[0] += "\n";
-      line.push(`A ${text(va)}\n`, `B ${text(vb)}\n`, `A−B ${text(va.map((v, k) => v - vb[k]))}`);
+      line.push(`A   ${text(va)}\n`, `B   ${text(vb)}\n`,
+        `A−B ${text(va.map((v, k) => v - vb[k]))}`);
     }
     get("readout").textContent = line.join("");
     const box = get("probe");

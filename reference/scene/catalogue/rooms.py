@@ -95,7 +95,14 @@ def door_ajar() -> Scene:
         box(
             "door",
             (0.05, 1.99, 1.0),
-            pose(15, (-2 + 0.5 * np.sin(np.radians(15)), 0.996, -0.5 + 0.5 * np.cos(np.radians(15)))),
+            pose(
+                15,
+                (
+                    -2 + 0.5 * np.sin(np.radians(15)),
+                    0.996,
+                    -0.5 + 0.5 * np.cos(np.radians(15)),
+                ),
+            ),
             wood,
         ),
         box("table", (0.9, 0.06, 1.4), pose(8, (0.1, 0.75, -0.7)), wood),
@@ -110,9 +117,7 @@ def door_ajar() -> Scene:
             emission=(120.0, 110.0, 95.0),
         ),
     )
-    camera = Camera(
-        position=(1.85, 1.4, 1.6), target=(-1.0, 0.9, -0.6), fov_x=70.0
-    )
+    camera = Camera(position=(1.85, 1.4, 1.6), target=(-1.0, 0.9, -0.6), fov_x=70.0)
     return Scene(name="door-ajar", camera=camera, meshes=meshes)
 
 

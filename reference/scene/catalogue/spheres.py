@@ -11,7 +11,9 @@ ALBEDO = 0.5
 EMISSION = 2.0
 INTENSITY = 3.0
 
-_CAMERA = Camera(position=(0.3, 0.2, 0.1), target=(0.4, 0.9, -0.2), up=(0, 0, 1), fov_x=80.0)
+_CAMERA = Camera(
+    position=(0.3, 0.2, 0.1), target=(0.4, 0.9, -0.2), up=(0, 0, 1), fov_x=80.0
+)
 
 
 def sphere_furnace() -> Scene:

@@ -80,7 +80,9 @@ def glossy_floor() -> Scene:
     meshes = (
         quad("floor", (-3, 0, 3), (6, 0, 0), (0, 0, -5), floor),
         quad("wall", (-3, 0, -2), (6, 0, 0), (0, 3, 0), wall),
-        quad("side wall", (-3, 0, 3), (0, 0, -5), (0, 3, 0), Lambertian((0.3, 0.4, 0.6))),
+        quad(
+            "side wall", (-3, 0, 3), (0, 0, -5), (0, 3, 0), Lambertian((0.3, 0.4, 0.6))
+        ),
         box("seat", (0.95, 0.08, 0.85), pose(20, (0, 0.94, 0)), wood),
         *legs,
     )

@@ -179,9 +179,7 @@ def sample_smooth(
     return wi, weight, np.where(from_coat, 0.0, density), from_coat
 
 
-def reflect_in_coat(
-    table: MaterialTable, points: SurfacePoints
-) -> tuple[Vec3s, Vec3s]:
+def reflect_in_coat(table: MaterialTable, points: SurfacePoints) -> tuple[Vec3s, Vec3s]:
     """Mirror direction of a smooth coat and the share that it reflects.
 
     Parameters

@@ -79,9 +79,7 @@ def scattering(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Vec3s:
     return reflectance(table, points, cos_d) * lobe[:, None]
 
 
-def pdf_reflected(
-    table: MaterialTable, points: SurfacePoints, wi: Vec3s
-) -> Scalars:
+def pdf_reflected(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Scalars:
     """Density of :func:`sample_reflected`, G1(wo) D(h) / (4 cos θ_o).
 
     Parameters

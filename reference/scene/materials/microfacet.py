@@ -58,9 +58,7 @@ def smith_g1(cos: Scalars, alpha: Scalars) -> Scalars:
     return g1
 
 
-def sample_visible_normal(
-    wo: Vec3s, alpha: Scalars, u1: Scalars, u2: Scalars
-) -> Vec3s:
+def sample_visible_normal(wo: Vec3s, alpha: Scalars, u1: Scalars, u2: Scalars) -> Vec3s:
     """Microfacet normals with density G1(wo) max(0, wo·h) D(h) / cos θ_o.
 
     Parameters

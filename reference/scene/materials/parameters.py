@@ -146,9 +146,7 @@ def _column(materials: list[Material], name: str, absent: tuple[float, ...]) -> 
     return np.array([absent if v is None else v for v in values], float)
 
 
-def lit_cosine(
-    table: MaterialTable, points: SurfacePoints, wi: Vec3s
-) -> Scalars:
+def lit_cosine(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Scalars:
     """Cosine of light with the shading normal where it can be reflected, else 0.
 
     Parameters

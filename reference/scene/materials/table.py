@@ -5,15 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import (
-    Indices,
-    Masks,
-    Scalars,
-    Vec3s,
-    divide_or_zero,
-    dot,
-    take,
-)
+from reference.arrays import Indices, Masks, Scalars, Vec3s, divide_or_zero, dot
+from reference.records import take
 from reference.rng import Draw
 from reference.scene.materials import coated, conductor, dielectric, lambertian
 from reference.scene.materials.microfacet import reflect

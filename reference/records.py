@@ -1,0 +1,123 @@
+"""Records: frozen dataclasses of arrays that share their rows, handled as one array."""
+
+from collections.abc import Callable
+from dataclasses import fields
+from typing import Any, TypeVar
+
+import numpy as np
+
+from reference.arrays import Indices, Masks
+
+Record = TypeVar("Record")
+
+
+def map_rows(function: Callable[..., Any], *records: Record) -> Record:
+    """Apply a function of arrays to each field of records of one type.
+
+    Parameters
+    ----------
+    function : callable
+        Takes as many arrays as there are records and returns an array.
+    *records : record or array
+        All of one type.  Nested records are descended into; ``None`` stays ``None``.
+
+    Returns
+    -------
+    record or array
+        Of the same type.
+    """
+    first: Any = records[0]
+    if first is None:
+        return first  # type: ignore[no-any-return]
+    if isinstance(first, np.ndarray):
+        return function(*records)  # type: ignore[no-any-return]
+    return type(first)(  # type: ignore[no-any-return]
+        **{
+            field.name: map_rows(function, *(getattr(r, field.name) for r in records))
+            for field in fields(first)
+        }
+    )
+
+
+def take(record: Record, rows: Indices) -> Record:
+    """Rows of a record (or array), by index.
+
+    Parameters
+    ----------
+    record : record or array
+        N rows.
+    rows : (K,) int
+        Which rows, in which order.
+
+    Returns
+    -------
+    record or array
+        K rows.
+    """
+    return map_rows(lambda a: np.take(a, rows, axis=0), record)
+
+
+def where(mask: Masks, yes: Record, no: Record) -> Record:
+    """Choose between two records (or arrays) row by row.
+
+    Parameters
+    ----------
+    mask : (N,) bool
+        Take ``yes`` where true.
+    yes, no : record or array
+        N rows each, of one type.
+
+    Returns
+    -------
+    record or array
+        N rows.
+    """
+
+    def choose(a: Any, b: Any) -> Any:
+        return np.where(mask[:, None] if a.ndim == 2 else mask, a, b)
+
+    return map_rows(choose, yes, no)
+
+
+def concatenate(records: list[Record]) -> Record:
+    """Join records (or arrays) end to end.
+
+    Parameters
+    ----------
+    records : list of record or array
+        At least one, all of one type.
+
+    Returns
+    -------
+    record or array
+        All rows, in the order given.
+    """
+    if len(records) == 1:
+        return records[0]
+    return map_rows(lambda *arrays: np.concatenate(arrays), *records)
+
+
+def scatter(rows: Indices, values: Record, size: int) -> Record:
+    """Put K rows into a record of ``size`` rows that is 0 elsewhere.
+
+    Parameters
+    ----------
+    rows : (K,) int
+        Where each row goes; no index twice.
+    values : record or array
+        K rows.
+    size : int
+        Rows of the result.
+
+    Returns
+    -------
+    record or array
+        ``size`` rows.
+    """
+
+    def put(a: Any) -> Any:
+        out = np.zeros((size, *a.shape[1:]), a.dtype)
+        out[rows] = a
+        return out
+
+    return map_rows(put, values)

@@ -1,0 +1,213 @@
+"""From hits to surface points: where, with which normal, of which colour."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reference.arrays import Indices, Masks, Scalars, Vec3s, dot, normalize
+from reference.records import take
+from reference.scene.geometry import Geometry
+from reference.scene.surface import SurfacePoints
+from reference.scene.textures import Bitmap, Checker, read
+
+STEP = 2.0**-19
+"""How far before its triangle a point stands, in half extents of the scene.
+
+Embree holds vertices in float32, rounded by 2⁻²⁴ in each of three coordinates, and its
+intersection adds a few roundings more.  2⁻¹⁹ is 32 of them.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Hits:
+    """Where rays met primitives, N rows.
+
+    Attributes
+    ----------
+    primitive : (N,) int32
+        Triangle, or sphere after the last triangle; -1 for a miss.
+    u, v : (N,) float64
+        Barycentric coordinates of the second and third vertex, on triangles.
+    distance : (N,) float64, m
+        Along the ray; inf for a miss.
+    """
+
+    primitive: Indices
+    u: Scalars
+    v: Scalars
+    distance: Scalars
+
+
+def surface_points(
+    geometry: Geometry, hits: Hits, origin: Vec3s, direction: Vec3s
+) -> SurfacePoints:
+    """Points, normals and materials where rays met the scene.
+
+    Parameters
+    ----------
+    geometry : Geometry
+        The scene.
+    hits : Hits
+        N rows.
+    origin, direction : (N, 3) float64
+        The rays; unit directions.
+
+    Returns
+    -------
+    SurfacePoints
+        Positions from the barycentric coordinates, in float64, a ``STEP`` before the
+        triangle; on spheres, exactly on the sphere.
+    """
+    primitive = hits.primitive
+    hit = primitive >= 0
+    on_sphere = primitive >= geometry.triangles
+    points = _on_triangles(geometry, hits)
+    if on_sphere.any():
+        rows = np.flatnonzero(on_sphere)
+        sphere = primitive[rows] - geometry.triangles
+        ray = origin[rows] + hits.distance[rows, None] * direction[rows]
+        outward = normalize(ray - geometry.center[sphere])
+        radius = geometry.radius[sphere][:, None]
+        points[0][rows] = geometry.center[sphere] + radius * outward
+        points[1][rows] = np.where(geometry.inward[sphere][:, None], -outward, outward)
+    position, normal = points
+    front = dot(normal, direction) < 0
+    facing = np.where(front, 1.0, -1.0)[:, None]
+    material = np.where(hit, geometry.material[primitive], 0).astype(np.int32)
+    color = _colors(geometry, hits, material, hit, normal)
+    smooth = None
+    if geometry.smooth is not None:
+        smooth = _smooth_normals(geometry, hits, on_sphere, normal) * facing
+        # Interpolation may turn a normal below its own face; the face then decides.
+        above = dot(smooth, normal) * facing[:, 0] > 0
+        smooth = np.where(above[:, None], smooth, normal * facing)
+    # Where Embree found a point, rays leave from a step before it: along the normal, and
+    # back along the ray that came.  That ray has just shown the way to be free, so the
+    # step stays before every other surface that touches the point, as in a corner.
+    normal *= facing
+    wo = -direction
+    position = position + step_before(geometry, primitive, normal, wo)
+    return SurfacePoints(
+        position=position,
+        normal=normal,
+        smooth=smooth,
+        wo=wo,
+        color=color,
+        material=material,
+        primitive=primitive,
+        front=front & hit,
+    )
+
+
+def step_before(
+    geometry: Geometry, primitive: Indices, normal: Vec3s, wo: Vec3s
+) -> Vec3s:
+    """Offset from a point on a surface to where its rays start.
+
+    Parameters
+    ----------
+    geometry : Geometry
+        The scene.
+    primitive : (N,) int32
+        What was hit; rays are exact on spheres and need no step.
+    normal, wo : (N, 3) float64
+        Unit normal on the side that was seen, and direction back along the ray.
+
+    Returns
+    -------
+    (N, 3) float64, m
+        Add it to go before the surface, subtract it to return to the surface.
+    """
+    step = STEP * geometry.extent
+    offset: Vec3s = (normal + wo) * step
+    if len(geometry.radius):
+        offset = np.where((primitive < geometry.triangles)[:, None], offset, 0.0)
+    return offset
+
+
+def contact(geometry: Geometry, points: SurfacePoints) -> Vec3s:
+    """Points on the surfaces themselves, without the step.
+
+    Parameters
+    ----------
+    geometry : Geometry
+        The scene.
+    points : SurfacePoints
+        N points.
+
+    Returns
+    -------
+    (N, 3) float64, m
+        Where the rays met the surface.
+    """
+    offset = step_before(geometry, points.primitive, points.normal, points.wo)
+    touched: Vec3s = points.position - offset
+    return touched
+
+
+def _on_triangles(geometry: Geometry, hits: Hits) -> tuple[Vec3s, Vec3s]:
+    size = len(hits.primitive)
+    if geometry.triangles == 0:
+        return np.zeros((size, 3)), np.zeros((size, 3))
+    is_triangle = (hits.primitive >= 0) & (hits.primitive < geometry.triangles)
+    rows = np.where(is_triangle, hits.primitive, 0)
+    position = np.take(geometry.edge_u, rows, axis=0) * hits.u[:, None]
+    position += np.take(geometry.edge_v, rows, axis=0) * hits.v[:, None]
+    position += np.take(geometry.corner, rows, axis=0)
+    normal = np.take(geometry.face_normal, rows, axis=0)
+    if not is_triangle.all():
+        position[~is_triangle], normal[~is_triangle] = 0.0, 0.0
+    return position, normal
+
+
+def _barycentric(corners: Scalars, hits: Hits, rows: Indices) -> Scalars:
+    u, v = hits.u[rows, None], hits.v[rows, None]
+    blended: Scalars = (
+        (1 - u - v) * corners[:, 0] + u * corners[:, 1] + v * corners[:, 2]
+    )
+    return blended
+
+
+def _smooth_normals(
+    geometry: Geometry, hits: Hits, on_sphere: Masks, normal: Vec3s
+) -> Vec3s:
+    smooth = normal.copy()
+    rows = np.flatnonzero((hits.primitive >= 0) & ~on_sphere)
+    if geometry.smooth is not None and len(rows):
+        corners = geometry.smooth[hits.primitive[rows]]
+        smooth[rows] = normalize(_barycentric(corners, hits, rows))
+    return smooth
+
+
+def _colors(
+    geometry: Geometry, hits: Hits, material: Indices, hit: Masks, normal: Vec3s
+) -> Vec3s:
+    table = geometry.materials
+    color = np.take(table.color, material, axis=0)
+    if not hit.all():
+        color[~hit] = 0.0
+    for index, texture in enumerate(table.textures):
+        if not isinstance(texture, Bitmap | Checker):
+            continue
+        rows = np.flatnonzero(hit & (material == index))
+        if len(rows):
+            uv = _texture_coordinates(geometry, take(hits, rows), normal[rows])
+            color[rows] = read(texture, uv)
+    return color
+
+
+def _texture_coordinates(geometry: Geometry, hits: Hits, normal: Vec3s) -> Scalars:
+    uv = np.zeros((len(hits.primitive), 2))
+    on_sphere = hits.primitive >= geometry.triangles
+    triangle = np.flatnonzero(~on_sphere)
+    if geometry.uv is not None and len(triangle):
+        corners = geometry.uv[hits.primitive[triangle]]
+        uv[triangle] = _barycentric(corners, hits, triangle)
+    sphere = np.flatnonzero(on_sphere)
+    if len(sphere):
+        inward = geometry.inward[hits.primitive[sphere] - geometry.triangles]
+        n = normal[sphere] * np.where(inward, -1.0, 1.0)[:, None]
+        # Longitude from +x towards +z, latitude from the south pole at -y.
+        uv[sphere, 0] = (np.arctan2(n[:, 2], n[:, 0]) / (2.0 * np.pi)) % 1.0
+        uv[sphere, 1] = 0.5 + np.arcsin(np.clip(n[:, 1], -1.0, 1.0)) / np.pi
+    return uv

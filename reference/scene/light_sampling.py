@@ -1,0 +1,165 @@
+"""Points drawn on lights, for next-event estimation."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reference.arrays import Indices, Masks, Scalars, Vec3s, divide_or_zero, dot
+from reference.rng import Draw
+from reference.sampling import sample_table, sample_triangle, sample_uniform_sphere
+from reference.scene.emitters import Emitters
+from reference.scene.environment import environment_radiance, sample_environment
+from reference.scene.geometry import Geometry
+from reference.scene.surface import direction_and_distance
+
+
+@dataclass(frozen=True, slots=True)
+class LightSamples:
+    """Points drawn on lights, N rows.
+
+    Attributes
+    ----------
+    wi : (N, 3) float64
+        Unit directions to the light.
+    weight : (N, 3) float64
+        Radiance over density; irradiance over probability for point lights and suns.
+    pdf : (N,) float64, 1/sr
+        Density in solid angle; 0 where only this strategy finds the light.
+    x_to, n_to : (N, 3) float64
+        Point and normal on the light; 0 where it is infinitely far.
+    distant : (N,) bool
+        Infinitely far.
+    """
+
+    wi: Vec3s
+    weight: Vec3s
+    pdf: Scalars
+    x_to: Vec3s
+    n_to: Vec3s
+    distant: Masks
+
+
+def sample_light(
+    emitters: Emitters, geometry: Geometry, x: Vec3s, u: Draw
+) -> LightSamples:
+    """Draw a point on a light for each surface point.
+
+    Parameters
+    ----------
+    emitters : Emitters
+        The lights.
+    geometry : Geometry
+        The scene.
+    x : (N, 3) float64, m
+        Surface points.
+    u : four (N,) float64
+        Lane 0 chooses the light, 1 and 2 the point on it.
+
+    Returns
+    -------
+    LightSamples
+        Weight 0 where the light's back faces the point.
+    """
+    light, _ = sample_table(emitters.cumulative, u[0])
+    areas, out = len(emitters.primitive), _empty_samples(len(x))
+    far, every = _first_far(emitters), len(emitters.probability)
+    sky = far + len(emitters.direction)
+    bounds = (0, areas, far, sky, every)
+    samplers = (_sample_area, _sample_point, _sample_sun, _sample_sky)
+    for first, last, sampler in zip(bounds, bounds[1:], samplers, strict=False):
+        if first == 0 and last == every:
+            return sampler(emitters, geometry, x, light, u)
+        rows = np.flatnonzero((light >= first) & (light < last))
+        if len(rows) == 0:
+            continue
+        lanes = (u[0][rows], u[1][rows], u[2][rows], u[3][rows])
+        some = sampler(emitters, geometry, x[rows], light[rows] - first, lanes)
+        for name in LightSamples.__slots__:
+            getattr(out, name)[rows] = getattr(some, name)
+    return out
+
+
+def _first_far(emitters: Emitters) -> int:
+    return len(emitters.primitive) + len(emitters.position)
+
+
+def _empty_samples(size: int) -> LightSamples:
+    wi, weight, x_to, n_to = (np.zeros((size, 3)) for _ in range(4))
+    return LightSamples(wi, weight, np.zeros(size), x_to, n_to, np.zeros(size, bool))
+
+
+def _sample_area(
+    emitters: Emitters, geometry: Geometry, x: Vec3s, light: Indices, u: Draw
+) -> LightSamples:
+    primitive = emitters.primitive[light]
+    x_to, n_to = _point_on(geometry, primitive, u)
+    wi, distance = direction_and_distance(x, x_to)
+    cos_light = np.maximum(-dot(n_to, wi), 0.0)
+    density = emitters.probability[light] / geometry.area[primitive]
+    pdf = divide_or_zero(density * distance * distance, cos_light)
+    weight = divide_or_zero(geometry.emission[primitive], pdf[:, None])
+    return LightSamples(wi, weight, pdf, x_to, n_to, np.zeros(len(x), bool))
+
+
+def _point_on(geometry: Geometry, primitive: Indices, u: Draw) -> tuple[Vec3s, Vec3s]:
+    b1, b2 = sample_triangle(u[1], u[2])
+    on_sphere = primitive >= geometry.triangles
+    if not on_sphere.all():
+        row = np.where(on_sphere, 0, primitive)
+        x = geometry.corner[row] + b1[:, None] * geometry.edge_u[row]
+        x = x + b2[:, None] * geometry.edge_v[row]
+        n = geometry.face_normal[row]
+        if not on_sphere.any():
+            return x, n
+    else:
+        x = n = np.zeros((len(primitive), 3))
+    sphere = np.where(on_sphere, primitive - geometry.triangles, 0)
+    outward = sample_uniform_sphere(u[1], u[2])
+    on = geometry.center[sphere] + geometry.radius[sphere][:, None] * outward
+    front = np.where(geometry.inward[sphere][:, None], -outward, outward)
+    choose = on_sphere[:, None]
+    return np.where(choose, on, x), np.where(choose, front, n)
+
+
+def _sample_point(
+    emitters: Emitters, geometry: Geometry, x: Vec3s, light: Indices, u: Draw
+) -> LightSamples:
+    x_to = emitters.position[light]
+    wi, distance = direction_and_distance(x, x_to)
+    probability = emitters.probability[len(emitters.primitive) + light]
+    per_distance = divide_or_zero(1.0 / probability, distance * distance)
+    weight = emitters.intensity[light] * per_distance[:, None]
+    size = len(x)
+    free_space = np.zeros((size, 3))
+    return LightSamples(
+        wi, weight, np.zeros(size), x_to, free_space, np.zeros(size, bool)
+    )
+
+
+def _sample_sun(
+    emitters: Emitters, geometry: Geometry, x: Vec3s, light: Indices, u: Draw
+) -> LightSamples:
+    size = len(x)
+    probability = emitters.probability[_first_far(emitters) + light]
+    weight = emitters.irradiance[light] / probability[:, None]
+    nowhere = np.zeros((size, 3))
+    return LightSamples(
+        -emitters.direction[light],
+        weight,
+        np.zeros(size),
+        nowhere,
+        nowhere,
+        np.ones(size, bool),
+    )
+
+
+def _sample_sky(
+    emitters: Emitters, geometry: Geometry, x: Vec3s, light: Indices, u: Draw
+) -> LightSamples:
+    assert emitters.environment is not None
+    wi, density = sample_environment(emitters.environment, u[1], u[2])
+    pdf = density * emitters.probability[-1]
+    radiance = environment_radiance(emitters.environment, wi)
+    nowhere = np.zeros_like(wi)
+    weight = radiance / pdf[:, None]
+    return LightSamples(wi, weight, pdf, nowhere, nowhere, np.ones(len(wi), bool))

@@ -1,0 +1,161 @@
+"""A file is whole or not there: full disks, wrong paths, Ctrl-C."""
+
+import errno
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from reference.errors import UsageError
+from reference.files import read_file, write_file
+
+ROOT = Path(__file__).parents[2]
+
+not_as_root = pytest.mark.skipif(
+    not hasattr(os, "geteuid") or os.geteuid() == 0,
+    reason="permissions do not bind this user",
+)
+
+
+def names(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+def assert_one_line(error, *words):
+    message = str(error.value)
+    assert len(message.splitlines()) == 1
+    for word in words:
+        assert str(word) in message
+
+
+def test_a_message_stays_one_line():
+    assert str(UsageError("no\nsuch\r\nfile\u2028here")) == "no such file here"
+
+
+def test_a_file_is_replaced(tmp_path):
+    path = tmp_path / "a"
+    write_file(path, b"old")
+    write_file(path, b"new")
+    assert read_file(path) == b"new"
+    assert names(tmp_path) == ["a"]
+
+
+def test_a_new_file_may_be_read_by_those_whom_the_umask_allows(tmp_path):
+    """Not the 0600 of a file made as temporary."""
+    (tmp_path / "plain").touch()
+    write_file(tmp_path / "a", b"")
+    assert (tmp_path / "a").stat().st_mode == (tmp_path / "plain").stat().st_mode
+
+
+def test_a_link_stays_a_link(tmp_path):
+    (tmp_path / "far").mkdir()
+    link = tmp_path / "link"
+    link.symlink_to(tmp_path / "far" / "a")
+    write_file(link, b"new")
+    assert link.is_symlink()
+    assert (tmp_path / "far" / "a").read_bytes() == b"new"
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("missing/a", "No such file or directory"),
+        ("file/a", "Not a directory"),
+        ("folder", "not a regular file"),
+        ("x" * 300, "File name too long"),
+    ],
+)
+def test_where_nothing_can_be_written(tmp_path, name, reason):
+    (tmp_path / "file").touch()
+    (tmp_path / "folder").mkdir()
+    before = names(tmp_path)
+    with pytest.raises(UsageError, match=reason) as error:
+        write_file(tmp_path / name, b"new")
+    assert_one_line(error, tmp_path / name)
+    assert names(tmp_path) == before
+
+
+def test_a_device_is_not_replaced_by_a_file():
+    with pytest.raises(UsageError, match="not a regular file"):
+        write_file(Path(os.devnull), b"new")
+
+
+@not_as_root
+def test_a_folder_that_may_not_be_written(tmp_path):
+    tmp_path.chmod(0o500)
+    with pytest.raises(UsageError, match="Permission denied"):
+        write_file(tmp_path / "a", b"new")
+    tmp_path.chmod(0o700)
+    assert names(tmp_path) == []
+
+
+@pytest.mark.parametrize("what", ["os.fsync", "pathlib.Path.replace"])
+@pytest.mark.parametrize(
+    ("failure", "raised"),
+    [
+        (OSError(errno.ENOSPC, os.strerror(errno.ENOSPC)), UsageError),
+        (KeyboardInterrupt(), KeyboardInterrupt),
+    ],
+)
+def test_an_old_file_survives(tmp_path, monkeypatch, what, failure, raised):
+    path = tmp_path / "a"
+    write_file(path, b"old")
+
+    def fail(*_):
+        raise failure
+
+    monkeypatch.setattr(what, fail)
+    with pytest.raises(raised) as error:
+        write_file(path, b"new")
+    monkeypatch.undo()
+    assert path.read_bytes() == b"old"
+    assert names(tmp_path) == ["a"]
+    if raised is UsageError:
+        assert_one_line(error, path, "No space left on device")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no limit on file size there")
+def test_a_write_that_really_fails_half_way(tmp_path):
+    """The system stops the write after 1000 bytes, in a process of its own."""
+    path = tmp_path / "a"
+    path.write_bytes(b"old")
+    script = f"""
+import resource
+from pathlib import Path
+from reference.errors import UsageError
+from reference.files import write_file
+resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+try:
+    write_file(Path({str(path)!r}), bytes(10**6))
+except UsageError as error:
+    print(error)
+"""
+    command = [sys.executable, "-W", "error", "-c", script]
+    result = subprocess.run(
+        command, cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert result.stdout.splitlines() == [result.stdout.rstrip("\n")]
+    assert f"cannot write {path}: File too large" in result.stdout
+    assert path.read_bytes() == b"old"
+    assert names(tmp_path) == ["a"]
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [("missing", "No such file"), ("folder", "Is a directory"), ("a\nb", "No such")],
+)
+def test_what_cannot_be_read(tmp_path, name, reason):
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(UsageError, match=reason) as error:
+        read_file(tmp_path / name)
+    assert_one_line(error, tmp_path)
+
+
+@not_as_root
+def test_what_may_not_be_read(tmp_path):
+    path = tmp_path / "a"
+    path.touch(0o000)
+    with pytest.raises(UsageError, match="Permission denied"):
+        read_file(path)
