@@ -125,7 +125,9 @@ def divide_or_zero(numerator: Scalars, denominator: Scalars) -> Scalars:
         Exactly 0 where the denominator is 0, whatever the numerator.
     """
     numerator, denominator = np.broadcast_arrays(numerator, denominator)
-    out = np.zeros(numerator.shape, np.result_type(numerator, denominator))
+    dtype = np.result_type(numerator, denominator)
+    # Among rationals 0 is a rational: the quotient 0 / 2 of integers is a float.
+    out = numerator * 0 if dtype == object else np.zeros(numerator.shape, dtype)
     np.divide(numerator, denominator, out=out, where=denominator != 0)
     return out
 

@@ -2,10 +2,11 @@
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s, divide_or_zero
+from reference.arrays import Indices, Scalars, Vec3s, divide_or_zero
 from reference.records import take
 from reference.rng import Draw
-from reference.scene.emitters import emitted, pdf_light
+from reference.scene.emitters import emitted, may_emit, pdf_light
+from reference.scene.hits import Hits, surface_points
 from reference.scene.light_sampling import sample_light
 from reference.scene.materials.table import BsdfSamples, pdf, scattering
 from reference.scene.surface import SurfacePoints
@@ -41,31 +42,26 @@ def next_event(world: World, points: SurfacePoints, u: Draw) -> Vec3s:
         return radiance
     light = sample_light(world.emitters, world.geometry, points.position, u)
     value = scattering(world.materials, points, light.wi) * light.weight
-    rows = np.flatnonzero(value.any(axis=1))
-    if len(rows) == 0:
-        return radiance
-    some, light, value = take(points, rows), take(light, rows), value[rows]
     if world.emitters.can_be_hit:
-        by_chance = pdf(world.materials, some, light.wi)
-        value = value * balance(light.pdf, by_chance)[:, None]
-    if light.distant.all():
-        seen = world.caster.escapes(some, light.wi, "shadow")
-    elif not light.distant.any():
-        seen = world.caster.visible(some, light.x_to, light.n_to, "shadow")
-    else:
-        seen = np.zeros(len(rows), bool)
-        far, near = np.flatnonzero(light.distant), np.flatnonzero(~light.distant)
-        seen[far] = world.caster.escapes(take(some, far), light.wi[far], "shadow")
-        seen[near] = world.caster.visible(
-            take(some, near), light.x_to[near], light.n_to[near], "shadow"
-        )
-    radiance[rows] = np.where(seen[:, None], value, 0.0)
+        by_chance = pdf(world.materials, points, light.wi)
+        value *= balance(light.pdf, by_chance)[:, None]
+    shines = value.any(axis=1)
+    near = np.flatnonzero(shines & ~light.distant)
+    if len(near):
+        x_to, n_to = take(light.x_to, near), take(light.n_to, near)
+        seen = world.caster.visible(points, near, x_to, n_to, "shadow")
+        lit = near[seen]
+        radiance[lit] = value[lit]
+    far = np.flatnonzero(shines & light.distant)
+    if len(far):
+        lit = far[world.caster.escapes(points, far, light.wi[far], "shadow")]
+        radiance[lit] = value[lit]
     return radiance
 
 
 def found_by_chance(
-    world: World, points: SurfacePoints, bsdf: BsdfSamples, met: SurfacePoints
-) -> Vec3s:
+    world: World, points: SurfacePoints, bsdf: BsdfSamples, hits: Hits
+) -> tuple[Indices, Vec3s]:
     """Light that rays drawn from the material met, weighted against next-event.
 
     Parameters
@@ -76,21 +72,27 @@ def found_by_chance(
         N points that the rays left.
     bsdf : BsdfSamples
         How the rays were drawn.
-    met : SurfacePoints
-        Where they ended.
+    hits : Hits
+        What they met.
 
     Returns
     -------
-    (N, 3) float64, W/(m² sr)
-        Radiance times the weight of this strategy, not yet times ``bsdf.weight``.
+    (K,) int, (K, 3) float64
+        Rows that met a light; its radiance in W/(m² sr) times the weight of this
+        strategy, not yet times ``bsdf.weight``.
     """
+    if world.emitters is None:
+        return np.zeros(0, np.int64), np.zeros((0, 3))
+    rows = np.flatnonzero(may_emit(world.emitters, hits.primitive))
+    if len(rows) == 0:
+        return rows, np.zeros((0, 3))
+    x, wi = take(points.position, rows), take(bsdf.wi, rows)
+    met = surface_points(world.geometry, take(hits, rows), x, wi)
     radiance = emitted(world.emitters, world.geometry, met)
-    if world.emitters is None or not radiance.any():
-        return radiance
-    by_choice = pdf_light(world.emitters, world.geometry, points.position, met)
-    share = np.where(bsdf.delta, 1.0, balance(bsdf.pdf, by_choice))
-    weighted: Vec3s = radiance * share[:, None]
-    return weighted
+    by_choice = pdf_light(world.emitters, world.geometry, x, met)
+    mine = balance(bsdf.pdf[rows], by_choice)
+    share = np.where(bsdf.delta[rows], 1.0, mine)
+    return rows, radiance * share[:, None]
 
 
 def balance(mine: Scalars, other: Scalars) -> Scalars:

@@ -46,7 +46,7 @@ def decode(path: Path, contents: bytes) -> list[Any]:
             promised = OpenEXR.File(BytesIO(contents), header_only=True).parts
             for part in promised:
                 _refuse_absurd_size(path, part.header, len(contents))
-                _refuse_what_is_no_flat_frame(path, part.header, promised[0].header)
+                _refuse_what_is_no_flat_frame(path, part.header)
             # Layers as single channels: merged, "RGB" might be R, G, B or its own name.
             parts = OpenEXR.File(BytesIO(contents), separate_channels=True).parts
     except (RuntimeError, ValueError, MemoryError) as error:
@@ -73,9 +73,7 @@ def _refuse_absurd_size(path: Path, header: dict[str, Any], size: int) -> None:
         )
 
 
-def _refuse_what_is_no_flat_frame(
-    path: Path, header: dict[str, Any], first: dict[str, Any]
-) -> None:
+def _refuse_what_is_no_flat_frame(path: Path, header: dict[str, Any]) -> None:
     """Raise unless all pixels of the part lie on the grid that the file shows."""
     data, display = (np.array(header[k]) for k in ("dataWindow", "displayWindow"))
     subsampled = [
@@ -86,8 +84,6 @@ def _refuse_what_is_no_flat_frame(
         problem = "holds deep samples; flatten it"
     elif not np.array_equal(data, display):
         problem = "holds a crop or an overscan; render the full frame alone"
-    elif not np.array_equal(data, first["dataWindow"]):
-        problem = "has parts of different sizes; save them to files of their own"
     elif subsampled:
         problem = f"has subsampled channels {subsampled}; save it as RGB"
     elif not np.allclose(primaries, REC709, atol=1e-3):

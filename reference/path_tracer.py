@@ -5,13 +5,14 @@ reaches x1 straight from a light, are *direct*; "k-bounce indirect" are the path
 surface point x2 up to x(k+1) between.
 """
 
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s
+from reference.arrays import Indices, Masks, Scalars, Vec3s
 from reference.direct_light import found_by_chance, next_event
-from reference.records import take
+from reference.records import keep, take
 from reference.rng import Uniforms
 from reference.scene.camera import camera_rays
 from reference.scene.emitters import emitted
@@ -103,37 +104,61 @@ def reflected_radiance(
         Without emission of x itself.
     """
     radiance = np.zeros((len(points), 3))
-    rows = np.flatnonzero(can_scatter(world.materials, points))
-    points, uniforms = take(points, rows), uniforms.rows(rows)
-    throughput = np.ones((len(rows), 3))
+    alive = can_scatter(world.materials, points)
+    walk = _Walk(np.arange(len(points)), points, np.ones((len(points), 3)), uniforms)
+    walk = walk.keep(alive)
     for vertex in range(bounces + 1):
-        if len(rows) == 0:
+        if len(walk.rows) == 0:
             break
         counts = not (skip_direct and vertex == 0)
         # Light that x receives straight from a light it has chosen ...
         if counts:
-            light = next_event(world, points, uniforms.draw(2 * vertex + 1))
-            radiance[rows] += throughput * light
+            u = walk.uniforms.draw(2 * vertex + 1)
+            light = next_event(world, walk.points, u)
+            radiance[walk.rows] += walk.throughput * light
         is_last = vertex == bounces
         if is_last and not (world.emitters and world.emitters.can_be_hit):
             break
         # ... and from lights that a ray drawn from its material meets.
         if first is not None and vertex == 0:
-            bsdf = take(first, rows)
+            bsdf = take(first, walk.rows)
         else:
-            bsdf = sample(world.materials, points, uniforms.draw(2 * vertex))
-        alive = np.flatnonzero(bsdf.weight.any(axis=1))
-        rows, points, bsdf = rows[alive], take(points, alive), take(bsdf, alive)
-        throughput, uniforms = throughput[alive], uniforms.rows(alive)
-        met = follow(world, points, bsdf.wi, "bounce")
-        throughput = throughput * bsdf.weight
+            u = walk.uniforms.draw(2 * vertex)
+            bsdf = sample(world.materials, walk.points, u)
+        alive = bsdf.weight.any(axis=1)
+        walk, bsdf = walk.keep(alive), keep(bsdf, alive)
+        hits = world.caster.from_surface(walk.points, bsdf.wi, "bounce")
+        throughput = walk.throughput * bsdf.weight
         if counts:
-            radiance[rows] += throughput * found_by_chance(world, points, bsdf, met)
+            found, light = found_by_chance(world, walk.points, bsdf, hits)
+            radiance[walk.rows[found]] += throughput[found] * light
+        if is_last:
+            break
         # Walk on where there is a surface.
-        alive = np.flatnonzero(met.hit)
-        rows, points = rows[alive], take(met, alive)
-        throughput, uniforms = throughput[alive], uniforms.rows(alive)
+        met = surface_points(world.geometry, hits, walk.points.position, bsdf.wi)
+        walk = _Walk(walk.rows, met, throughput, walk.uniforms).keep(met.hit)
     return radiance
+
+
+@dataclass(frozen=True, slots=True)
+class _Walk:
+    """Paths on their way: row of the frame, last vertex, product of weights."""
+
+    rows: Indices
+    points: SurfacePoints
+    throughput: Vec3s
+    uniforms: Uniforms
+
+    def keep(self, alive: Masks) -> "_Walk":
+        if alive.all():
+            return self
+        some = np.flatnonzero(alive)
+        return _Walk(
+            self.rows[some],
+            take(self.points, some),
+            self.throughput[some],
+            self.uniforms.rows(some),
+        )
 
 
 def camera_radiance(

@@ -13,7 +13,7 @@ import numpy as np
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s, dot
+from reference.arrays import Indices, Masks, Scalars, Vec3s, divide_or_zero, dot
 from reference.scene.geometry import Geometry
 from reference.scene.hits import STEP, Hits, contact
 from reference.scene.surface import SurfacePoints
@@ -100,73 +100,93 @@ class RayCaster:
             inner = contact(self._geometry, points)
             inner -= points.normal * (STEP * self._extent)
             origin = np.where(below[:, None], inner, origin)
-        hits = self._closest_triangle(self._normalized(origin), direction)
-        exact = self._normalized(points.position)
-        hits = self._closest_sphere(exact, direction, hits, points.primitive)
+        hits = self._closest_triangle(self._single(origin), direction)
+        if len(self._radius):
+            exact = self._normalized(points.position)
+            hits = self._closest_sphere(exact, direction, hits, points.primitive)
         return Hits(hits.primitive, hits.u, hits.v, hits.distance * self._extent)
 
     def visible(
-        self, points: SurfacePoints, x_to: Vec3s, n_to: Vec3s, kind: str
+        self,
+        points: SurfacePoints,
+        rows: Indices,
+        x_to: Vec3s,
+        n_to: Vec3s,
+        kind: str,
     ) -> Masks:
         """Whether surface points see other points.
 
         Parameters
         ----------
         points : SurfacePoints
-            N points that look.
-        x_to : (N, 3) float64, m
-            Points looked at.
-        n_to : (N, 3) float64
+            N points.
+        rows : (K,) int
+            Those that look.
+        x_to : (K, 3) float64, m
+            Points looked at, on their surfaces.
+        n_to : (K, 3) float64
             Unit normals there, either side, or 0 for a point in free space.
         kind : str
             What the rays are counted as.
 
         Returns
         -------
-        (N,) bool
+        (K,) bool
             Nothing lies between, up to ``STOP`` of the scene before ``x_to``.
         """
-        toward = x_to - points.position
+        x_from = np.take(points.position, rows, axis=0)
+        toward = x_to - x_from
         side = np.where(dot(n_to, toward) > 0, -STEP, STEP) * self._extent
-        offset = toward + side[:, None] * n_to
+        offset = n_to * side[:, None]
+        offset += toward
         distance = np.sqrt(dot(offset, offset))
         shorter = np.maximum(distance - STOP * self._extent, 0.0)
-        share = np.divide(
-            shorter, distance, out=np.zeros_like(distance), where=distance > 0
-        )
-        free = self._no_triangle(points.position, offset * share[:, None], 1.0, kind)
+        share = divide_or_zero(shorter, distance)
+        offset *= share[:, None]
+        free = self._no_triangle(x_from, offset, 1.0, kind)
         if len(self._radius):
-            free &= self._no_sphere(points, toward, share)
+            free &= self._no_sphere(x_from, points.primitive[rows], toward, share)
         return free
 
-    def escapes(self, points: SurfacePoints, direction: Vec3s, kind: str) -> Masks:
+    def escapes(
+        self, points: SurfacePoints, rows: Indices, direction: Vec3s, kind: str
+    ) -> Masks:
         """Whether rays from surface points leave the scene.
 
         Parameters
         ----------
         points : SurfacePoints
             N points.
-        direction : (N, 3) float64
+        rows : (K,) int
+            Those from which the rays start.
+        direction : (K, 3) float64
             Unit vectors.
         kind : str
             What the rays are counted as.
 
         Returns
         -------
-        (N,) bool
+        (K,) bool
             Nothing lies in that direction.
         """
-        free = self._no_triangle(
-            points.position, direction * self._extent, BEYOND, kind
-        )
+        x_from = np.take(points.position, rows, axis=0)
+        free = self._no_triangle(x_from, direction * self._extent, BEYOND, kind)
         if len(self._radius):
-            endless = np.full(len(points), np.inf)
-            free &= self._no_sphere(points, direction, endless)
+            endless = np.full(len(rows), np.inf)
+            free &= self._no_sphere(
+                x_from, points.primitive[rows], direction, endless
+            )
         return free
 
     def _normalized(self, x: Vec3s) -> Vec3s:
         moved: Vec3s = (x - self._middle) / self._extent
         return moved
+
+    def _single(self, x: Vec3s) -> Vec3s:
+        # Rounded to float32 last, in one pass with the division.
+        moved = x - self._middle
+        out = np.empty(moved.shape, np.float32)
+        return np.divide(moved, self._extent, out=out, casting="same_kind")
 
     def _no_triangle(
         self, origin: Vec3s, along: Vec3s, reach: float, kind: str
@@ -174,20 +194,23 @@ class RayCaster:
         self._count(kind, len(origin))
         if self._embree is None or len(origin) == 0:
             return np.ones(len(origin), bool)
+        single = np.empty(along.shape, np.float32)
         answer = self._embree.run(
-            self._normalized(origin).astype(np.float32),
-            (along / self._extent).astype(np.float32),
+            self._single(origin),
+            np.divide(along, self._extent, out=single, casting="same_kind"),
             query="OCCLUDED",
             dists=np.full(len(origin), reach, np.float32),
         )
         free: Masks = answer != 0
         return free
 
-    def _no_sphere(self, points: SurfacePoints, along: Vec3s, reach: Scalars) -> Masks:
-        o, d = self._normalized(points.position), along / self._extent
+    def _no_sphere(
+        self, origin: Vec3s, start: Indices, along: Vec3s, reach: Scalars
+    ) -> Masks:
+        o, d = self._normalized(origin), along / self._extent
         free = np.ones(len(o), bool)
         for index in range(len(self._radius)):
-            t = self._sphere_hit(o, d, index, points.primitive)
+            t = self._sphere_hit(o, d, index, start)
             free &= ~(t < reach)
         return free
 
@@ -197,11 +220,13 @@ class RayCaster:
             none = np.zeros(size)
             return Hits(np.full(size, -1, np.int32), none, none, np.full(size, np.inf))
         answer = self._embree.run(
-            o.astype(np.float32), d.astype(np.float32), query="INTERSECT", output=True
+            o.astype(np.float32, copy=False),
+            d.astype(np.float32),
+            query="INTERSECT",
+            output=True,
         )
-        missed = answer["primID"] < 0
         distance = answer["tfar"].astype(np.float64)
-        distance[missed] = np.inf
+        distance[answer["primID"] < 0] = np.inf
         u, v = answer["u"].astype(np.float64), answer["v"].astype(np.float64)
         return Hits(answer["primID"], u, v, distance)
 

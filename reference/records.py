@@ -57,6 +57,42 @@ def take(record: Record, rows: Indices) -> Record:
     return map_rows(lambda a: np.take(a, rows, axis=0), record)
 
 
+def keep(record: Record, mask: Masks) -> Record:
+    """Rows of a record (or array) where a mask is true.
+
+    Parameters
+    ----------
+    record : record or array
+        N rows.
+    mask : (N,) bool
+        Which rows.
+
+    Returns
+    -------
+    record or array
+        The record itself, not a copy, where the mask is true throughout.
+    """
+    return record if mask.all() else take(record, np.flatnonzero(mask))
+
+
+def cut(record: Record, rows: slice) -> Record:
+    """Consecutive rows of a record (or array), without a copy.
+
+    Parameters
+    ----------
+    record : record or array
+        N rows.
+    rows : slice
+        Which rows.
+
+    Returns
+    -------
+    record or array
+        Views of the arrays.
+    """
+    return map_rows(lambda a: a[rows], record)
+
+
 def where(mask: Masks, yes: Record, no: Record) -> Record:
     """Choose between two records (or arrays) row by row.
 

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Indices, Vec3s
+from reference.arrays import Vec3s
 from reference.passes.gbuffer import visible_points
 from reference.passes.initial import initial_samples
 from reference.passes.shade import shade
 from reference.passes.spatial import spatial_pass
 from reference.passes.temporal import temporal_pass
-from reference.records import take
+from reference.records import cut
 from reference.resampling.reservoir import Reservoirs
 from reference.rng import KeyedUniforms, Stream
 from reference.scene.camera import pixel_centers
@@ -132,11 +132,12 @@ def next_frame(
     rows = len(visible.depth)
     number = 0 if last is None else last.number + 1
 
-    def uniforms(stream: Stream, r: Indices) -> KeyedUniforms:
-        return KeyedUniforms(r.astype(np.uint32), number, seed, stream)
+    def uniforms(stream: Stream, r: slice) -> KeyedUniforms:
+        pixel = np.arange(r.start, r.stop, dtype=np.uint32)
+        return KeyedUniforms(pixel, number, seed, stream)
 
-    def initial_and_temporal(r: Indices) -> _Fresh:
-        points = take(visible.surface, r)
+    def initial_and_temporal(r: slice) -> _Fresh:
+        points = cut(visible.surface, r)
         initial = initial_samples(
             world,
             points,
@@ -147,7 +148,7 @@ def next_frame(
             uniforms(Stream.PATH, r),
             uniforms(Stream.SPECULAR, r),
         )
-        history = take(last.temporal, r) if last and settings.temporal else None
+        history = cut(last.temporal, r) if last and settings.temporal else None
         temporal = temporal_pass(
             world,
             points,
@@ -162,9 +163,9 @@ def next_frame(
     # Every pixel's temporal reservoir is complete before a neighbour reads it.
     fresh = in_bands(schedule, rows, initial_and_temporal)
 
-    def spatial_and_shade(r: Indices) -> _Shaded:
-        points = take(visible.surface, r)
-        spatial = take(fresh.temporal, r)
+    def spatial_and_shade(r: slice) -> _Shaded:
+        points = cut(visible.surface, r)
+        spatial = cut(fresh.temporal, r)
         if settings.spatial:
             spatial = spatial_pass(
                 world,

@@ -7,7 +7,6 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from reference.arrays import Indices
 from reference.records import map_rows
 
 Result = TypeVar("Result")
@@ -50,9 +49,9 @@ def bands(rows: int, size: int) -> Iterator[slice]:
 
 
 def in_bands(
-    schedule: Schedule, rows: int, function: Callable[[Indices], Result]
+    schedule: Schedule, rows: int, function: Callable[[slice], Result]
 ) -> Result:
-    """Apply a function of row numbers to a frame, band by band.
+    """Apply a function of rows to a frame, band by band.
 
     Parameters
     ----------
@@ -61,8 +60,8 @@ def in_bands(
     rows : int
         Rows of the frame.
     function : callable
-        Takes (K,) row numbers and returns a record (or array) of K rows, each of which
-        depends on its own row number alone.
+        Takes a slice of K row numbers and returns a record (or array) of K rows, each of
+        which depends on its own row number alone.
 
     Returns
     -------
@@ -70,7 +69,7 @@ def in_bands(
         All rows; bit-identical for every schedule.
     """
     cuts = list(bands(rows, schedule.band))
-    first = function(np.arange(cuts[0].start, cuts[0].stop))
+    first = function(cuts[0])
     if len(cuts) == 1:
         return first
     # Each band is copied into the whole frame as soon as it is done, so that the frame
@@ -88,12 +87,11 @@ def in_bands(
     del first
     if schedule.threads == 1:
         for cut in cuts[1:]:
-            put(cut, function(np.arange(cut.start, cut.stop)))
+            put(cut, function(cut))
         return whole
     with ThreadPoolExecutor(schedule.threads) as pool:
         jobs = [
-            pool.submit(lambda c=cut: put(c, function(np.arange(c.start, c.stop))))
-            for cut in cuts[1:]
+            pool.submit(lambda rows: put(rows, function(rows)), cut) for cut in cuts[1:]
         ]
         for job in jobs:
             job.result()

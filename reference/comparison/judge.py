@@ -107,6 +107,7 @@ def compare(
     # FLIP looks around each pixel: those left out are black in both.
     full_a, full_b = np.nan_to_num(pair.a), np.nan_to_num(pair.b)
     exposure = auto_exposure(full_b)
+    shown_a, shown_b = (to_display(full, exposure) for full in (full_a, full_b))
     flip, mean_flip = flip_hdr(full_a, full_b)
     numbers = Comparison(
         width=a.width,
@@ -114,9 +115,7 @@ def compare(
         not_finite_a=int(np.sum(~pair.finite_a)),
         not_finite_b=int(np.sum(~pair.finite_b)),
         exposure=exposure,
-        flip_ldr=flip_ldr(to_display(full_a, exposure), to_display(full_b, exposure))[
-            1
-        ],
+        flip_ldr=flip_ldr(shown_a, shown_b)[1],
         flip_hdr=mean_flip,
         **_distances(pair),
         **_significance(pair),

@@ -1,10 +1,10 @@
 """Lines 16 to 20 of Algorithm 4: who else could have made the sample that was kept."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars
+from reference.arrays import Indices, Masks, Scalars, dot
 from reference.passes.initial import source_pdf
 from reference.passes.neighbors import NONE
 from reference.records import take
@@ -67,7 +67,7 @@ def normalization(
     Returns
     -------
     (K,) float64
-        1 where nothing was kept.
+        Meaningless where nothing was kept, w = 0.
 
     Notes
     -----
@@ -76,53 +76,56 @@ def normalization(
     """
     if settings.mis == "1/M":
         return one_over_m(stream.M)
-    rows = np.flatnonzero(stream.chosen.w > 0)
-    z, receiver = take(y, rows), take(points, rows)
-    slot = stream.chosen.y[rows]
-    everywhere = np.ones(len(rows), bool)
-    holds, p = [everywhere, everywhere], [stream.chosen.p_hat[rows]] * 2
-    M = [m[rows] for m in stream.M]
+    chosen, everyone = stream.chosen, np.ones(len(points), bool)
+    holds, p = [everyone, everyone], [chosen.p_hat, chosen.p_hat]
     for k in range(2, len(stream.donors)):
-        donor = stream.donors[k][rows]
-        some = np.flatnonzero(donor != NONE)
-        lender = take(visible.surface, donor[some])
-        made = slot[some] == k
-        at_k = _target_of_maker(world, settings, lender, take(z, some), made)
-        holds_k, p_k = np.zeros(len(rows), bool), np.zeros(len(rows))
-        holds_k[some] = at_k > 0
+        there = stream.donors[k] != NONE
+        donor = np.where(there, stream.donors[k], 0)
+        p_k = _target_of_donor(world, visible.surface, settings, donor, y)
+        # Who made the sample sees it: only the others cost a ray.
+        possible = there & (p_k > 0) & (chosen.w > 0)
+        asked = np.flatnonzero(possible & (chosen.y != k))
+        seen = sees(world, visible.surface, donor[asked], take(y, asked))
+        possible[asked[~seen]] = False
+        holds.append(possible)
         if settings.mis == "balance":
-            z_some = take(z, some)
-            p_k[some] = at_k * reconnection_jacobian(
-                receiver.position[some], lender.position, z_some.position, z_some.normal
+            x_k = np.take(visible.surface.position, donor, axis=0)
+            p_k = p_k * reconnection_jacobian(
+                points.position, x_k, y.position, y.normal
             )
-        holds.append(holds_k)
-        p.append(p_k)
+            p.append(np.where(possible, p_k, 0.0))
     if settings.mis == "1/Z":
-        total = one_over_z(M, holds)
-    else:
-        made_by = np.stack(p)[slot, np.arange(len(rows))]
-        total = balance_heuristic(M, p, made_by)
-    whole = np.ones(len(points))
-    whole[rows] = total
-    return whole
+        return one_over_z(stream.M, holds)
+    made_by = np.stack(p)[chosen.y, np.arange(len(points))]
+    return balance_heuristic(stream.M, p, made_by)
 
 
-def _target_of_maker(
-    world: World, settings: Settings, k: SurfacePoints, z: Samples, made: Masks
+def _target_of_donor(
+    world: World,
+    surface: SurfacePoints,
+    settings: Settings,
+    donor: Indices,
+    y: Samples,
 ) -> Scalars:
-    """Target of z at donors k, and 0 where k could not have made z."""
-    p_hat = target(settings.target, world.materials, k, z)
-    omega, _ = direction_and_distance(k.position, z.position)
+    """Target of y at donors, 0 where they cannot draw it, whoever may hide it."""
+    if world.materials.plain and settings.mis == "1/Z":
+        # Every point here is black or reflects all colours to its whole horizon, so that
+        # whether the target is positive is a question of geometry.
+        toward = y.position - np.take(surface.position, donor, axis=0)
+        holds = dot(y.normal, toward) < 0
+        holds &= surface.color[donor, 0] > 0
+        holds &= dot(np.take(surface.normal, donor, axis=0), toward) > 0
+        if surface.smooth is not None:
+            holds &= dot(np.take(surface.smooth, donor, axis=0), toward) > 0
+        return holds.astype(float)
+    k = take(surface, donor)
+    omega, _ = direction_and_distance(k.position, y.position)
     possible = source_pdf(settings.source, world.materials, k, omega) > 0
-    p_hat = np.where(possible, p_hat, 0.0)
-    # Who made it sees it: only the others cost a ray.
-    rows = np.flatnonzero((p_hat > 0) & ~made)
-    hidden = np.zeros(len(made), bool)
-    hidden[rows] = ~sees(world, take(k, rows), take(z, rows))
-    return np.where(hidden, 0.0, p_hat)
+    p_hat = target(settings.target, world.materials, k, y)
+    return np.where(possible, p_hat, 0.0)
 
 
-def sees(world: World, points: SurfacePoints, y: Samples) -> Masks:
+def sees(world: World, points: SurfacePoints, rows: Indices, y: Samples) -> Masks:
     """Whether visible points see sample points: one ray each.
 
     Parameters
@@ -130,7 +133,9 @@ def sees(world: World, points: SurfacePoints, y: Samples) -> Masks:
     world : World
         The scene.
     points : SurfacePoints
-        K visible points.
+        N visible points.
+    rows : (K,) int
+        Those that look.
     y : Samples
         K sample points.
 
@@ -139,7 +144,7 @@ def sees(world: World, points: SurfacePoints, y: Samples) -> Masks:
     (K,) bool
         Nothing lies between.
     """
-    return world.caster.visible(points, y.position, y.normal, "reuse")
+    return world.caster.visible(points, rows, y.position, y.normal, "reuse")
 
 
 def drop_hidden(world: World, points: SurfacePoints, r: Reservoirs) -> Reservoirs:
@@ -160,6 +165,6 @@ def drop_hidden(world: World, points: SurfacePoints, r: Reservoirs) -> Reservoir
         W = 0 where the sample is hidden; M still counts.
     """
     rows = np.flatnonzero(r.W > 0)
-    seen = np.zeros(len(r.W), bool)
-    seen[rows] = sees(world, take(points, rows), take(r.y, rows))
-    return Reservoirs(y=r.y, W=np.where(seen, r.W, 0.0), M=r.M)
+    W = np.zeros(len(r.W))
+    W[rows] = np.where(sees(world, points, rows, take(r.y, rows)), r.W[rows], 0.0)
+    return replace(r, W=W)

@@ -1,8 +1,10 @@
 """Algorithm 4: pixels resample what their neighbours keep."""
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 
-from reference.arrays import Indices, Scalars
+from reference.arrays import Indices, Masks, Scalars
 from reference.passes.neighbors import NONE, find_neighbors
 from reference.passes.normalization import (
     HISTORY,
@@ -12,7 +14,7 @@ from reference.passes.normalization import (
     normalization,
     sees,
 )
-from reference.records import concatenate, take, where
+from reference.records import concatenate, cut, keep, take, where
 from reference.resampling.reservoir import (
     Candidates,
     Reservoirs,
@@ -35,7 +37,7 @@ from reference.world import World
 
 def spatial_pass(
     world: World,
-    rows: Indices,
+    rows: slice,
     visible: VisiblePoints,
     temporal: Reservoirs,
     history: Reservoirs | None,
@@ -48,8 +50,8 @@ def spatial_pass(
     ----------
     world : World
         The scene.
-    rows : (K,) int
-        Pixels to be resampled.
+    rows : slice
+        K consecutive pixels, to be resampled.
     visible : VisiblePoints
         Of the whole frame, at which ``temporal`` stands.
     temporal : Reservoirs
@@ -73,79 +75,85 @@ def spatial_pass(
     [Ouyang21, Alg. 4 and section 5]: pixels whose M is below half of its limit try
     more neighbours.
     """
-    many = np.ones(len(rows), bool)
-    if history is not None:
-        many = history.M[rows] < settings.spatial_cap / 2.0
-    order = [np.flatnonzero(many), np.flatnonzero(~many)]
-    tries = [settings.iterations_many, settings.iterations_few]
+    pixels = _Pixels(
+        np.arange(rows.start, rows.stop),
+        cut(visible.surface, rows),
+        cut(temporal, rows),
+        cut(history, rows),
+    )
+    few = np.zeros(len(pixels.rows), bool)
+    if pixels.past is not None:
+        few = pixels.past.M >= settings.spatial_cap / 2.0
+
+    def resample(mask: Masks, tries: int) -> Reservoirs:
+        some = uniforms if mask.all() else uniforms.rows(np.flatnonzero(mask))
+        chosen = keep(pixels, mask)
+        return _resample(world, chosen, visible, temporal, settings, some, tries)
+
+    if not few.any():
+        return resample(~few, settings.iterations_many)
+    if few.all():
+        return resample(few, settings.iterations_few)
     parts = [
-        _resample(
-            world, rows[some], visible, temporal, history, settings,
-            uniforms.rows(some), count,
-        )
-        for some, count in zip(order, tries, strict=True)
-        if len(some)
-    ]  # fmt: skip
-    if len(parts) == 1:
-        return parts[0]
-    back = np.argsort(np.concatenate(order))
-    return take(concatenate(parts), back)
+        resample(~few, settings.iterations_many),
+        resample(few, settings.iterations_few),
+    ]
+    return take(concatenate(parts), np.argsort(np.argsort(few, kind="stable")))
+
+
+@dataclass(frozen=True, slots=True)
+class _Pixels:
+    """Pixels to be resampled, with what is their own."""
+
+    rows: Indices
+    points: SurfacePoints
+    own: Reservoirs
+    past: Reservoirs | None
 
 
 def _resample(
     world: World,
-    rows: Indices,
+    pixels: _Pixels,
     visible: VisiblePoints,
     temporal: Reservoirs,
-    history: Reservoirs | None,
     settings: Settings,
     uniforms: Uniforms,
     tries: int,
 ) -> Reservoirs:
-    points = take(visible.surface, rows)
     draws = [uniforms.draw(s) for s in range(tries)]
-    neighbors = find_neighbors(rows, visible, world.camera.width, settings, draws)
+    width = world.camera.width
+    neighbors = find_neighbors(pixels.rows, visible, width, settings, draws)
     # Lines 2 to 15: stream the candidates.
-    own_u = uniforms.draw(63)[0]
-    stream = _stream_own(world, rows, points, temporal, history, settings, own_u)
+    stream = _stream_own(world, pixels, settings, uniforms.draw(63)[0])
     for neighbor, u in zip(neighbors, draws, strict=True):
         stream = _stream_neighbor(
-            world, points, visible, temporal, settings, stream, neighbor, u
+            world, pixels.points, visible, temporal, settings, stream, neighbor, u[2]
         )
-    y = _sample_of(stream, temporal, history, rows)
-    c = stream.chosen
-    chosen = Candidates(y=y, p_hat=c.p_hat, w=c.w, M=c.M)
+    y = _sample_of(stream, temporal, pixels.past)
     # Lines 16 to 20: divide by the confidences of those that could have made it.
-    total = normalization(world, points, visible, settings, stream, y)
-    kept = finalize(chosen, total)
+    total = normalization(world, pixels.points, visible, settings, stream, y)
+    kept = finalize(replace(stream.chosen, y=y), total)
     if settings.visibility == "chosen":
-        kept = drop_hidden(world, points, kept)
+        kept = drop_hidden(world, pixels.points, kept)
     return cap_confidence(kept, settings.spatial_cap)
 
 
 def _stream_own(
-    world: World,
-    rows: Indices,
-    points: SurfacePoints,
-    temporal: Reservoirs,
-    history: Reservoirs | None,
-    settings: Settings,
-    u: Scalars,
+    world: World, pixels: _Pixels, settings: Settings, u: Scalars
 ) -> Stream:
     # The pixel's own temporal reservoir always takes part: without it the supports of
     # the others need not cover the pixel's domain.
-    own = take(temporal, rows)
+    rows, points, own, past = pixels.rows, pixels.points, pixels.own, pixels.past
     slot = np.full(len(rows), OWN, np.int8)
     p_hat = target(settings.target, world.materials, points, own.y)
-    chosen = reused_candidates(Reservoirs(slot, own.W, own.M), p_hat)
-    if history is None:
+    new = reused_candidates(Reservoirs(slot, own.W, own.M), p_hat)
+    if past is None:
         nobody, nothing = np.full(len(rows), NONE), np.zeros(len(rows))
-        return Stream([nobody, rows], [nothing, own.M], chosen)
-    past = take(history, rows)
+        return Stream([nobody, rows], [nothing, own.M], new)
+    slot = np.full(len(rows), HISTORY, np.int8)
     p_hat = target(settings.target, world.materials, points, past.y)
-    before = Reservoirs(np.full(len(rows), HISTORY, np.int8), past.W, past.M)
-    both = merge(reused_candidates(before, p_hat), chosen, u)
-    return Stream([rows, rows], [past.M, own.M], both)
+    old = reused_candidates(Reservoirs(slot, past.W, past.M), p_hat)
+    return Stream([rows, rows], [past.M, own.M], merge(old, new, u))
 
 
 def _stream_neighbor(
@@ -156,37 +164,33 @@ def _stream_neighbor(
     settings: Settings,
     stream: Stream,
     neighbor: Indices,
-    u: Draw,
+    u: Scalars,
 ) -> Stream:
     there = neighbor != NONE
     donor = np.where(there, neighbor, 0)
     r = take(temporal, donor)
-    M = np.where(there, r.M, 0.0)
     # Lines 10 and 11: the sample seen from here, in the measure of here.
     x_from = np.take(visible.surface.position, donor, axis=0)
     jacobian = reconnection_jacobian(x_from, points.position, r.y.position, r.y.normal)
     p_hat = target(settings.target, world.materials, points, r.y)
     slot = np.full(len(donor), len(stream.donors), np.int8)
+    M = np.where(there, r.M, 0.0)
     candidate = reused_candidates(Reservoirs(slot, r.W, M), p_hat, jacobian)
     # Lines 12 and 13: nothing comes from a sample that is hidden; M counts it.
     if settings.visibility == "all":
         rows = np.flatnonzero(candidate.w > 0)
-        seen = np.zeros(len(donor), bool)
-        seen[rows] = sees(world, take(points, rows), take(r.y, rows))
-        candidate = Candidates(
-            slot, candidate.p_hat, np.where(seen, candidate.w, 0.0), M
-        )
+        w = np.zeros(len(donor))
+        w[rows] = np.where(sees(world, points, rows, take(r.y, rows)), candidate.w[rows], 0.0)
+        candidate = replace(candidate, w=w)
     # Line 14.
-    chosen = merge(stream.chosen, candidate, u[2])
+    chosen = merge(stream.chosen, candidate, u)
     return Stream([*stream.donors, neighbor], [*stream.M, M], chosen)
 
 
 def _sample_of(
-    stream: Stream, temporal: Reservoirs, history: Reservoirs | None, rows: Indices
+    stream: Stream, temporal: Reservoirs, past: Reservoirs | None
 ) -> Samples:
     slot = stream.chosen.y
-    donor = np.stack(stream.donors)[slot, np.arange(len(rows))]
+    donor = np.stack(stream.donors)[slot, np.arange(len(slot))]
     y: Samples = take(temporal.y, donor)
-    if history is None:
-        return y
-    return where(slot == HISTORY, take(history.y, rows), y)
+    return y if past is None else where(slot == HISTORY, past.y, y)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Indices, Scalars, Vec3s, divide_or_zero, dot
+from reference.arrays import Indices, Masks, Scalars, Vec3s, divide_or_zero, dot
 from reference.images import luminance_weights
 from reference.records import take
 from reference.sampling import (
@@ -33,8 +33,8 @@ class Emitters:
         Of choosing each light, in proportion to its power; running sum.
     primitive : (A,) int32
         Primitives that emit.
-    entry : (P,) int32
-        Light of each primitive of the scene, -1 for none.
+    entry : (P + 1,) int32
+        Light of each primitive of the scene, -1 for none, and -1 for a miss.
     position, intensity : (L, 3) float64
         Point lights.
     direction, irradiance : (D, 3) float64
@@ -76,7 +76,8 @@ def build_emitters(scene: Scene, geometry: Geometry) -> Emitters | None:
     """
     weights = np.array(luminance_weights())
     primitive = np.flatnonzero(geometry.emission.any(axis=1)).astype(np.int32)
-    entry = np.full(len(geometry.emission), -1, np.int32)
+    # One row more than there are primitives: -1, a miss, finds no light either.
+    entry = np.full(len(geometry.emission) + 1, -1, np.int32)
     entry[primitive] = np.arange(len(primitive))
     intensity = np.array([p.intensity for p in scene.points], float).reshape(-1, 3)
     irradiance = np.array([s.irradiance for s in scene.suns], float).reshape(-1, 3)
@@ -112,6 +113,25 @@ def _sphere_nodes() -> tuple[Scalars, Scalars]:
     return u1.ravel(), u2.ravel()
 
 
+def may_emit(emitters: Emitters, primitive: Indices) -> Masks:
+    """Whether what a ray met can be a light.
+
+    Parameters
+    ----------
+    emitters : Emitters
+        The lights.
+    primitive : (N,) int32
+        What was met, -1 for a miss.
+
+    Returns
+    -------
+    (N,) bool
+        True for the backs of lights, too.
+    """
+    is_light: Masks = emitters.entry[primitive] >= 0
+    return is_light if emitters.environment is None else is_light | (primitive < 0)
+
+
 def emitted(
     emitters: Emitters | None, geometry: Geometry, points: SurfacePoints
 ) -> Vec3s:
@@ -135,8 +155,7 @@ def emitted(
     if emitters is None:
         return radiance
     if len(emitters.primitive):
-        shines = points.front & (emitters.entry[points.primitive] >= 0)
-        rows = np.flatnonzero(shines & points.hit)
+        rows = np.flatnonzero(points.front & (emitters.entry[points.primitive] >= 0))
         radiance[rows] = geometry.emission[points.primitive[rows]]
     if emitters.environment is not None:
         rows = np.flatnonzero(~points.hit)
@@ -167,7 +186,7 @@ def pdf_light(
     """
     pdf = np.zeros(len(points))
     if len(emitters.primitive):
-        light = np.where(points.hit, emitters.entry[points.primitive], -1)
+        light = emitters.entry[points.primitive]
         rows = np.flatnonzero(points.front & (light >= 0))
         primitive = points.primitive[rows]
         light_points = take(points, rows)

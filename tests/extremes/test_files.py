@@ -6,17 +6,16 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from reference.errors import UsageError
+from reference.exr import write_exr
 from reference.files import read_file, write_file
+from reference.images import Image
 
 ROOT = Path(__file__).parents[2]
-
-not_as_root = pytest.mark.skipif(
-    not hasattr(os, "geteuid") or os.geteuid() == 0,
-    reason="permissions do not bind this user",
-)
+GREY = Image({"color": np.full((4, 6, 3), 0.5, np.float32)})
 
 
 def names(folder):
@@ -82,13 +81,20 @@ def test_a_device_is_not_replaced_by_a_file():
         write_file(Path(os.devnull), b"new")
 
 
-@not_as_root
+def forbid(path, mode):
+    path.chmod(mode)
+    if os.access(path, os.R_OK | os.W_OK):
+        pytest.skip("permissions do not bind this user")
+
+
 def test_a_folder_that_may_not_be_written(tmp_path):
-    tmp_path.chmod(0o500)
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    forbid(folder, 0o500)
     with pytest.raises(UsageError, match="Permission denied"):
-        write_file(tmp_path / "a", b"new")
-    tmp_path.chmod(0o700)
-    assert names(tmp_path) == []
+        write_file(folder / "a", b"new")
+    folder.chmod(0o700)
+    assert names(folder) == []
 
 
 @pytest.mark.parametrize("what", ["os.fsync", "pathlib.Path.replace"])
@@ -153,9 +159,37 @@ def test_what_cannot_be_read(tmp_path, name, reason):
     assert_one_line(error, tmp_path)
 
 
-@not_as_root
 def test_what_may_not_be_read(tmp_path):
     path = tmp_path / "a"
-    path.touch(0o000)
+    path.touch()
+    forbid(path, 0o000)
     with pytest.raises(UsageError, match="Permission denied"):
         read_file(path)
+
+
+# ---------------------------------------------------------------- images
+
+
+def test_a_full_disk_leaves_the_old_image(tmp_path, monkeypatch):
+    path = tmp_path / "a.exr"
+    write_exr(path, GREY)
+    before = path.read_bytes()
+
+    def full(_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(UsageError, match="No space left") as error:
+        write_exr(path, Image({"color": 2 * GREY.color}))
+    assert str(path) in str(error.value)
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("name", ["missing/a.exr", "folder"])
+def test_a_place_that_cannot_hold_an_image(tmp_path, name):
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(UsageError, match="cannot write") as error:
+        write_exr(tmp_path / name, GREY)
+    assert str(tmp_path / name) in str(error.value)
+    assert [path.name for path in tmp_path.rglob("*")] == ["folder"]

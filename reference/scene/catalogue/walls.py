@@ -5,7 +5,7 @@ import numpy as np
 from reference.scene.camera import Camera
 from reference.scene.catalogue.rooms import WHITE, pose
 from reference.scene.lights import ConstantEnvironment, DirectionalLight, PointLight
-from reference.scene.materials.kinds import Conductor, Lambertian
+from reference.scene.materials.kinds import Coated, Lambertian
 from reference.scene.scene import Scene
 from reference.scene.shapes import box, quad
 from reference.scene.textures import Checker
@@ -30,7 +30,7 @@ def sunlit_wall() -> Scene:
     )
     return Scene(
         name="sunlit-wall",
-        camera=Camera(position=(2.2, 2.4, 4.2), target=(0, 0.3, 0.8), fov_x=50.0),
+        camera=Camera(position=(1.1, 2.2, 3.6), target=(0, 0.55, 0.4), fov_x=52.0),
         meshes=meshes,
         suns=(DirectionalLight((0.0, 0.0, -1.0), SUN),),
     )
@@ -55,7 +55,7 @@ def parallel_plates() -> Scene:
     direction = (float(slope[0]), float(slope[1]), 0.0)
     return Scene(
         name="parallel-plates",
-        camera=Camera(position=(0.2, 0.75, 2.0), target=(0, 0.1, 0), fov_x=45.0),
+        camera=Camera(position=(0.3, 0.62, 1.0), target=(0, 0.33, 0), fov_x=80.0),
         meshes=meshes,
         suns=(DirectionalLight(direction, SUN),),
     )
@@ -69,7 +69,7 @@ def glossy_floor() -> Scene:
     Scene
         Shadows and reflections of thin legs: where reuse without visibility is wrong.
     """
-    floor = Conductor((0.7, 0.7, 0.7), alpha=0.2)
+    floor = Coated((0.3, 0.28, 0.25), alpha=0.1, ior=1.8)
     wood = Lambertian((0.5, 0.3, 0.15))
     wall = Lambertian((0.8, 0.75, 0.65))
     legs = tuple(
@@ -88,9 +88,9 @@ def glossy_floor() -> Scene:
     )
     return Scene(
         name="glossy-floor",
-        camera=Camera(position=(1.4, 1.5, 3.4), target=(0, 0.5, -0.3), fov_x=50.0),
+        camera=Camera(position=(1.3, 1.5, 3.2), target=(-0.1, 0.35, -0.3), fov_x=42.0),
         meshes=meshes,
-        points=(PointLight((1.8, 2.4, 0.5), (9.0, 8.5, 8.0)),),
+        suns=(DirectionalLight((-0.48, -0.6, -0.64), (9.0, 8.5, 8.0)),),
     )
 
 
@@ -100,17 +100,19 @@ def grazing_light() -> Scene:
     Returns
     -------
     Scene
-        The sun lights a low wall on the left; the floor sees it near its horizon.
+        The sun passes above a screen on the right and reaches the upper half of a low
+        wall on the left; the floor sees that strip near its horizon.
     """
     meshes = (
-        quad("floor", (-1, 0, 2), (7, 0, 0), (0, 0, -4), WHITE),
-        quad("lit wall", (-1, 0, 2), (0, 0, -4), (0, 0.5, 0), WHITE),
-        box("block", (0.4, 0.3, 0.4), pose(30, (1.8, 0.15, -0.3)), WHITE),
-        box("post", (0.15, 0.8, 0.15), pose(10, (3.0, 0.4, 0.6)), WHITE),
+        quad("floor", (-1, 0, 3), (6, 0, 0), (0, 0, -6), WHITE),
+        quad("lit wall", (-1, 0, 3), (0, 0, -6), (0, 0.8, 0), WHITE),
+        quad("screen", (5, 0, -3), (0, 0, 6), (0, 0.4, 0), WHITE),
+        box("block", (0.5, 0.3, 0.5), pose(30, (1.4, 0.15, -0.4)), WHITE),
+        box("post", (0.12, 0.39, 0.12), pose(10, (2.2, 0.195, 0.6)), WHITE),
     )
     return Scene(
         name="grazing-light",
-        camera=Camera(position=(4.6, 2.0, 3.2), target=(1.6, 0.0, -0.2), fov_x=55.0),
+        camera=Camera(position=(3.6, 1.7, 1.2), target=(0.8, -0.1, -0.1), fov_x=52.0),
         meshes=meshes,
         suns=(DirectionalLight((-1.0, 0.0, 0.0), (30.0, 28.0, 24.0)),),
     )

@@ -10,6 +10,7 @@ from urllib.parse import unquote_to_bytes
 import numpy as np
 
 from reference.arrays import Scalars
+from reference.errors import UsageError
 from reference.files import read_file
 from reference.scene.loaders.ledger import Ledger
 
@@ -66,7 +67,10 @@ def read_document(ledger: Ledger) -> Document:
         ledger.stop(f"this is glTF {version}; version 2.0 can be read")
     buffers = []
     for i, entry in enumerate(tree.get("buffers", [])):
-        data = resolve_uri(entry["uri"], ledger) if "uri" in entry else binary
+        try:
+            data = resolve_uri(entry["uri"], ledger) if "uri" in entry else binary
+        except UsageError as error:
+            ledger.stop(f"buffer {i}: {error}")
         if len(data) < entry["byteLength"]:
             ledger.stop(
                 f"buffer {i} has {len(data)} of its {entry['byteLength']} bytes;"

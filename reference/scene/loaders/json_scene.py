@@ -66,6 +66,8 @@ def load(path: Path, lenient: bool) -> Scene:
         name = raw.get("id", raw.get("file", i)) if isinstance(raw, dict) else i
         _add_shape(meshes, spheres, Entry(f'shape "{name}"', raw, ledger), materials)
     lights = tree.get("lights") or []
+    if not isinstance(lights, list):
+        ledger.stop('"lights" is no list of objects')
     entries = [Entry(f"light {i}", raw, ledger) for i, raw in enumerate(lights)]
     if tree.get("environment") is not None:
         entries.append(_environment_entry(tree["environment"], ledger))

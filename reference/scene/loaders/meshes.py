@@ -130,14 +130,14 @@ def read_parts(path: Path, ledger: Ledger) -> list[Part]:
         decoded = _decode(contents, kind, path)
         parts = [_part(entry, path) for entry in decoded if "faces" in entry]
     found = sum(len(part.faces) for part in parts)
+    if faces == 0:
+        own.stop(f"it has no triangles; name a {kind} file with faces")
     # trimesh returns what it got of a file that ends too early.
     if found < faces or sum(len(part.vertices) for part in parts) < vertices:
         own.stop(
             f"it yields {found} triangles from {faces} faces and {vertices} vertices;"
             " it is truncated or corrupt"
         )
-    if found == 0:
-        own.stop(f"it has no triangles; name a {kind} file with faces")
     if any(entry.get("vertex_colors") is not None for entry in decoded):
         ledger.note(f"{path.name}: its vertex colours are ignored")
     return sorted(parts, key=lambda part: part.name)
@@ -153,10 +153,8 @@ def _decode(contents: bytes, kind: str, path: Path) -> list[dict[str, Any]]:
         # With fix_texture=True vertices are reordered, but not their normals.
         return [load_ply(BytesIO(contents), fix_texture=False, skip_materials=True)]
     # The materials tell us only their names.
-    geometry = load_obj(BytesIO(contents), resolver=FilePathResolver(str(path)))[
-        "geometry"
-    ]
-    return list(geometry.values())
+    loaded = load_obj(BytesIO(contents), resolver=FilePathResolver(str(path)))
+    return list(loaded.get("geometry", {}).values())
 
 
 def _part(entry: dict[str, Any], path: Path) -> Part:

@@ -166,7 +166,8 @@ class Materials:
 
     def _number(self, node: Node, key: str, default: float) -> float:
         shades = read_color(self.mi, node, key, default, False, self.ledger)
-        return float(np.mean(shades))
+        # The mean of three equal numbers is rounded.
+        return shades[0] if len(set(shades)) == 1 else float(np.mean(shades))
 
     def _alpha(self, node: Node) -> float:
         distribution = node.get("distribution", "beckmann")

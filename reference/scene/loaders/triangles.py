@@ -129,6 +129,8 @@ def place(vertices: Vec3s, matrix: Scalars) -> Vec3s:
     (V, 3) float64
         In the world.
     """
+    if np.array_equal(matrix, np.eye(4)):
+        return vertices.astype(np.float64)  # 0 · inf would spread NaN
     # Like a non-finite vertex, a product beyond float64 is the validation's to report.
     with np.errstate(invalid="ignore", over="ignore"):
         placed: Vec3s = vertices @ matrix[:3, :3].T + matrix[:3, 3]

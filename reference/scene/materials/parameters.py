@@ -13,7 +13,7 @@ from reference.scene.materials.coat import (
 )
 from reference.scene.materials.kinds import Coated, Conductor, Lambertian, Material
 from reference.scene.surface import SurfacePoints
-from reference.scene.textures import Texture, mean_color
+from reference.scene.textures import Texture, color_range, mean_color
 
 
 class Kind(IntEnum):
@@ -75,6 +75,14 @@ class MaterialTable:
     nonlinear: Masks
     transmittance: Scalars
     keep: Scalars
+
+    @property
+    def plain(self) -> bool:
+        """Every point is black, or reflects all colours to its whole horizon."""
+        lambertian = self.kinds == (Kind.LAMBERTIAN,)
+        ranges = [color_range(texture) for texture in self.textures]
+        all_or_nothing = all(low > 0 or high == 0 for low, high in ranges)
+        return lambertian and all_or_nothing and bool(self.two_sided.all())
 
 
 def kind_of(material: Material) -> Kind:

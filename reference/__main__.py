@@ -1,0 +1,7 @@
+"""``python -m reference`` is ``restir``."""
+
+import sys
+
+from reference.cli import main
+
+sys.exit(main())

@@ -1,0 +1,160 @@
+"""Path-traced truth: numbered samples, accumulated one after the other.
+
+A sample of a frame is a pure function of its number, which is the frame word of the
+random key.  What is kept between two samples is `Moments` alone; so a run that was cut
+anywhere goes on as if nothing had happened, to the last bit.
+"""
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from reference.arrays import Vec3s
+from reference.moments import Moments, add_samples
+from reference.path_tracer import Light, camera_radiance, first_hits
+from reference.records import cut
+from reference.rng import KeyedUniforms, Stream
+from reference.scene.camera import pixel_centers
+from reference.scene.surface import SurfacePoints
+from reference.schedule import Schedule, in_bands
+from reference.world import World
+
+Pixel = Literal["center", "box"]
+
+BATCH_SECONDS = 0.5
+"""Time between two states of an accumulation, unless one sample takes longer."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PathSamples:
+    """Path-traced samples of a frame, by number.
+
+    Attributes
+    ----------
+    world : World
+        The scene.
+    light : 'indirect', 'direct' or 'full'
+        Which paths count.
+    bounces : int
+        Bounces of indirect light, 0 to 30.
+    seed : int
+        Samples of different seeds are independent.
+    stream : Stream
+        Who draws; samples of different streams are independent too.
+    centers : SurfacePoints or None
+        First hits through the pixel centres, shared by all samples; ``None`` where
+        each sample draws its own point of the pixel.
+    """
+
+    world: World
+    light: Light
+    bounces: int
+    seed: int
+    stream: Stream
+    centers: SurfacePoints | None
+
+    @property
+    def rows(self) -> int:
+        """Pixels of the frame."""
+        return self.world.camera.width * self.world.camera.height
+
+    def radiance(self, rows: slice, number: int) -> Vec3s:
+        """One sample of some pixels.
+
+        Parameters
+        ----------
+        rows : slice
+            K pixels.
+        number : int
+            Of the sample, from 0.
+
+        Returns
+        -------
+        (K, 3) float64, W/(m² sr)
+            Unbiased.
+        """
+        pixel = np.arange(rows.start, rows.stop, dtype=np.uint32)
+        if self.centers is None:
+            u = KeyedUniforms(pixel, number, self.seed, Stream.PIXEL).draw(0)
+            y, x = np.divmod(pixel, self.world.camera.width)
+            points = first_hits(self.world, x + u[0], y + u[1])
+        else:
+            points = cut(self.centers, rows)
+        uniforms = KeyedUniforms(pixel, number, self.seed, self.stream)
+        return camera_radiance(self.world, points, self.light, self.bounces, uniforms)
+
+
+def path_samples(
+    world: World,
+    schedule: Schedule,
+    *,
+    light: Light,
+    bounces: int,
+    seed: int,
+    pixel: Pixel = "center",
+    stream: Stream = Stream.PATH,
+) -> PathSamples:
+    """Samples of a frame, with the first hits that they share.
+
+    Parameters
+    ----------
+    world : World
+        The scene.
+    schedule : Schedule
+        Bands and threads.
+    light : 'indirect', 'direct' or 'full'
+        Which paths count.
+    bounces : int
+        Bounces of indirect light, 0 to 30.
+    seed : int
+        Of the run.
+    pixel : 'center' or 'box'
+        Camera rays through the centres of the pixels, or anywhere in them.
+    stream : Stream
+        Who draws.
+
+    Returns
+    -------
+    PathSamples
+        Ready to be drawn.
+    """
+    centers = None
+    if pixel == "center":
+        x, y = pixel_centers(world.camera.width, world.camera.height)
+        centers = in_bands(schedule, len(x), lambda r: first_hits(world, x[r], y[r]))
+    return PathSamples(world, light, bounces, seed, stream, centers)
+
+
+def accumulate(
+    samples: PathSamples, moments: Moments, stop: int, schedule: Schedule
+) -> Iterator[Moments]:
+    """Accumulate until there are enough samples, in batches of about half a second.
+
+    Parameters
+    ----------
+    samples : PathSamples
+        What to add.
+    moments : Moments
+        Of the samples before.
+    stop : int
+        Samples in the end.
+    schedule : Schedule
+        Bands and threads.
+
+    Yields
+    ------
+    Moments
+        After each batch.  How many samples make a batch depends on the clock; what
+        the moments are after a given number of samples does not.
+    """
+    batch = 1
+    while moments.count < stop:
+        start = time.perf_counter()
+        until = min(moments.count + batch, stop)
+        moments = add_samples(moments, samples.radiance, until, schedule)
+        elapsed = max(time.perf_counter() - start, 1e-6)
+        yield moments
+        batch = max(1, min(int(batch * BATCH_SECONDS / elapsed), 4 * batch))

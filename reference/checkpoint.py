@@ -1,0 +1,129 @@
+"""A file from which an accumulation goes on, and only the same accumulation.
+
+An NPZ of the running sums, and of the run that they belong to as JSON.  It is replaced
+in one step, so that a run that is killed finds the state before or the state after.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+
+from reference.errors import UsageError
+from reference.files import read_file, write_file
+from reference.moments import Moments
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Checkpoint:
+    """State of an accumulation.
+
+    Attributes
+    ----------
+    moments : Moments
+        Of all samples so far.
+    seconds : float
+        Spent on them.
+    rays : mapping of str to int
+        Traced for them, by kind.
+    """
+
+    moments: Moments
+    seconds: float
+    rays: Mapping[str, int]
+
+
+def save_checkpoint(path: Path, run: Mapping[str, str], state: Checkpoint) -> None:
+    """Write a checkpoint.
+
+    Parameters
+    ----------
+    path : Path
+        Replaced in one step.
+    run : mapping of str to str
+        Everything that decides what a sample of a given number is.
+    state : Checkpoint
+        What to keep.
+
+    Raises
+    ------
+    UsageError
+        The file cannot be written; see `write_file`.
+    """
+    words = {
+        "run": dict(run),
+        "count": state.moments.count,
+        "seconds": state.seconds,
+        "rays": dict(state.rays),
+    }
+    buffer = BytesIO()
+    np.savez(
+        buffer,
+        words=np.array(json.dumps(words)),
+        mean=state.moments.mean,
+        squares=state.moments.squares,
+    )
+    write_file(path, buffer.getvalue())
+
+
+def load_checkpoint(path: Path, run: Mapping[str, str]) -> Checkpoint | None:
+    """Read the checkpoint of a run.
+
+    Parameters
+    ----------
+    path : Path
+        Where `save_checkpoint` wrote.
+    run : mapping of str to str
+        As it was saved.
+
+    Returns
+    -------
+    Checkpoint or None
+        None if there is no such file.
+
+    Raises
+    ------
+    UsageError
+        Unreadable or damaged, or of another run: the message says what differs.
+    """
+    if not path.exists():
+        return None
+    remedy = "delete it to start anew, or name another --out"
+    try:
+        words, moments = _decode(read_file(path))
+    # Damage shows as whatever the reader trips over first.
+    except (ValueError, KeyError, TypeError, OSError, EOFError, BadZipFile) as error:
+        raise UsageError(
+            f"{path} is not a checkpoint, or is damaged; {remedy}"
+        ) from error
+    differences = [
+        f"{key} {words['run'].get(key)}, not {run.get(key)}"
+        for key in sorted({*words["run"], *run})
+        if words["run"].get(key) != run.get(key)
+    ]
+    if differences:
+        raise UsageError(
+            f"{path} is the checkpoint of another run ({'; '.join(differences)});"
+            f" {remedy}"
+        )
+    return Checkpoint(moments, words["seconds"], words["rays"])
+
+
+def _decode(contents: bytes) -> tuple[dict[str, Any], Moments]:
+    with np.load(BytesIO(contents), allow_pickle=False) as file:
+        words = json.loads(str(file["words"]))
+        mean, squares = file["mean"], file["squares"]
+    whole = {"run": dict, "count": int, "seconds": float, "rays": dict}
+    if any(not isinstance(words[key], kind) for key, kind in whole.items()):
+        raise TypeError("a value of the wrong type")
+    if mean.shape != squares.shape or mean.shape[1:] != (3,) or words["count"] < 1:
+        raise ValueError("arrays of the wrong shape")
+    for array in (mean, squares):
+        if array.dtype != np.float64 or not np.isfinite(array).all():
+            raise ValueError("values that no accumulation leaves")
+    return words, Moments(words["count"], mean, squares)

@@ -1,0 +1,223 @@
+"""Options that several commands share, and what their values may be."""
+
+import argparse
+import os
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+from reference.path_tracer import MAX_BOUNCES
+from reference.schedule import Schedule
+
+MOST_PIXELS_A_SIDE = 2**14
+MOST_SAMPLES = 2**32 - 1  # the number of a sample is a 32-bit word of its key
+BAND = 8192  # rows whose temporaries stay in the cache
+
+Parser = argparse.ArgumentParser
+Size = tuple[int, int]
+
+
+def whole(least: int, most: int) -> Callable[[str], int]:
+    """Make a converter of integers within limits.
+
+    Parameters
+    ----------
+    least, most : int
+        Both are allowed.
+
+    Returns
+    -------
+    callable
+        From text; raises what argparse tells as an error.
+    """
+
+    def convert(text: str) -> int:
+        try:
+            value = int(text)
+        except ValueError:
+            value = least - 1
+        if not least <= value <= most:
+            raise argparse.ArgumentTypeError(
+                f"{text!r} is not an integer from {least} to {most}"
+            )
+        return value
+
+    return convert
+
+
+def size(text: str) -> Size:
+    """Width and height from ``WxH``.
+
+    Parameters
+    ----------
+    text : str
+        "640x480".
+
+    Returns
+    -------
+    (int, int), pixels
+        1 to 16384 each.
+    """
+    match = re.fullmatch(r"(\d{1,9})[xX](\d{1,9})", text, re.ASCII)
+    sides = tuple(int(side) for side in match.groups()) if match else (0, 0)
+    if not all(1 <= side <= MOST_PIXELS_A_SIDE for side in sides):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not WIDTHxHEIGHT, each from 1 to {MOST_PIXELS_A_SIDE} pixels"
+        )
+    return sides[0], sides[1]
+
+
+def seconds(text: str) -> float:
+    """Time from text.
+
+    Parameters
+    ----------
+    text : str
+        A number.
+
+    Returns
+    -------
+    float, s
+        0 or more.
+    """
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not value >= 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds")
+    return value
+
+
+def add_scene(parser: Parser, **options: str) -> None:
+    """Add SCENE, and how it is read.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        Of a command.
+    **options : str
+        ``nargs`` and ``default`` of the positional argument.
+    """
+    parser.add_argument(
+        "scene",
+        metavar="SCENE",
+        help="built-in scene, or a glTF, GLB, OBJ, PLY, Mitsuba XML or JSON file",
+        **options,  # type: ignore[arg-type]
+    )
+    parser.add_argument(
+        "--lenient",
+        action="store_true",
+        help="replace what a scene file holds and is not modelled, and say so",
+    )
+    parser.add_argument("--size", type=size, metavar="WxH", help="pixels")
+
+
+def add_light(parser: Parser, light: bool = True) -> None:
+    """Add what is estimated: --bounces, --seed, and perhaps --light.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        Of a command.
+    light : bool
+        Whether the light may be chosen.
+    """
+    parser.add_argument(
+        "--bounces",
+        type=whole(0, MAX_BOUNCES),
+        default=1,
+        metavar="K",
+        help="bounces of indirect light, 0 to 30 (default 1)",
+    )
+    parser.add_argument(
+        "--seed",
+        type=whole(0, 2**32 - 1),
+        default=0,
+        metavar="S",
+        help="runs of different seeds are independent (default 0)",
+    )
+    if light:
+        parser.add_argument(
+            "--light",
+            choices=("indirect", "direct", "full"),
+            default="indirect",
+            help="which paths count (default indirect)",
+        )
+
+
+def add_schedule(parser: Parser) -> None:
+    """Add --threads and --band, which change no bit of a result.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        Of a command.
+    """
+    parser.add_argument(
+        "--threads",
+        type=whole(1, 1024),
+        metavar="N",
+        help="bands worked on at once (default: all processors)",
+    )
+    parser.add_argument(
+        "--band",
+        type=whole(1, 2**28),
+        metavar="ROWS",
+        help=f"pixels worked on together (default: up to {BAND})",
+    )
+
+
+def add_json(parser: Parser) -> None:
+    """Add --json.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        Of a command.
+    """
+    parser.add_argument(
+        "--json", action="store_true", help="results as JSON, and nothing else, on stdout"
+    )
+
+
+def add_out(parser: Parser) -> None:
+    """Add --out X.exr and --png.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        Of a command.
+    """
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="X.exr", help="the picture"
+    )
+    parser.add_argument(
+        "--png", action="store_true", help="write a preview beside it, too"
+    )
+
+
+def schedule_of(arguments: argparse.Namespace, pixels: int) -> Schedule:
+    """Bands and threads as asked for, or as suits the machine.
+
+    Parameters
+    ----------
+    arguments : Namespace
+        With ``threads`` and ``band``.
+    pixels : int
+        Of a frame.
+
+    Returns
+    -------
+    Schedule
+        By default several bands a thread, so that no thread waits long for another.
+    """
+    threads = arguments.threads or _processors()
+    band = arguments.band or max(256, min(BAND, -(-pixels // (8 * threads))))
+    return Schedule(band, threads)
+
+
+def _processors() -> int:
+    if hasattr(os, "sched_getaffinity"):  # a container may give us fewer than there are
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

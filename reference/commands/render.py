@@ -1,0 +1,172 @@
+"""``restir render``: make a picture with one method."""
+
+import argparse
+import time
+from pathlib import Path
+
+from reference.commands import arguments as options
+from reference.commands.console import emit, progress, show
+from reference.commands.metadata import metadata
+from reference.commands.opening import open_scene
+from reference.commands.targets import check_file
+from reference.display import auto_exposure, write_png
+from reference.errors import UsageError
+from reference.exr import write_exr
+from reference.images import Image, to_image
+from reference.methods import Job, Layers, Method, method_named, method_names
+from reference.options import as_text, with_values
+from reference.world import World, build_world
+
+NAME = "render"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the arguments.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        Of this command.
+    """
+    count = options.whole(1, options.MOST_SAMPLES)
+    options.add_scene(parser)
+    parser.add_argument(
+        "--method", required=True, metavar="M", help=", ".join(method_names())
+    )
+    options.add_out(parser)
+    parser.add_argument("--frames", type=count, metavar="F", help="of reuse over time")
+    parser.add_argument("--spp", type=count, metavar="N", help="samples a pixel")
+    options.add_light(parser)
+    parser.add_argument(
+        "--aov",
+        type=lambda text: tuple(dict.fromkeys(text.split(","))),
+        default=(),
+        metavar="NAME,...",
+        help="further layers of the file; an unknown name lists those of the method",
+    )
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="a setting of the method; an unknown key lists them all",
+    )
+    options.add_schedule(parser)
+    options.add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Render, and write the picture.
+
+    Parameters
+    ----------
+    arguments : Namespace
+        Parsed.
+
+    Raises
+    ------
+    UsageError
+        Bad input, all of it found before the first ray but a full disk.
+    """
+    method = method_named(arguments.method)
+    settings = with_values(method.settings, arguments.set)
+    counts = _counts(method, arguments)
+    aovs = _aovs(method, arguments.aov)
+    out, png = arguments.out, arguments.out.with_suffix(".png")
+    check_file(out)
+    if arguments.png:
+        check_file(png, ".png")
+    scene = open_scene(arguments)
+
+    world = build_world(scene)
+    job = Job(
+        world=world,
+        light=arguments.light,
+        bounces=arguments.bounces,
+        seed=arguments.seed,
+        counts=counts,
+        settings=settings,
+        aovs=aovs,
+        schedule=options.schedule_of(arguments, world.camera.width * world.camera.height),
+    )
+    start = time.perf_counter()
+    layers = _render(method, job, scene.name)
+    seconds = time.perf_counter() - start
+    words = metadata(
+        scene, arguments, method.name, as_text(settings), counts,
+        world.caster.counts, seconds,
+    )  # fmt: skip
+    write_exr(out, _image(method, layers, world, words))
+    if arguments.png:
+        color = to_image(layers["color"], world.camera.width, world.camera.height)
+        write_png(png, color, auto_exposure(color))
+    _report(arguments, out, png, words, layers)
+
+
+def _render(method: Method, job: Job, scene: str) -> Layers:
+    steps = method.render(job)
+    with progress(f"{scene}, {method.name}") as tick:
+        while True:
+            try:
+                step = next(steps)
+            except StopIteration as end:
+                layers: Layers = end.value
+                return layers
+            tick(step.done, step.total, step.unit)
+
+
+def _image(
+    method: Method, layers: Layers, world: World, words: dict[str, str]
+) -> Image:
+    width, height = world.camera.width, world.camera.height
+    try:
+        return Image(
+            {name: to_image(rows, width, height) for name, rows in layers.items()},
+            words,
+        )
+    except (ValueError, AttributeError) as error:
+        raise UsageError(
+            f"method {method.name!r} did not return a picture ({error}); repair it"
+        ) from error
+
+
+def _counts(method: Method, arguments: argparse.Namespace) -> dict[str, int]:
+    given = {
+        name: getattr(arguments, name)
+        for name in ("frames", "spp")
+        if getattr(arguments, name) is not None
+    }
+    for name in given.keys() - method.counts.keys():
+        heeds = " and ".join(f"--{name}" for name in method.counts) or "neither"
+        raise UsageError(f"method {method.name!r} has no --{name}; it takes {heeds}")
+    return {**method.counts, **given}
+
+
+def _aovs(method: Method, names: tuple[str, ...]) -> tuple[str, ...]:
+    for name in names:
+        if name not in ("color", *method.aovs):
+            raise UsageError(
+                f"--aov {name!r} is not known to method {method.name!r}; known are"
+                f" {', '.join(('color', *method.aovs))}"
+            )
+    return tuple(name for name in names if name != "color")
+
+
+def _report(
+    arguments: argparse.Namespace,
+    out: Path,
+    png: Path,
+    words: dict[str, str],
+    layers: Layers,
+) -> None:
+    if arguments.json:
+        emit(
+            {
+                "out": str(out),
+                "png": str(png) if arguments.png else None,
+                "layers": list(layers),
+                "metadata": words,
+            }
+        )
+        return
+    show(f"{out}: {words['method']} on {words['scene']}, {words['seconds']} s")

@@ -1,0 +1,53 @@
+"""``restir scenes``: list the built-in scenes and what each requires."""
+
+import argparse
+
+from rich.table import Table
+
+from reference.commands.arguments import add_json
+from reference.commands.console import emit, show
+from reference.scene.catalogue.registry import CATALOGUE
+from reference.scene.requirements import requirements
+
+NAME = "scenes"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the arguments.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        Of this command.
+    """
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Print the list.
+
+    Parameters
+    ----------
+    arguments : Namespace
+        Parsed.
+    """
+    found = {name: requirements(entry.build()) for name, entry in CATALOGUE.items()}
+    if arguments.json:
+        scenes = [
+            {
+                "name": name,
+                "summary": CATALOGUE[name].summary,
+                "requires": [
+                    {"name": r.name, "why": r.why, "left_out": r.left_out} for r in needs
+                ],
+            }
+            for name, needs in found.items()
+        ]
+        emit({"scenes": scenes})
+        return
+    table = Table("scene", "what it shows", "what it requires", show_lines=True)
+    for name, needs in found.items():
+        table.add_row(
+            name, CATALOGUE[name].summary, ", ".join(need.name for need in needs)
+        )
+    show(table)

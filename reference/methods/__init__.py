@@ -1,0 +1,14 @@
+"""Methods: how a picture is made, and what they are called on the command line."""
+
+from reference.methods.discovery import method_named, method_names
+from reference.methods.method import Job, Layers, Method, Progress, Rendering
+
+__all__ = [
+    "Job",
+    "Layers",
+    "Method",
+    "Progress",
+    "Rendering",
+    "method_named",
+    "method_names",
+]

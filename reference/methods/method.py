@@ -1,0 +1,114 @@
+"""What a method is, to the command line and to packages that bring one along.
+
+A package announces a method by an entry point of the group ``restir.methods``, here in
+its ``pyproject.toml``::
+
+    [project.entry-points."restir.methods"]
+    world-reservoirs = "hashgrid.method:METHOD"
+
+The name of the entry point is the name of the method.  The object that it points to is
+a `Method`, whose ``render`` is a generator function::
+
+    def render(job: Job) -> Rendering:
+        for frame in range(job.counts["frames"]):
+            color = ...  # (N, 3), row = y * width + x
+            yield Progress(frame + 1, job.counts["frames"], "frames")
+        return {"color": color}
+
+    METHOD = Method(
+        name="world-reservoirs",
+        summary="Reservoirs in a hashed world-space grid",
+        counts={"frames": 32},
+        settings=MySettings(),
+        aovs={"cells": "occupied cells of the grid"},
+        render=render,
+    )
+"""
+
+from collections.abc import Callable, Generator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from reference.arrays import Scalars
+from reference.path_tracer import Light
+from reference.schedule import Schedule
+from reference.world import World
+
+Layers = Mapping[str, Scalars]
+"""Quantities by name, (N,) or (N, 3); ``"color"`` is the picture."""
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """How far a rendering is: ``done`` of ``total`` frames, samples, ..."""
+
+    done: int
+    total: int
+    unit: str
+
+
+Rendering = Generator[Progress, None, Layers]
+"""Yields after each step, which is where it may be cut off; returns the layers."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Job:
+    """What to render.
+
+    Attributes
+    ----------
+    world : World
+        The scene, with a camera of the size of the picture.
+    light : 'indirect', 'direct' or 'full'
+        Which paths count.
+    bounces : int
+        Bounces of indirect light, 0 to 30.
+    seed : int
+        0 to 2³² − 1; runs of different seeds are independent.
+    counts : mapping of str to int
+        The method's own ``counts``, with what the command line says instead.
+    settings : dataclass instance
+        Of the type of the method's own ``settings``.
+    aovs : tuple of str
+        Names out of the method's ``aovs``, to be returned beside ``"color"``.
+    schedule : Schedule
+        Bands and threads; must not change a bit of the result.
+    """
+
+    world: World
+    light: Light
+    bounces: int
+    seed: int
+    counts: Mapping[str, int]
+    settings: Any
+    aovs: tuple[str, ...]
+    schedule: Schedule
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Method:
+    """A way to make a picture.
+
+    Attributes
+    ----------
+    name : str
+        On the command line.
+    summary : str
+        One line, without a full stop.
+    counts : mapping of str to int
+        Which of the options ``"frames"`` and ``"spp"`` it heeds, and their defaults.
+    settings : dataclass instance
+        Defaults of what ``--set`` changes; :mod:`reference.options` says which fields
+        it may have.
+    aovs : mapping of str to str
+        Names that ``--aov`` takes, and what they are.
+    render : callable
+        Takes a `Job` and generates; `Rendering`.
+    """
+
+    name: str
+    summary: str
+    counts: Mapping[str, int]
+    settings: Any
+    aovs: Mapping[str, str]
+    render: Callable[[Job], Rendering]

@@ -1,0 +1,125 @@
+"""Method ``path``: plain path tracing, a mean of independent samples."""
+
+from collections.abc import Generator
+from dataclasses import dataclass
+
+from reference.accumulate import Pixel, accumulate, path_samples
+from reference.arrays import Scalars
+from reference.errors import UsageError
+from reference.methods.aovs import GBUFFER, gbuffer_layers
+from reference.methods.method import Job, Method, Progress, Rendering
+from reference.moments import Moments, no_samples
+from reference.path_tracer import Light
+from reference.rng import Stream
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PathSettings:
+    """Settings of path tracing.
+
+    Attributes
+    ----------
+    pixel : 'center' or 'box'
+        Camera rays through the centres of the pixels, as a G-buffer has them, or
+        anywhere in the pixels.
+    """
+
+    pixel: Pixel = "center"
+
+
+def render(job: Job) -> Rendering:
+    """Mean of ``spp`` path-traced samples.
+
+    Parameters
+    ----------
+    job : Job
+        What to render.
+
+    Yields
+    ------
+    Progress
+        In samples.
+
+    Returns
+    -------
+    Layers
+        The colour, and the layers asked for.  Direct and indirect light follow the
+        very paths of the picture, so that they add up to ``full``.
+    """
+    if "standard_error" in job.aovs and job.counts["spp"] < 2:
+        raise UsageError("--aov standard_error needs an --spp of at least 2")
+    parts: list[Light] = [job.light]
+    parts += [p for p in ("direct", "indirect") if p in job.aovs and p != job.light]
+    found = {}
+    for index, light in enumerate(parts):
+        found[light] = yield from mean_of_paths(
+            job,
+            light,
+            job.settings.pixel,
+            Stream.PATH,
+            index * job.counts["spp"],
+            len(parts) * job.counts["spp"],
+        )
+    layers: dict[str, Scalars] = {"color": found[job.light].mean}
+    layers |= {part: found[part].mean for part in found if part in job.aovs}
+    if "standard_error" in job.aovs:
+        layers["standard_error"] = found[job.light].standard_error()
+    return layers | gbuffer_layers(job.world, job.schedule, job.aovs)
+
+
+def mean_of_paths(
+    job: Job, light: Light, pixel: Pixel, stream: Stream, before: int, total: int
+) -> Generator[Progress, None, Moments]:
+    """Moments of ``spp`` path-traced samples, as one part of a rendering.
+
+    Parameters
+    ----------
+    job : Job
+        What to render.
+    light : 'indirect', 'direct' or 'full'
+        In place of the job's own.
+    pixel : 'center' or 'box'
+        Where camera rays go.
+    stream : Stream
+        Who draws.
+    before, total : int
+        Steps of the rendering before this part, and in all.
+
+    Yields
+    ------
+    Progress
+        In samples.
+
+    Returns
+    -------
+    Moments
+        Of all samples.
+    """
+    samples = path_samples(
+        job.world,
+        job.schedule,
+        light=light,
+        bounces=job.bounces,
+        seed=job.seed,
+        pixel=pixel,
+        stream=stream,
+    )
+    moments, spp = no_samples(samples.rows), job.counts["spp"]
+    for moments in accumulate(samples, moments, spp, job.schedule):
+        yield Progress(before + moments.count, total, "samples")
+    return moments
+
+
+PATH = Method(
+    name="path",
+    summary="Path tracing with next-event estimation, independent samples",
+    counts={"spp": 32},
+    settings=PathSettings(),
+    aovs={
+        "direct": "light that was never reflected before the visible point",
+        "indirect": "the rest",
+        "standard_error": "standard error of the colour",
+        **GBUFFER,
+    },
+    render=render,
+)

@@ -1,0 +1,120 @@
+"""Settings from text: ``KEY=VALUE`` onto the fields of a dataclass, by their types."""
+
+from collections.abc import Iterable
+from dataclasses import asdict, fields, is_dataclass, replace
+from math import isnan
+from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
+
+from reference.errors import UsageError
+
+Settings = TypeVar("Settings")
+
+TRUTH = {"true": True, "yes": True, "on": True, "1": True}
+FALSEHOOD = {"false": False, "no": False, "off": False, "0": False}
+
+
+def with_values(defaults: Settings, assignments: Iterable[str]) -> Settings:
+    """Settings with some of their fields set from text.
+
+    Parameters
+    ----------
+    defaults : dataclass instance
+        Fields of type str, int, float, bool or Literal; its ``__post_init__`` may
+        raise ValueError on values that are out of range.
+    assignments : iterable of str
+        Each ``KEY=VALUE``; of two with one key the last one counts.
+
+    Returns
+    -------
+    dataclass instance
+        Of the same type.
+
+    Raises
+    ------
+    UsageError
+        No such field, or not one of its values; the message lists what is known.
+    """
+    if not is_dataclass(defaults) or isinstance(defaults, type):
+        raise TypeError(f"settings must be a dataclass instance, not {defaults!r}")
+    hints = get_type_hints(type(defaults))
+    found: dict[str, Any] = {}
+    for assignment in assignments:
+        key, equals, text = assignment.partition("=")
+        if not equals:
+            raise UsageError(f"--set {assignment!r} is not of the form KEY=VALUE")
+        if key not in {field.name for field in fields(defaults)}:
+            raise UsageError(
+                f"--set {assignment}: no setting {key!r}; known are {known(defaults)}"
+            )
+        try:
+            found[key] = _parse(hints[key], text)
+        except ValueError as error:
+            raise UsageError(
+                f"--set {assignment}: {key} must be {_form(hints[key])}"
+            ) from error
+    try:
+        result: Settings = replace(defaults, **found)
+    except ValueError as error:
+        raise UsageError(f"--set: {error}") from error
+    return result
+
+
+def known(settings: Any) -> str:
+    """All settings with what they may be, for a message.
+
+    Parameters
+    ----------
+    settings : dataclass instance
+        As `with_values` takes it.
+
+    Returns
+    -------
+    str
+        ``"a=1|2, b=NUMBER"``; "none" if there are none.
+    """
+    hints = get_type_hints(type(settings))
+    words = [f"{f.name}={_form(hints[f.name], '|')}" for f in fields(settings)]
+    return ", ".join(words) or "none"
+
+
+def as_text(settings: Any) -> dict[str, str]:
+    """Every setting as text, as `with_values` would read it.
+
+    Parameters
+    ----------
+    settings : dataclass instance
+        Any.
+
+    Returns
+    -------
+    dict of str to str
+        In the order of the fields.
+    """
+    return {
+        key: str(value).lower() if isinstance(value, bool) else str(value)
+        for key, value in asdict(settings).items()
+    }
+
+
+def _parse(kind: Any, text: str) -> Any:
+    if get_origin(kind) is Literal:
+        choices = {str(choice): choice for choice in get_args(kind)}
+        if text not in choices:
+            raise ValueError(text)
+        return choices[text]
+    if kind is bool:
+        both = TRUTH | FALSEHOOD
+        if text.lower() not in both:
+            raise ValueError(text)
+        return both[text.lower()]
+    value = kind(text)
+    if isinstance(value, float) and isnan(value):
+        raise ValueError(text)
+    return value
+
+
+def _form(kind: Any, between: str = " or ") -> str:
+    if get_origin(kind) is Literal:
+        return between.join(str(choice) for choice in get_args(kind))
+    words = {bool: between.join(("true", "false")), int: "INTEGER", float: "NUMBER"}
+    return words.get(kind, "TEXT")

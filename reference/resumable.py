@@ -1,0 +1,98 @@
+"""An accumulation that survives Ctrl-C, kill, and power cuts."""
+
+import time
+from collections import Counter
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from reference.accumulate import PathSamples, accumulate
+from reference.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from reference.errors import UsageError
+from reference.moments import no_samples
+from reference.schedule import Schedule
+from reference.signals import Interrupted
+
+
+def accumulate_resumably(
+    samples: PathSamples,
+    spp: int,
+    schedule: Schedule,
+    path: Path,
+    run: Mapping[str, str],
+    every: float,
+    tick: Callable[[int], None],
+) -> Checkpoint:
+    """Accumulate from where the last run of the same kind was cut off.
+
+    Parameters
+    ----------
+    samples : PathSamples
+        What to add.
+    spp : int
+        Samples in the end.
+    schedule : Schedule
+        Bands and threads.
+    path : Path
+        Of the checkpoint.  It is left in place, complete in the end: whoever has
+        written the result may delete it.
+    run : mapping of str to str
+        Everything that decides what a sample of a given number is.
+    every : float, s
+        Time between two checkpoints: what a kill may cost.
+    tick : callable
+        Told the number of samples so far.
+
+    Returns
+    -------
+    Checkpoint
+        Its moments have ``spp`` samples, bit-identical to those of a run that was
+        never cut off.
+
+    Raises
+    ------
+    UsageError
+        The checkpoint there is of another run, damaged, has more samples than are
+        asked for, or cannot be written.
+    Interrupted
+        By Ctrl-C or SIGTERM, after the state was written.
+    """
+    state = load_checkpoint(path, run)
+    if state is None:
+        state = Checkpoint(no_samples(samples.rows), 0.0, {})
+    if len(state.moments.mean) != samples.rows:
+        raise UsageError(f"{path} is damaged; delete it to start anew")
+    if state.moments.count > spp:
+        raise UsageError(
+            f"{path} has {state.moments.count} samples already, more than --spp {spp};"
+            " ask for at least as many, or delete it"
+        )
+    before, start = state, time.perf_counter()
+    last = start if state.moments.count else 0.0  # the first state tests the disk
+    saved = state
+    tick(state.moments.count)
+    try:
+        for moments in accumulate(samples, state.moments, spp, schedule):
+            spent = before.seconds + time.perf_counter() - start
+            rays = Counter(before.rays) + samples.world.caster.counts
+            state = Checkpoint(moments, spent, rays)
+            tick(moments.count)
+            if time.perf_counter() - last >= every or moments.count == spp:
+                save_checkpoint(path, run, state)
+                saved, last = state, time.perf_counter()
+    except KeyboardInterrupt as stop:
+        if state is not saved:
+            save_checkpoint(path, run, state)
+        raise Interrupted(
+            _what_is_left(path, state.moments.count, spp),
+            getattr(stop, "terminated", False),
+        ) from None
+    return state
+
+
+def _what_is_left(path: Path, count: int, spp: int) -> str:
+    if count == 0:
+        return "interrupted before the first sample was complete; nothing was written"
+    return (
+        f"interrupted; {count} of {spp} samples are kept in {path}, and the same"
+        " command goes on from there"
+    )

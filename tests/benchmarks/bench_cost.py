@@ -1,0 +1,185 @@
+"""What a frame costs beside its rays: time ratios, threads, frame sizes, memory.
+
+    python tests/benchmarks/bench_cost.py [rays] [threads] [size] [memory]
+
+Prints ratios of medians of interleaved repeats; seconds belong to a machine.
+"""
+
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from reference.passes.gbuffer import visible_points
+from reference.restir_gi import Frame, next_frame, render_frames
+from reference.scene.camera import pixel_centers
+from reference.scene.catalogue.rooms import cornell_box
+from reference.scene.materials.kinds import Lambertian
+from reference.scene.scene import Scene
+from reference.scene.shapes import Mesh
+from reference.schedule import Schedule
+from reference.settings import BIASED, UNBIASED, Settings
+from reference.world import World, build_world
+
+WARM = 12  # frames until every pixel has passed half of the spatial limit
+REPEATS = 7
+
+
+def sized(scene: Scene, width: int, height: int) -> Scene:
+    camera = replace(scene.camera, width=width, height=height)
+    return replace(scene, camera=camera)
+
+
+def bumpy_box() -> Scene:
+    """The Cornell box with its tall block replaced by a sphere of 328,000 triangles."""
+    scene = cornell_box()
+    steps_u, steps_v = 574, 287
+    u, v = np.meshgrid(np.arange(steps_u), np.arange(steps_v), indexing="ij")
+    phi, theta = 2 * np.pi * u / steps_u, np.pi * (v + 0.5) / steps_v
+    radius = 0.55 * (1 + 0.05 * np.sin(9 * phi) * np.sin(7 * theta))
+    vertices = np.stack(
+        [
+            radius * np.sin(theta) * np.cos(phi),
+            radius * np.cos(theta) + 0.75,
+            radius * np.sin(theta) * np.sin(phi),
+        ],
+        axis=-1,
+    ).reshape(-1, 3)
+    a = (u[:, :-1] * steps_v + v[:, :-1]).ravel()
+    b = (((u[:, :-1] + 1) % steps_u) * steps_v + v[:, :-1]).ravel()
+    faces = np.concatenate(
+        [np.stack([a, b, b + 1], axis=-1), np.stack([a, b + 1, a + 1], axis=-1)]
+    )
+    ball = Mesh(
+        name="ball",
+        vertices=vertices,
+        faces=faces,
+        material=Lambertian((0.7, 0.7, 0.7)),
+    )
+    kept = tuple(m for m in scene.meshes if "block" not in m.name)
+    return replace(scene, name="bumpy-box", meshes=(*kept, ball))
+
+
+class Recorder:
+    """Stands in for the accelerator and keeps every batch of rays."""
+
+    def __init__(self, embree: Any) -> None:
+        self.embree, self.batches = embree, list[tuple[Any, ...]]()
+
+    def run(self, o: Any, d: Any, **options: Any) -> Any:
+        kept = {k: v.copy() if k == "dists" else v for k, v in options.items()}
+        self.batches.append((o, d, kept))
+        return self.embree.run(o, d, **options)
+
+    def replay(self) -> None:
+        for o, d, options in self.batches:
+            # The distances are overwritten by a run.
+            again = {k: v.copy() if k == "dists" else v for k, v in options.items()}
+            self.embree.run(o, d, **again)
+
+
+def warmed(
+    world: World, settings: Settings, schedule: Schedule
+) -> tuple[Frame, Callable[[], Frame]]:
+    """A frame in the steady state, and how to make the one after it."""
+    frames = render_frames(world, settings, 1, 0, schedule)
+    frame = next(f for f in frames if f.number == WARM)
+
+    def step() -> Frame:
+        return next_frame(world, settings, 1, 0, schedule, frame.visible, frame)
+
+    return frame, step
+
+
+def timed(function: Callable[[], object]) -> float:
+    start = time.perf_counter()
+    function()
+    return time.perf_counter() - start
+
+
+def interleaved(*functions: Callable[[], object]) -> list[float]:
+    """Median seconds of each of several functions, run in turn."""
+    rounds = [[timed(f) for f in functions] for _ in range(REPEATS)]
+    return [statistics.median(column) for column in zip(*rounds, strict=True)]
+
+
+def frame_against_rays() -> Iterator[str]:
+    for scene in (cornell_box(), bumpy_box()):
+        world = build_world(sized(scene, 512, 512))
+        pixels = 512 * 512
+        for name, settings in (("unbiased", UNBIASED), ("biased", BIASED)):
+            frame, step = warmed(world, settings, Schedule())
+            recorder = Recorder(world.caster._embree)
+            world.caster._embree = recorder  # type: ignore[assignment]
+            step()
+            world.caster._embree = recorder.embree
+            rays = sum(len(o) for o, _, _ in recorder.batches) / pixels
+            whole, alone = interleaved(step, recorder.replay)
+            yield (
+                f"{scene.name:12} {name:9} {whole / pixels * 1e6:6.2f} us/pixel"
+                f" = {whole / alone:5.2f} x its {rays:.1f} rays"
+            )
+
+
+def threads() -> Iterator[str]:
+    world = build_world(sized(cornell_box(), 512, 512))
+    _, one = warmed(world, UNBIASED, Schedule(threads=1))
+    _, two = warmed(world, UNBIASED, Schedule(threads=2))
+    a, b = interleaved(one, two)
+    yield f"two threads are {a / b:.2f} x faster than one"
+
+
+def sizes() -> Iterator[str]:
+    steps, pixels = [], []
+    for width, height in ((256, 256), (1920, 1080)):
+        world = build_world(sized(cornell_box(), width, height))
+        steps.append(warmed(world, UNBIASED, Schedule())[1])
+        pixels.append(width * height)
+    small, large = interleaved(*steps)
+    ratio = (large / pixels[1]) / (small / pixels[0])
+    yield f"a pixel at 1920x1080 takes {ratio:.2f} x one at 256x256"
+
+
+def memory() -> Iterator[str]:
+    # In processes of their own: the peak of a process never falls.
+    peak = {}
+    for width, height in ((64, 36), (1920, 1080)):
+        command = [sys.executable, __file__, "--peak", str(width), str(height)]
+        answer = subprocess.run(command, check=True, capture_output=True, text=True)
+        peak[width * height] = int(answer.stdout)
+    (few, low), (many, high) = peak.items()
+    yield f"peak memory {(high - low) / (many - few):.0f} bytes a pixel at 1920x1080"
+
+
+def print_peak(width: int, height: int) -> None:
+    world = build_world(sized(cornell_box(), width, height))
+    x, y = pixel_centers(8, 8)
+    visible_points(world, x, y)
+    for frame in render_frames(world, UNBIASED, 1, 0, Schedule()):
+        if frame.number == 3:
+            break
+    # Not ru_maxrss: a child inherits its parent's.
+    status = Path("/proc/self/status").read_text()
+    print(int(status.split("VmHWM:")[1].split()[0]) * 1024)
+
+
+PARTS = {
+    "rays": frame_against_rays,
+    "threads": threads,
+    "size": sizes,
+    "memory": memory,
+}
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--peak"]:
+        print_peak(int(sys.argv[2]), int(sys.argv[3]))
+    else:
+        for part in sys.argv[1:] or PARTS:
+            for line in PARTS[part]():
+                print(line, flush=True)

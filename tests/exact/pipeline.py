@@ -1,0 +1,133 @@
+"""The passes on the toy domain: production kernels, strung together as Algorithms 2-4.
+
+Geometry, targets and visibility are look-ups in tables of fractions; all arithmetic of
+resampling is done by the kernels handed in as ``code``.  Mutants are made of this file
+too (:mod:`tests.exact.mutants`), so that mistakes of *placement* are planted as well as
+mistakes of formulas.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tests.exact.domain import (
+    CELL,
+    EYE,
+    HOLDS,
+    MU,
+    NORMAL,
+    NOTHING,
+    PIXELS,
+    SEES,
+    SOURCE,
+    TARGET,
+    F,
+)
+from tests.exact.explore import draw
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """A sample and the slot of the stream that put it in."""
+
+    cell: Any
+    slot: Any
+
+
+def _with_nothing(table, nothing):
+    return [np.array([*row, nothing], object) for row in table]
+
+
+P_HAT = _with_nothing(TARGET, F(0))
+PDF = _with_nothing(np.array(SOURCE) / MU, F(0))
+SEEN = [row.astype(bool) for row in _with_nothing(SEES, False)]
+HELD = [row.astype(bool) for row in _with_nothing(HOLDS, False)]
+
+
+def jacobian(code, i_from, i_to, x):
+    """|∂ω_to / ∂ω_from| of cells, by the production kernel."""
+    rows = [len(x), 3]
+    x_from, x_to = np.broadcast_to(EYE[i_from], rows), np.broadcast_to(EYE[i_to], rows)
+    J = code.shift.reconnection_jacobian(x_from, x_to, CELL[x], NORMAL[x])
+    return np.where(x == NOTHING, F(1), J)
+
+
+def initial(code, i, uniform):
+    """Algorithm 2: one new candidate at pixel i."""
+    x = draw(uniform(), SOURCE[i])
+    return code.reservoir.initial_candidates(x, P_HAT[i][x], PDF[i][x])
+
+
+def temporal(code, i, history, new, cap, uniform):
+    """Algorithm 3: a new candidate meets the reservoir of the last frame."""
+    k = code.reservoir
+    if history is None:
+        return k.cap_confidence(k.finalize(new, new.M), cap)
+    old = k.reused_candidates(history, P_HAT[i][history.y])
+    both = k.merge(old, new, uniform())
+    total = code.mis.one_over_m([old.M, new.M])
+    return k.cap_confidence(k.finalize(both, total), cap)
+
+
+def spatial(
+    code, i, donors, uniform, mis="1/Z", visibility="all", limit=float("inf"), cap=9999
+):
+    """Algorithm 4 at pixel i.
+
+    Donors are pairs (pixel, Reservoirs), the pixel's own first.  A shift whose
+    Jacobian is above the limit is rejected: that looks at the sample, so it is
+    mirrored in the weights.
+    """
+    k = code.reservoir
+    chosen, sources, M = None, [], []
+    for slot, (j, r) in enumerate(donors):
+        y = Kept(r.y, np.full(len(r.y), slot))
+        p_hat = P_HAT[i][r.y]
+        J = jacobian(code, j, i, r.y) if j != i else None
+        c = k.reused_candidates(k.Reservoirs(y, r.W, r.M), p_hat, J)
+        if j != i:
+            usable = J <= limit
+            if visibility == "all":
+                usable = usable & SEEN[i][r.y]
+            c = k.Candidates(y, c.p_hat, np.where(usable, c.w, F(0)), r.M)
+        chosen = c if chosen is None else k.merge(chosen, c, uniform())
+        sources, M = [*sources, j], [*M, r.M]
+    z = chosen.y.cell
+    total = normalization(code, i, sources, M, z, chosen.y.slot, mis, limit)
+    c = k.Candidates(z, chosen.p_hat, chosen.w, chosen.M)
+    kept = k.finalize(c, total)
+    if visibility == "chosen":
+        kept = k.Reservoirs(z, np.where(SEEN[i][z], kept.W, F(0)), kept.M)
+    return k.cap_confidence(kept, cap)
+
+
+def normalization(code, i, sources, M, z, slot, mis, limit):
+    """Lines 16 to 20 of Algorithm 4: who else could have made z."""
+    if mis == "1/M":
+        return code.mis.one_over_m(M)
+    holds, p = [], []
+    for j in sources:
+        if j == i:
+            holds.append(np.ones(len(z), bool))
+            p.append(P_HAT[i][z])
+            continue
+        holds.append(HELD[j][z] & (jacobian(code, j, i, z) <= limit))
+        p.append(np.where(holds[-1], P_HAT[j][z] * jacobian(code, i, j, z), F(0)))
+    if mis == "1/Z":
+        return code.mis.one_over_z(M, holds)
+    made = np.stack(p)[slot, np.arange(len(z))]
+    return code.mis.balance_heuristic(M, p, made)
+
+
+def trust(r, M):
+    """The same reservoirs with another confidence, of which nothing is claimed."""
+    return type(r)(r.y, r.W, np.full(len(r.y), F(M)))
+
+
+def nobody():
+    """No outcome yet: where every program begins."""
+    return np.array([None], object)
+
+
+__all__ = ["PIXELS", "initial", "jacobian", "nobody", "spatial", "temporal", "trust"]
