@@ -124,12 +124,9 @@ def divide_or_zero(numerator: Scalars, denominator: Scalars) -> Scalars:
     (N,) or (N, 3)
         Exactly 0 where the denominator is 0, whatever the numerator.
     """
-    numerator, denominator = np.broadcast_arrays(numerator, denominator)
-    dtype = np.result_type(numerator, denominator)
-    # Among rationals 0 is a rational: the quotient 0 / 2 of integers is a float.
-    out = numerator * 0 if dtype == object else np.zeros(numerator.shape, dtype)
-    np.divide(numerator, denominator, out=out, where=denominator != 0)
-    return out
+    shape = np.broadcast_shapes(numerator.shape, denominator.shape)
+    out = np.zeros(shape, np.result_type(numerator, denominator))
+    return np.divide(numerator, denominator, out=out, where=denominator != 0)
 
 
 def normalize(a: Vec3s) -> Vec3s:

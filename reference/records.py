@@ -1,5 +1,6 @@
 """Records: frozen dataclasses of arrays that share their rows, handled as one array."""
 
+import functools
 from collections.abc import Callable
 from dataclasses import fields
 from typing import Any, TypeVar
@@ -31,12 +32,17 @@ def map_rows(function: Callable[..., Any], *records: Record) -> Record:
         return first  # type: ignore[no-any-return]
     if isinstance(first, np.ndarray):
         return function(*records)  # type: ignore[no-any-return]
-    return type(first)(  # type: ignore[no-any-return]
-        **{
-            field.name: map_rows(function, *(getattr(r, field.name) for r in records))
-            for field in fields(first)
-        }
-    )
+    columns = zip(*(_values(r) for r in records), strict=True)
+    return type(first)(*(map_rows(function, *c) for c in columns))  # type: ignore[no-any-return]
+
+
+def _values(record: Any) -> list[Any]:
+    return [getattr(record, name) for name in _names(type(record))]
+
+
+@functools.cache
+def _names(kind: type) -> tuple[str, ...]:
+    return tuple(field.name for field in fields(kind))
 
 
 def take(record: Record, rows: Indices) -> Record:
@@ -54,7 +60,7 @@ def take(record: Record, rows: Indices) -> Record:
     record or array
         K rows.
     """
-    return map_rows(lambda a: np.take(a, rows, axis=0), record)
+    return map_rows(lambda a: a.take(rows, axis=0), record)
 
 
 def keep(record: Record, mask: Masks) -> Record:

@@ -3,14 +3,17 @@
 import argparse
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
+from reference.methods import Job
 from reference.path_tracer import MAX_BOUNCES
 from reference.schedule import Schedule
+from reference.world import World
 
 MOST_PIXELS_A_SIDE = 2**14
-MOST_SAMPLES = 2**32 - 1  # the number of a sample is a 32-bit word of its key
+MOST_SAMPLES = MOST_SEED = 2**32 - 1  # each is a 32-bit word of the random key
 BAND = 8192  # rows whose temporaries stay in the cache
 
 Parser = argparse.ArgumentParser
@@ -113,37 +116,49 @@ def add_scene(parser: Parser, **options: str) -> None:
     parser.add_argument("--size", type=size, metavar="WxH", help="pixels")
 
 
-def add_light(parser: Parser, light: bool = True) -> None:
-    """Add what is estimated: --bounces, --seed, and perhaps --light.
+def add_light(parser: Parser, seed: int = 0) -> None:
+    """Add what is estimated: --light, --bounces, --seed.
 
     Parameters
     ----------
     parser : ArgumentParser
         Of a command.
-    light : bool
-        Whether the light may be chosen.
+    seed : int
+        Default.
+    """
+    parser.add_argument(
+        "--light",
+        choices=("indirect", "direct", "full"),
+        default="indirect",
+        help="which paths count (default indirect)",
+    )
+    add_bounces(parser, 0)
+    parser.add_argument(
+        "--seed",
+        type=whole(0, MOST_SEED),
+        default=seed,
+        metavar="S",
+        help=f"runs of different seeds are independent (default {seed})",
+    )
+
+
+def add_bounces(parser: Parser, least: int) -> None:
+    """Add --bounces.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        Of a command.
+    least : int
+        Number allowed.
     """
     parser.add_argument(
         "--bounces",
-        type=whole(0, MAX_BOUNCES),
+        type=whole(least, MAX_BOUNCES),
         default=1,
         metavar="K",
-        help="bounces of indirect light, 0 to 30 (default 1)",
+        help=f"bounces of indirect light, {least} to {MAX_BOUNCES} (default 1)",
     )
-    parser.add_argument(
-        "--seed",
-        type=whole(0, 2**32 - 1),
-        default=0,
-        metavar="S",
-        help="runs of different seeds are independent (default 0)",
-    )
-    if light:
-        parser.add_argument(
-            "--light",
-            choices=("indirect", "direct", "full"),
-            default="indirect",
-            help="which paths count (default indirect)",
-        )
 
 
 def add_schedule(parser: Parser) -> None:
@@ -197,24 +212,47 @@ def add_out(parser: Parser) -> None:
     )
 
 
-def schedule_of(arguments: argparse.Namespace, pixels: int) -> Schedule:
-    """Bands and threads as asked for, or as suits the machine.
+def job(
+    arguments: argparse.Namespace,
+    world: World,
+    counts: Mapping[str, int],
+    settings: Any,
+    aovs: tuple[str, ...],
+) -> Job:
+    """Put together what to render.
 
     Parameters
     ----------
     arguments : Namespace
-        With ``threads`` and ``band``.
-    pixels : int
-        Of a frame.
+        With those of `add_light` and `add_schedule`.
+    world : World
+        The scene.
+    counts : mapping of str to int
+        Frames and samples.
+    settings : dataclass instance
+        Of the method.
+    aovs : tuple of str
+        Further layers.
 
     Returns
     -------
-    Schedule
-        By default several bands a thread, so that no thread waits long for another.
+    Job
+        By default of several bands a thread, so that no thread waits long for
+        another.
     """
     threads = arguments.threads or _processors()
+    pixels = world.camera.width * world.camera.height
     band = arguments.band or max(256, min(BAND, -(-pixels // (8 * threads))))
-    return Schedule(band, threads)
+    return Job(
+        world=world,
+        light=arguments.light,
+        bounces=arguments.bounces,
+        seed=arguments.seed,
+        counts=counts,
+        settings=settings,
+        aovs=aovs,
+        schedule=Schedule(band, threads),
+    )
 
 
 def _processors() -> int:

@@ -6,15 +6,15 @@ from pathlib import Path
 
 from reference.commands import arguments as options
 from reference.commands.console import emit, progress, show
-from reference.commands.metadata import metadata
 from reference.commands.opening import open_scene
 from reference.commands.targets import check_file
 from reference.display import auto_exposure, write_png
 from reference.errors import UsageError
 from reference.exr import write_exr
 from reference.images import Image, to_image
+from reference.metadata import metadata
 from reference.methods import Job, Layers, Method, method_named, method_names
-from reference.options import as_text, with_values
+from reference.options import with_values
 from reference.world import World, build_world
 
 NAME = "render"
@@ -79,23 +79,11 @@ def run(arguments: argparse.Namespace) -> None:
     scene = open_scene(arguments)
 
     world = build_world(scene)
-    job = Job(
-        world=world,
-        light=arguments.light,
-        bounces=arguments.bounces,
-        seed=arguments.seed,
-        counts=counts,
-        settings=settings,
-        aovs=aovs,
-        schedule=options.schedule_of(arguments, world.camera.width * world.camera.height),
-    )
+    job = options.job(arguments, world, counts, settings, aovs)
     start = time.perf_counter()
     layers = _render(method, job, scene.name)
     seconds = time.perf_counter() - start
-    words = metadata(
-        scene, arguments, method.name, as_text(settings), counts,
-        world.caster.counts, seconds,
-    )  # fmt: skip
+    words = metadata(scene, method.name, job, world.caster.counts, seconds)
     write_exr(out, _image(method, layers, world, words))
     if arguments.png:
         color = to_image(layers["color"], world.camera.width, world.camera.height)

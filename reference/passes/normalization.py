@@ -85,7 +85,7 @@ def normalization(
         # Who made the sample sees it: only the others cost a ray.
         possible = there & (p_k > 0) & (chosen.w > 0)
         asked = np.flatnonzero(possible & (chosen.y != k))
-        seen = sees(world, visible.surface, donor[asked], take(y, asked))
+        seen = sees(world, visible.surface, donor[asked], y, asked)
         possible[asked[~seen]] = False
         holds.append(possible)
         if settings.mis == "balance":
@@ -125,7 +125,9 @@ def _target_of_donor(
     return np.where(possible, p_hat, 0.0)
 
 
-def sees(world: World, points: SurfacePoints, rows: Indices, y: Samples) -> Masks:
+def sees(
+    world: World, points: SurfacePoints, rows: Indices, y: Samples, of: Indices
+) -> Masks:
     """Whether visible points see sample points: one ray each.
 
     Parameters
@@ -137,14 +139,17 @@ def sees(world: World, points: SurfacePoints, rows: Indices, y: Samples) -> Mask
     rows : (K,) int
         Those that look.
     y : Samples
-        K sample points.
+        Sample points.
+    of : (K,) int
+        Those that are looked at.
 
     Returns
     -------
     (K,) bool
         Nothing lies between.
     """
-    return world.caster.visible(points, rows, y.position, y.normal, "reuse")
+    x_to, n_to = y.position.take(of, axis=0), y.normal.take(of, axis=0)
+    return world.caster.visible(points, rows, x_to, n_to, "reuse")
 
 
 def drop_hidden(world: World, points: SurfacePoints, r: Reservoirs) -> Reservoirs:
@@ -166,5 +171,5 @@ def drop_hidden(world: World, points: SurfacePoints, r: Reservoirs) -> Reservoir
     """
     rows = np.flatnonzero(r.W > 0)
     W = np.zeros(len(r.W))
-    W[rows] = np.where(sees(world, points, rows, take(r.y, rows)), r.W[rows], 0.0)
+    W[rows] = np.where(sees(world, points, rows, r.y, rows), r.W[rows], 0.0)
     return replace(r, W=W)

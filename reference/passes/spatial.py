@@ -180,7 +180,8 @@ def _stream_neighbor(
     if settings.visibility == "all":
         rows = np.flatnonzero(candidate.w > 0)
         w = np.zeros(len(donor))
-        w[rows] = np.where(sees(world, points, rows, take(r.y, rows)), candidate.w[rows], 0.0)
+        seen = rows[sees(world, points, rows, r.y, rows)]
+        w[seen] = candidate.w[seen]
         candidate = replace(candidate, w=w)
     # Line 14.
     chosen = merge(stream.chosen, candidate, u)

@@ -4,10 +4,10 @@ from typing import Literal
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s, dot
+from reference.arrays import Scalars, Vec3s, divide_or_zero, dot
 from reference.images import luminance_weights
 from reference.resampling.reservoir import Samples
-from reference.scene.materials.parameters import MaterialTable, lit_cosine
+from reference.scene.materials.parameters import Kind, MaterialTable, lit_cosine
 from reference.scene.materials.table import scattering
 from reference.scene.surface import SurfacePoints, direction_and_distance
 
@@ -84,8 +84,15 @@ def target(
     -----
     [Ouyang21, Eq. 9 and 10].  Visibility is not in it: it costs a ray.
     """
-    if kind == "scattered":
+    lambertian = table.kinds == (Kind.LAMBERTIAN,)
+    if kind == "scattered" and not lambertian:
         return luminance(reflected(table, receiver, y))
-    omega, _ = direction_and_distance(receiver.position, y.position)
-    lit = (dot(y.normal, omega) < 0) & (lit_cosine(table, receiver, omega) > 0)
-    return np.where(lit, luminance(y.radiance), 0.0)
+    # Neither needs a unit vector: the cosine over a distance, or its sign.
+    toward = y.position - receiver.position
+    cosine = np.where(
+        dot(y.normal, toward) < 0, lit_cosine(table, receiver, toward), 0.0
+    )
+    if kind == "outgoing":
+        return np.where(cosine > 0, luminance(y.radiance), 0.0)
+    scale = divide_or_zero(cosine, np.pi * np.sqrt(dot(toward, toward)))
+    return luminance(receiver.color * y.radiance) * scale

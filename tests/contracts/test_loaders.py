@@ -365,6 +365,14 @@ def test_gltf_metal_and_coat_are_told_apart_by_metallic(tmp_path):
     assert noted(half, "paint", "metallic 0.7", "all metal")
 
 
+def test_gltf_reflectors_are_two_sided_with_a_note(tmp_path):
+    words = ("Single-sided", "both sides")
+    assert noted(load_gltf(triangle_file({"doubleSided": False}), tmp_path), *words)
+    scene = load_gltf(triangle_file({"doubleSided": True}), tmp_path)
+    assert not noted(scene, *words)
+    assert scene.meshes[0].material.two_sided
+
+
 def test_gltf_default_material_is_rough_white_metal(tmp_path):
     material = load_gltf(triangle_file(), tmp_path).meshes[0].material
     assert isinstance(material, Conductor)

@@ -6,7 +6,7 @@ once: E[W 1{y = x}] = mu_q(x) for every x that q sees and can reflect.
 """
 
 from dataclasses import dataclass
-from fractions import Fraction as F
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -38,7 +38,7 @@ NOWHERE = Law(np.array([None], object), np.array([ONE]))
 def contributions(law, reservoirs):
     """E[W 1{y = x}] for every cell x."""
     weighted = law.probability * reservoirs.W
-    return [sum(weighted[reservoirs.y == x], F(0)) for x in CELLS]
+    return [sum(weighted[reservoirs.y == x], Fraction(0)) for x in CELLS]
 
 
 def faults(i, found, expected, what=""):
@@ -50,9 +50,15 @@ def faults(i, found, expected, what=""):
     ]
 
 
+def wrong_confidence(law, expected):
+    """Values that M takes although it has only one: M does not look at samples."""
+    found = set(law.outcomes.M) - {expected}
+    return [f"M is {value} instead of {expected}" for value in found]
+
+
 def truth(i):
     """mu_i(x), and 0 where pixel i receives nothing from x."""
-    return [MU[i][x] if HOLDS[i][x] else F(0) for x in CELLS]
+    return [MU[i][x] if HOLDS[i][x] else Fraction(0) for x in CELLS]
 
 
 # ---------------------------------------------------------------- programs
@@ -106,7 +112,7 @@ def several_candidates(code, count=3):
 
         law = explore(program, NOWHERE)
         yield from faults(i, contributions(law, law.outcomes), truth(i))
-        yield from [f"M is {M}" for M in set(law.outcomes.M) if M != count]
+        yield from wrong_confidence(law, count)
 
 
 def temporal_chain(code, cap=2, frames=4, i=1):
@@ -122,8 +128,7 @@ def temporal_chain(code, cap=2, frames=4, i=1):
         law = explore(program, law)
         what = f"frame {t},"
         yield from faults(i, contributions(law, law.outcomes), truth(i), what)
-        expected = min(t + 1, cap)
-        yield from [f"{what} M is {M}" for M in set(law.outcomes.M) if M != expected]
+        yield from wrong_confidence(law, min(t + 1, cap))
 
 
 def spatial_pass(code, **settings):
@@ -132,7 +137,7 @@ def spatial_pass(code, **settings):
     for i in PIXELS:
         law = resampled(code, frames, i, **settings)
         yield from faults(i, contributions(law, law.outcomes), truth(i))
-        yield from [f"M is {M}" for M in set(law.outcomes.M) if M != sum(TRUST)]
+        yield from wrong_confidence(law, sum(TRUST))
 
 
 def balance_pass(code):
@@ -147,7 +152,7 @@ def pass_with_late_visibility(code):
 
 def pass_with_mirrored_limit(code):
     """The same where shifts with a large Jacobian are rejected, mirrored in Z."""
-    yield from spatial_pass(code, limit=F(2))
+    yield from spatial_pass(code, limit=Fraction(2))
 
 
 def two_passes(code, mis="1/Z"):

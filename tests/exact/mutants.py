@@ -1,4 +1,4 @@
-"""Mistakes to plant: the source of a kernel, or of the toy passes, with one line changed.
+"""Mistakes to plant: source of a kernel, or of the toy passes, with one line changed.
 
 Each entry is a mistake that somebody made, or nearly made: in a paper, a note, or a
 renderer.  ``killed_by`` names claims of :mod:`tests.exact.claims` that refute it.
@@ -92,8 +92,8 @@ MUTANTS = [
     Mutant(
         "donor and receiver change places",
         "pipeline",
-        "J = jacobian(code, j, i, r.y) if",
-        "J = jacobian(code, i, j, r.y) if",
+        "ratio = jacobian(code, j, i, r.y) if",
+        "ratio = jacobian(code, i, j, r.y) if",
         ("spatial_pass",),
     ),
     # Confidence.
@@ -107,8 +107,8 @@ MUTANTS = [
     Mutant(
         "neighbours whose sample is hidden do not count",
         "pipeline",
-        "np.where(usable, c.w, F(0)), r.M)",
-        "np.where(usable, c.w, F(0)), np.where(usable, r.M, F(0)))\n"
+        "np.where(usable, c.w, Fraction(0)), r.M)",
+        "np.where(usable, c.w, Fraction(0)), np.where(usable, r.M, Fraction(0)))\n"
         "            r = k.Reservoirs(r.y, r.W, c.M)",
         ("spatial_pass",),
     ),
@@ -195,8 +195,8 @@ MUTANTS = [
     Mutant(
         "target of the sample at its donor",
         "pipeline",
-        "p_hat = P_HAT[i][r.y]\n        J",
-        "p_hat = P_HAT[j][r.y]\n        J",
+        "p_hat = P_HAT[i][r.y]\n        ratio",
+        "p_hat = P_HAT[j][r.y]\n        ratio",
         ("spatial_pass",),
     ),
     Mutant(
@@ -345,7 +345,7 @@ MUTANTS = [
 ]
 
 SURVIVORS = [
-    # Any weights that sum to 1 over the makers of a sample are unbiased.  These are, and
+    # Any weights that sum to 1 over the makers of a sample are unbiased.  These do, and
     # are noisier; the balance heuristic's own formula is tested in properties.
     Mutant(
         "balance heuristic without Jacobian",

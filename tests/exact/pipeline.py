@@ -7,6 +7,7 @@ mistakes of formulas.
 """
 
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -18,11 +19,9 @@ from tests.exact.domain import (
     MU,
     NORMAL,
     NOTHING,
-    PIXELS,
     SEES,
     SOURCE,
     TARGET,
-    F,
 )
 from tests.exact.explore import draw
 
@@ -39,8 +38,8 @@ def _with_nothing(table, nothing):
     return [np.array([*row, nothing], object) for row in table]
 
 
-P_HAT = _with_nothing(TARGET, F(0))
-PDF = _with_nothing(np.array(SOURCE) / MU, F(0))
+P_HAT = _with_nothing(TARGET, Fraction(0))
+PDF = _with_nothing(np.array(SOURCE) / MU, Fraction(0))
 SEEN = [row.astype(bool) for row in _with_nothing(SEES, False)]
 HELD = [row.astype(bool) for row in _with_nothing(HOLDS, False)]
 
@@ -49,8 +48,8 @@ def jacobian(code, i_from, i_to, x):
     """|∂ω_to / ∂ω_from| of cells, by the production kernel."""
     rows = [len(x), 3]
     x_from, x_to = np.broadcast_to(EYE[i_from], rows), np.broadcast_to(EYE[i_to], rows)
-    J = code.shift.reconnection_jacobian(x_from, x_to, CELL[x], NORMAL[x])
-    return np.where(x == NOTHING, F(1), J)
+    ratio = code.shift.reconnection_jacobian(x_from, x_to, CELL[x], NORMAL[x])
+    return np.where(x == NOTHING, Fraction(1), ratio)
 
 
 def initial(code, i, uniform):
@@ -84,13 +83,13 @@ def spatial(
     for slot, (j, r) in enumerate(donors):
         y = Kept(r.y, np.full(len(r.y), slot))
         p_hat = P_HAT[i][r.y]
-        J = jacobian(code, j, i, r.y) if j != i else None
-        c = k.reused_candidates(k.Reservoirs(y, r.W, r.M), p_hat, J)
+        ratio = jacobian(code, j, i, r.y) if j != i else None
+        c = k.reused_candidates(k.Reservoirs(y, r.W, r.M), p_hat, ratio)
         if j != i:
-            usable = J <= limit
+            usable = ratio <= limit
             if visibility == "all":
                 usable = usable & SEEN[i][r.y]
-            c = k.Candidates(y, c.p_hat, np.where(usable, c.w, F(0)), r.M)
+            c = k.Candidates(y, c.p_hat, np.where(usable, c.w, Fraction(0)), r.M)
         chosen = c if chosen is None else k.merge(chosen, c, uniform())
         sources, M = [*sources, j], [*M, r.M]
     z = chosen.y.cell
@@ -98,7 +97,7 @@ def spatial(
     c = k.Candidates(z, chosen.p_hat, chosen.w, chosen.M)
     kept = k.finalize(c, total)
     if visibility == "chosen":
-        kept = k.Reservoirs(z, np.where(SEEN[i][z], kept.W, F(0)), kept.M)
+        kept = k.Reservoirs(z, np.where(SEEN[i][z], kept.W, Fraction(0)), kept.M)
     return k.cap_confidence(kept, cap)
 
 
@@ -113,7 +112,9 @@ def normalization(code, i, sources, M, z, slot, mis, limit):
             p.append(P_HAT[i][z])
             continue
         holds.append(HELD[j][z] & (jacobian(code, j, i, z) <= limit))
-        p.append(np.where(holds[-1], P_HAT[j][z] * jacobian(code, i, j, z), F(0)))
+        p.append(
+            np.where(holds[-1], P_HAT[j][z] * jacobian(code, i, j, z), Fraction(0))
+        )
     if mis == "1/Z":
         return code.mis.one_over_z(M, holds)
     made = np.stack(p)[slot, np.arange(len(z))]
@@ -122,12 +123,4 @@ def normalization(code, i, sources, M, z, slot, mis, limit):
 
 def trust(r, M):
     """The same reservoirs with another confidence, of which nothing is claimed."""
-    return type(r)(r.y, r.W, np.full(len(r.y), F(M)))
-
-
-def nobody():
-    """No outcome yet: where every program begins."""
-    return np.array([None], object)
-
-
-__all__ = ["PIXELS", "initial", "jacobian", "nobody", "spatial", "temporal", "trust"]
+    return type(r)(r.y, r.W, np.full(len(r.y), Fraction(M)))

@@ -3,14 +3,24 @@
 No tolerance, no integrand: E[W 1{y = x}] = mu_q(x) for each x that q can use.
 """
 
-from fractions import Fraction as F
+from fractions import Fraction
 
 import numpy as np
 import pytest
 
 from reference.resampling.shift import reconnection_jacobian
 from tests.exact import claims
-from tests.exact.domain import CELL, CELLS, EYE, MU, NORMAL, PIXELS, distance
+from tests.exact.domain import (
+    CELL,
+    CELLS,
+    EYE,
+    MU,
+    NORMAL,
+    PIXELS,
+    SOURCE,
+    TARGET,
+    distance,
+)
 from tests.exact.mutants import CLAIMS, PRODUCTION
 
 
@@ -21,6 +31,11 @@ def test_the_domain_is_not_degenerate():
     assert ratios.min() < 1 / 30
     assert (claims.HOLDS.sum(axis=0) == [3, 2, 2, 2, 2, 1]).all()
     assert all(distance(i, x) > 0 for i in PIXELS for x in CELLS)
+
+
+def test_a_pixel_draws_exactly_what_it_sees_and_reflects():
+    assert ((np.array(SOURCE) > 0) == claims.HOLDS).all()
+    assert ((np.array(TARGET) > 0) >= claims.HOLDS).all()
 
 
 @pytest.mark.parametrize("i_from", PIXELS)
@@ -41,7 +56,7 @@ def test_resampled_importance_sampling_of_few_candidates(count):
     assert list(claims.several_candidates(PRODUCTION, count)) == []
 
 
-@pytest.mark.parametrize("cap", [1, F(3, 2), 3, float("inf")])
+@pytest.mark.parametrize("cap", [1, Fraction(3, 2), 3, float("inf")])
 @pytest.mark.parametrize("i", PIXELS)
 def test_chain_of_three_frames_with_any_cap(cap, i):
     assert list(claims.temporal_chain(PRODUCTION, cap, frames=3, i=i)) == []
@@ -49,7 +64,7 @@ def test_chain_of_three_frames_with_any_cap(cap, i):
 
 @pytest.mark.parametrize("mis", ["1/Z", "balance"])
 @pytest.mark.parametrize("visibility", ["all", "chosen"])
-@pytest.mark.parametrize("limit", [F(1, 2), F(3)])
+@pytest.mark.parametrize("limit", [Fraction(1, 2), Fraction(3)])
 def test_one_pass_with_every_option(mis, visibility, limit):
     found = claims.spatial_pass(PRODUCTION, mis=mis, visibility=visibility, limit=limit)
     assert list(found) == []

@@ -4,7 +4,7 @@ An integrand is given by what each cell contributes to each pixel, a = f mu, in 
 numbers, so that the pixels' true values are 6, 4 and 11.
 """
 
-from fractions import Fraction as F
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -41,7 +41,9 @@ def expected_of_one_over_m(i, trust):
     """mu_i(x) times the share of M whose domain holds x."""
     held = [sum(M for M, holds in zip(trust, HOLDS[:, x], strict=True) if holds)
             for x in CELLS]  # fmt: skip
-    return [c * F(h, sum(trust)) for c, h in zip(claims.truth(i), held, strict=True)]
+    return [
+        c * Fraction(h, sum(trust)) for c, h in zip(claims.truth(i), held, strict=True)
+    ]
 
 
 @pytest.mark.parametrize("i", PIXELS)
@@ -50,7 +52,9 @@ def test_one_over_m_is_dark_by_the_share_that_could_not_have_made_it(i):
     assert found == expected_of_one_over_m(i, claims.TRUST)
 
 
-@pytest.mark.parametrize(("i", "value"), [(0, F(13, 3)), (1, F(3)), (2, F(26, 3))])
+@pytest.mark.parametrize(
+    ("i", "value"), [(0, Fraction(13, 3)), (1, Fraction(3)), (2, Fraction(26, 3))]
+)
 def test_one_over_m_of_equal_pixels(i, value, monkeypatch):
     """-27.8, -25 and -21.2 %: 13/3 for 6, 3 for 4, 26/3 for 11."""
     monkeypatch.setattr(claims, "TRUST", (1, 1, 1))
@@ -64,11 +68,11 @@ def test_samples_never_tested_for_visibility_leak(i):
     found = claims.spatial_contributions(PRODUCTION, i, mis="1/Z", visibility="none")
     for x in CELLS:
         others = [k for k in PIXELS if k != i and HOLDS[k][x]]
-        share = F(1)
+        share = Fraction(1)
         if not HOLDS[i][x]:
             # The pixel's own M is counted although it could not have made x.
             M = sum(claims.TRUST[k] for k in others)
-            share = F(M, M + claims.TRUST[i])
+            share = Fraction(M, M + claims.TRUST[i])
         reflects = TARGET[i][x] > 0
         assert found[x] == (MU[i][x] * share if reflects else 0)
 
@@ -95,9 +99,9 @@ def average_over_makers(i, measure):
     """Mean of measures of each cell over those who could have made it, by M."""
     return [
         sum(claims.TRUST[k] * measure(k, x) for k in makers)
-        / F(sum(claims.TRUST[k] for k in makers))
+        / Fraction(sum(claims.TRUST[k] for k in makers))
         if (makers := [k for k in PIXELS if HOLDS[k][x]]) and HOLDS[i][x]
-        else F(0)
+        else Fraction(0)
         for x in CELLS
     ]
 

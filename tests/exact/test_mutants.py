@@ -1,6 +1,6 @@
 """Negative controls of the enumeration: planted mistakes, and what refutes each.
 
-``pytest -m slow tests/exact`` leaves the whole kill matrix in pytest's temporary folder.
+``pytest -m slow tests/exact`` leaves the kill matrix in pytest's temporary folder.
 """
 
 import pytest

@@ -88,8 +88,9 @@ def read_finish(document: Document, index: int | None) -> Finish:
     pbr = entry.get("pbrMetallicRoughness", {})
     factor = np.array(pbr.get("baseColorFactor", [1, 1, 1, 1]), float)[:3]
     texture = pbr.get("baseColorTexture")
+    both = bool(entry.get("doubleSided", False))
     return Finish(
-        material=_material(document, pbr, extensions, factor, where),
+        material=_material(document, pbr, extensions, factor, both, where),
         emission=_emission(document, entry, extensions, where),
         uv_set=0 if texture is None else _uv_set(texture),
         uv_matrix=_uv_matrix(texture),
@@ -101,6 +102,7 @@ def _material(
     pbr: Mapping[str, Any],
     extensions: Mapping[str, Any],
     factor: Vec3s,
+    double_sided: bool,
     where: str,
 ) -> Material:
     ledger = document.ledger
@@ -133,6 +135,8 @@ def _material(
     reflectance: Color | Bitmap = color(factor)
     if "baseColorTexture" in pbr:
         reflectance = _bitmap(document, pbr["baseColorTexture"], factor, where)
+    if not double_sided:
+        ledger.note("Single-sided materials of the file scatter on both sides here")
     if 0 < metallic < 1:
         kind = "all metal" if metallic >= 0.5 else "no metal"
         ledger.note(f"{where}: metallic {metallic:.3g} is taken as {kind}")

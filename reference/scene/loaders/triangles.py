@@ -59,9 +59,11 @@ def turn_faces_to_normals(mesh: Mesh) -> Mesh:
     """
     if mesh.normals is None:
         return mesh
-    corners = mesh.vertices[mesh.faces]
-    face_normal = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    against = dot(face_normal, mesh.normals[mesh.faces].sum(axis=1)) < 0
+    a, b, c = np.moveaxis(mesh.vertices[mesh.faces], 1, 0)
+    # Vertices that are not finite are the validation's to report.
+    with np.errstate(invalid="ignore", over="ignore"):
+        product = dot(cross(b - a, c - a), mesh.normals[mesh.faces].sum(axis=1))
+    against = product < 0
     if not against.any():
         return mesh
     return replace(mesh, faces=turn_over(mesh.faces, against))

@@ -59,6 +59,8 @@ class MaterialTable:
         Of a coat, at cosines from 0 to 1.
     keep : (K,) float64
         Internal reflectance of a coat.
+    plain : bool
+        Every point is black, or reflects all colours to its whole horizon.
     """
 
     kinds: tuple[Kind, ...]
@@ -75,14 +77,7 @@ class MaterialTable:
     nonlinear: Masks
     transmittance: Scalars
     keep: Scalars
-
-    @property
-    def plain(self) -> bool:
-        """Every point is black, or reflects all colours to its whole horizon."""
-        lambertian = self.kinds == (Kind.LAMBERTIAN,)
-        ranges = [color_range(texture) for texture in self.textures]
-        all_or_nothing = all(low > 0 or high == 0 for low, high in ranges)
-        return lambertian and all_or_nothing and bool(self.two_sided.all())
+    plain: bool
 
 
 def kind_of(material: Material) -> Kind:
@@ -146,7 +141,15 @@ def tabulate(materials: list[Material]) -> MaterialTable:
         keep=np.array(
             [internal_reflectance(c.alpha, c.ior) if c else 0.0 for c in coats]
         ),
+        plain=_is_plain(materials, textures),
     )
+
+
+def _is_plain(materials: list[Material], textures: tuple[Texture, ...]) -> bool:
+    ranges = [color_range(texture) for texture in textures]
+    all_or_nothing = all(low > 0 or high == 0 for low, high in ranges)
+    two_sided = all(isinstance(m, Lambertian) and m.two_sided for m in materials)
+    return two_sided and all_or_nothing
 
 
 def _column(materials: list[Material], name: str, absent: tuple[float, ...]) -> Vec3s:

@@ -1,0 +1,1 @@
+"""The demonstration: one scene by three methods, each held against the truth."""

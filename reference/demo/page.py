@@ -1,0 +1,96 @@
+"""The page of the demonstration, and its table."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from rich.table import Table
+
+from reference.demo.score import Score
+from reference.files import write_file
+
+COLUMNS = (
+    "method",
+    "s/image",
+    "MSE",
+    "times better in equal time",
+    "bias of the mean",
+)
+
+
+def cells(score: Score) -> tuple[str, ...]:
+    """Score as text, a cell a column.
+
+    Parameters
+    ----------
+    score : Score
+        Of a method.
+
+    Returns
+    -------
+    tuple of str
+        In the order of `COLUMNS`.
+    """
+    return (
+        score.name,
+        f"{score.seconds:.3f}",
+        f"{score.mse:.3g}",
+        f"{score.gain:.3g}",
+        f"{score.bias:+.2%} ± {score.bias_error:.2%}",
+    )
+
+
+def table(scores: Sequence[Score], title: str) -> Table:
+    """Scores as a table for a terminal.
+
+    Parameters
+    ----------
+    scores : sequence of Score
+        A row each.
+    title : str
+        Above it.
+
+    Returns
+    -------
+    Table
+        To be shown.
+    """
+    made = Table(title=title, title_justify="left")
+    for column in COLUMNS:
+        made.add_column(column, justify="left" if column == "method" else "right")
+    for score in scores:
+        made.add_row(*cells(score))
+    return made
+
+
+def write_page(
+    path: Path, title: str, remarks: Sequence[str], scores: Sequence[Score]
+) -> None:
+    """Write the page that links everything.
+
+    Parameters
+    ----------
+    path : Path
+        In the folder where the pictures are.
+    title : str
+        Name of the scene.
+    remarks : sequence of str
+        How the numbers came about.
+    scores : sequence of Score
+        Each with pictures ``NAME.exr``, ``NAME.png`` and a page
+        ``NAME/index.html``.
+    """
+    templates = Environment(
+        loader=PackageLoader("reference.demo", "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    text = templates.get_template("demo.html").render(
+        title=title,
+        remarks=remarks,
+        columns=COLUMNS,
+        rows=[(score.name, cells(score)) for score in scores],
+    )
+    write_file(path, text.encode(errors="backslashreplace"))

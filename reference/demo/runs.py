@@ -1,0 +1,116 @@
+"""Runs of a method: one seed each, and the time that a step takes."""
+
+import time
+from collections import Counter
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from reference.arrays import Vec3s
+from reference.methods import Job, Layers, Method
+from reference.methods.path import PATH
+
+CONVERGED = 8  # last steps of a run, whose median time counts
+TRIAL = 33  # samples by which the time of one is measured
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Runs:
+    """Independent runs of one method.
+
+    Attributes
+    ----------
+    method : Method
+        Which.
+    job : Job
+        Of the first run.
+    colors : list of (N, 3) float64
+        The picture of each run.
+    seconds : float
+        That one picture takes: the median of the last frames of each run, or, where
+        samples are averaged, of all samples together.
+    rays : Counter of str
+        Traced by the first run.
+    """
+
+    method: Method
+    job: Job
+    colors: list[Vec3s]
+    seconds: float
+    rays: Counter[str]
+
+
+def runs_of_frames(method: Method, job: Job, count: int) -> Runs:
+    """Run a method that reuses samples over frames, and time its last frames.
+
+    Parameters
+    ----------
+    method : Method
+        Yields once a frame.
+    job : Job
+        Of the first run; the others have the next seeds.
+    count : int
+        Runs.
+
+    Returns
+    -------
+    Runs
+        Seconds are those of one frame at the end of a run.
+    """
+    colors, times, rays = [], [], Counter[str]()
+    for run in range(count):
+        before = Counter(job.world.caster.counts)
+        layers, steps = timed(method, replace(job, seed=job.seed + run))
+        colors.append(layers["color"])
+        times += steps[-CONVERGED:]
+        rays = rays or job.world.caster.counts - before
+    return Runs(method, job, colors, float(np.median(times)), rays)
+
+
+def runs_of_paths(job: Job, seconds: float, count: int) -> Runs:
+    """Trace paths for a given time.
+
+    Parameters
+    ----------
+    job : Job
+        Of the first run, with any number of samples.
+    seconds : float
+        For one picture.
+    count : int
+        Runs.
+
+    Returns
+    -------
+    Runs
+        Of as many whole samples as fit best, at least one.
+    """
+    steps = timed(PATH, replace(job, counts={"spp": TRIAL}))[1]
+    a_sample = sum(steps[1:]) / (TRIAL - 1)  # the first step has the camera rays too
+    job = replace(job, counts={"spp": max(1, round(seconds / a_sample))})
+    runs = runs_of_frames(PATH, job, count)
+    return replace(runs, seconds=job.counts["spp"] * a_sample)
+
+
+def timed(method: Method, job: Job) -> tuple[Layers, list[float]]:
+    """Render, with a clock.
+
+    Parameters
+    ----------
+    method : Method
+        Which.
+    job : Job
+        What.
+
+    Returns
+    -------
+    Layers, list of float (s)
+        The result, and the time of each step.
+    """
+    steps, times = method.render(job), []
+    while True:
+        start = time.perf_counter()
+        try:
+            next(steps)
+        except StopIteration as end:
+            return end.value, times
+        times.append(time.perf_counter() - start)

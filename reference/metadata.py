@@ -1,0 +1,48 @@
+"""What the header of a picture says about where it comes from."""
+
+from collections.abc import Mapping
+
+from reference.methods import Job
+from reference.options import as_text
+from reference.scene.scene import Scene
+from reference.version import project_version
+
+
+def metadata(
+    scene: Scene, method: str, job: Job, rays: Mapping[str, int], seconds: float
+) -> dict[str, str]:
+    """Texts for the header of a picture.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of which ``job.world`` was built.
+    method : str
+        Its name.
+    job : Job
+        What was rendered; all settings are told, also those left at their defaults.
+    rays : mapping of str to int
+        Traced, by kind.
+    seconds : float, s
+        Wall time of the rendering.
+
+    Returns
+    -------
+    dict of str to str
+        All but the last two fix the pixels to the last bit.
+    """
+    words = {
+        "scene": scene.name,
+        "method": method,
+        "light": job.light,
+        "bounces": str(job.bounces),
+        "seed": str(job.seed),
+        **{name: str(count) for name, count in job.counts.items()},
+        **{f"settings.{key}": text for key, text in as_text(job.settings).items()},
+        "version": project_version(),
+        "seconds": f"{seconds:.3f}",
+        **{f"rays.{kind}": str(count) for kind, count in sorted(rays.items())},
+    }
+    if scene.notes:
+        words["scene.notes"] = " ".join(scene.notes)
+    return words

@@ -1,0 +1,132 @@
+"""The truth of a scene: accumulated, kept safe, and written as a picture."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from reference.accumulate import path_samples
+from reference.checkpoint import Checkpoint
+from reference.fingerprint import fingerprint
+from reference.images import Image, to_image
+from reference.methods import Job
+from reference.options import as_text
+from reference.resumable import accumulate_resumably
+from reference.scene.scene import Scene
+from reference.version import project_version
+
+
+def checkpoint_beside(out: Path) -> Path:
+    """Where the checkpoint of a picture lies.
+
+    Parameters
+    ----------
+    out : Path
+        The picture.
+
+    Returns
+    -------
+    Path
+        In the same folder.
+    """
+    return out.with_name(out.name + ".checkpoint")
+
+
+def accumulate_truth(
+    scene: Scene,
+    job: Job,
+    checkpoint: Path,
+    every: float,
+    tick: Callable[[int, int, str], None],
+) -> Checkpoint:
+    """Accumulate the truth of a scene, from a checkpoint if there is one.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of which ``job.world`` was built.
+    job : Job
+        With the settings of the method ``path``.
+    checkpoint : Path
+        Left in place; see `accumulate_resumably`.
+    every : float, s
+        Time between checkpoints.
+    tick : callable
+        Told the samples so far, their number in the end, and "samples".
+
+    Returns
+    -------
+    Checkpoint
+        With ``job.counts["spp"]`` samples.
+    """
+    samples = path_samples(
+        job.world,
+        job.schedule,
+        light=job.light,
+        bounces=job.bounces,
+        seed=job.seed,
+        pixel=job.settings.pixel,
+    )
+    spp = job.counts["spp"]
+    return accumulate_resumably(
+        samples,
+        spp,
+        job.schedule,
+        checkpoint,
+        identity(scene, job),
+        every,
+        lambda count: tick(count, spp, "samples"),
+    )
+
+
+def identity(scene: Scene, job: Job) -> dict[str, str]:
+    """Everything that decides what a sample of a given number is.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of which ``job.world`` was built.
+    job : Job
+        With the settings of the method ``path``.
+
+    Returns
+    -------
+    dict of str to str
+        Not the number of samples, nor bands and threads.
+    """
+    camera = scene.camera
+    # The size is told by itself, so that a message can say what it is.
+    scene = replace(scene, camera=replace(camera, width=1, height=1), notes=())
+    return {
+        "version": project_version(),
+        "scene": f"{scene.name} {fingerprint(scene)[:16]}",
+        "size": f"{camera.width}x{camera.height}",
+        "light": job.light,
+        "bounces": str(job.bounces),
+        "seed": str(job.seed),
+        **as_text(job.settings),
+    }
+
+
+def truth_image(state: Checkpoint, job: Job, words: Mapping[str, str]) -> Image:
+    """Mean and standard error as a picture.
+
+    Parameters
+    ----------
+    state : Checkpoint
+        At least two samples.
+    job : Job
+        For the size.
+    words : mapping of str to str
+        Metadata.
+
+    Returns
+    -------
+    Image
+        Layers ``"color"`` and ``"standard_error"``.
+    """
+    size = job.world.camera.width, job.world.camera.height
+    layers = {
+        "color": to_image(state.moments.mean, *size),
+        "standard_error": to_image(state.moments.standard_error(), *size),
+    }
+    return Image(layers, words)
