@@ -126,6 +126,9 @@ def divide_or_zero(numerator: Scalars, denominator: Scalars) -> Scalars:
     """
     shape = np.broadcast_shapes(numerator.shape, denominator.shape)
     out = np.zeros(shape, np.result_type(numerator, denominator))
+    if out.dtype == object:
+        # Among rationals 0 is a rational: the quotient 0 / 2 of integers is a float.
+        out += numerator * 0
     return np.divide(numerator, denominator, out=out, where=denominator != 0)
 
 

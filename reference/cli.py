@@ -5,7 +5,6 @@ stderr; 130 after Ctrl-C and 143 after SIGTERM; 141 where nobody reads the outpu
 """
 
 import argparse
-import os
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
@@ -55,7 +54,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     except MemoryError:
         return _tell("out of memory; ask for a smaller --size", BAD_USAGE)
     except BrokenPipeError:
-        _mute_stdout()
         return BROKEN_PIPE
     except KeyboardInterrupt as stop:
         code = TERMINATED if getattr(stop, "terminated", False) else INTERRUPTED
@@ -71,7 +69,7 @@ def build_parser() -> argparse.ArgumentParser:
         Each command has set ``run``, a function of the parsed arguments.
     """
     # Imported here, where a Ctrl-C is caught: NumPy and Embree take a while to load.
-    from reference.commands import compare, reference, render, scenes
+    from reference.commands import compare, demo, reference, render, scenes
     from reference.version import project_version
 
     parser = Parser(
@@ -83,7 +81,7 @@ def build_parser() -> argparse.ArgumentParser:
         "--version", action="version", version=f"restir-gi-oracle {project_version()}"
     )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    for module in (scenes, render, reference, compare):
+    for module in (scenes, render, reference, compare, demo):
         summary = (module.__doc__ or "").partition("\n")[0].partition(": ")[2]
         child = commands.add_parser(
             module.NAME,
@@ -102,11 +100,15 @@ def _run(argv: Sequence[str] | None) -> int:
         # A file name may hold bytes that are no text.
         with suppress(AttributeError):
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+    parser = build_parser()
+    from reference.commands.console import told_errors
+    from reference.signals import terminable
+
     try:
-        arguments = build_parser().parse_args(argv)
+        with told_errors():
+            arguments = parser.parse_args(argv)
     except SystemExit as stop:  # --help and --version
         return int(stop.code or 0)
-    from reference.signals import terminable
 
     with terminable():
         arguments.run(arguments)
@@ -119,14 +121,6 @@ def _tell(message: str, code: int) -> int:
             sys.stderr.write(f"restir: {message}\n")
             sys.stderr.flush()
     return code
-
-
-def _mute_stdout() -> None:
-    """Let the interpreter flush what is left to nowhere, without complaint."""
-    with suppress(OSError, ValueError, AttributeError):
-        null = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(null, sys.stdout.fileno())
-        os.close(null)
 
 
 if __name__ == "__main__":

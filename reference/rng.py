@@ -53,7 +53,8 @@ def pcg4d(x: UInts, y: UInts, z: UInts, w: UInts) -> tuple[UInts, UInts, UInts, 
     multiply-add between the words, an xor-shift between the rounds.
     """
     step, increment = np.uint32(1664525), np.uint32(1013904223)
-    x, y, z, w = (v * step + increment for v in (x, y, z, w))
+    # Arrays of one word, unlike scalars, wrap around without a warning.
+    x, y, z, w = (np.atleast_1d(v) * step + increment for v in (x, y, z, w))
     for last_round in (False, True):
         x = x + y * w
         y = y + z * x
@@ -132,7 +133,6 @@ class KeyedUniforms:
         """
         if not 0 <= dimension < DIMENSIONS:
             raise IndexError(f"dimension {dimension} is outside 0..{DIMENSIONS - 1}")
-        # Arrays of one word: unlike scalars they wrap around without a warning.
         words = (self.frame, self.seed, self.stream * DIMENSIONS + dimension)
         frame, seed, key = (np.array([word], np.uint32) for word in words)
         x, y, z, w = pcg4d(self.pixel, frame, seed, key)

@@ -1,95 +1,20 @@
-"""Options that several commands share, and what their values may be."""
+"""Options that several commands share."""
 
 import argparse
 import os
-import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from reference.commands.values import MOST_SEED, size, whole
 from reference.methods import Job
 from reference.path_tracer import MAX_BOUNCES
 from reference.schedule import Schedule
 from reference.world import World
 
-MOST_PIXELS_A_SIDE = 2**14
-MOST_SAMPLES = MOST_SEED = 2**32 - 1  # each is a 32-bit word of the random key
 BAND = 8192  # rows whose temporaries stay in the cache
 
 Parser = argparse.ArgumentParser
-Size = tuple[int, int]
-
-
-def whole(least: int, most: int) -> Callable[[str], int]:
-    """Make a converter of integers within limits.
-
-    Parameters
-    ----------
-    least, most : int
-        Both are allowed.
-
-    Returns
-    -------
-    callable
-        From text; raises what argparse tells as an error.
-    """
-
-    def convert(text: str) -> int:
-        try:
-            value = int(text)
-        except ValueError:
-            value = least - 1
-        if not least <= value <= most:
-            raise argparse.ArgumentTypeError(
-                f"{text!r} is not an integer from {least} to {most}"
-            )
-        return value
-
-    return convert
-
-
-def size(text: str) -> Size:
-    """Width and height from ``WxH``.
-
-    Parameters
-    ----------
-    text : str
-        "640x480".
-
-    Returns
-    -------
-    (int, int), pixels
-        1 to 16384 each.
-    """
-    match = re.fullmatch(r"(\d{1,9})[xX](\d{1,9})", text, re.ASCII)
-    sides = tuple(int(side) for side in match.groups()) if match else (0, 0)
-    if not all(1 <= side <= MOST_PIXELS_A_SIDE for side in sides):
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is not WIDTHxHEIGHT, each from 1 to {MOST_PIXELS_A_SIDE} pixels"
-        )
-    return sides[0], sides[1]
-
-
-def seconds(text: str) -> float:
-    """Time from text.
-
-    Parameters
-    ----------
-    text : str
-        A number.
-
-    Returns
-    -------
-    float, s
-        0 or more.
-    """
-    try:
-        value = float(text)
-    except ValueError:
-        value = -1.0
-    if not value >= 0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds")
-    return value
 
 
 def add_scene(parser: Parser, **options: str) -> None:
@@ -192,7 +117,9 @@ def add_json(parser: Parser) -> None:
         Of a command.
     """
     parser.add_argument(
-        "--json", action="store_true", help="results as JSON, and nothing else, on stdout"
+        "--json",
+        action="store_true",
+        help="results as JSON, and nothing else, on stdout",
     )
 
 

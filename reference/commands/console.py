@@ -4,10 +4,10 @@ With ``--json`` stdout holds one JSON object and nothing else.
 """
 
 import json
+import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from errno import EPIPE
+from contextlib import contextmanager, suppress
 from math import isfinite
 from typing import Any
 
@@ -30,7 +30,7 @@ def show(thing: RenderableType) -> None:
     """
     if sys.stdout is None:
         return
-    with _told_errors():
+    with told_errors():
         width = None if sys.stdout.isatty() else WIDTH
         console = Console(file=sys.stdout, width=width, markup=False, highlight=False)
         # Of a closed pipe rich itself makes an exit of its own.
@@ -49,7 +49,7 @@ def emit(results: Mapping[str, Any]) -> None:
     """
     if sys.stdout is None:
         return
-    with _told_errors():
+    with told_errors():
         sys.stdout.write(json.dumps(_plain(results), indent=2, allow_nan=False) + "\n")
 
 
@@ -89,7 +89,10 @@ def progress(what: str) -> Iterator[Tick]:
         TimeRemainingColumn(),
     )
     with Progress(
-        *columns, console=Console(file=sys.stderr), transient=True, redirect_stdout=False
+        *columns,
+        console=Console(file=sys.stderr),
+        transient=True,
+        redirect_stdout=False,
     ) as bar:
         task = bar.add_task(what, total=None, unit="")
 
@@ -100,14 +103,40 @@ def progress(what: str) -> Iterator[Tick]:
 
 
 @contextmanager
-def _told_errors() -> Iterator[None]:
+def told_errors() -> Iterator[None]:
+    """Write to stdout, also what is still in the buffer, or say why not.
+
+    Yields
+    ------
+    None
+        Nothing.
+
+    Raises
+    ------
+    UsageError
+        The disk is full, or the like.
+    BrokenPipeError
+        Nobody reads.
+    """
     try:
-        yield
-        sys.stdout.flush()
+        try:
+            yield
+        finally:
+            if sys.stdout is not None:
+                sys.stdout.flush()
     except OSError as error:
-        if isinstance(error, BrokenPipeError) or error.errno == EPIPE:
+        _mute()
+        if isinstance(error, BrokenPipeError):
             raise
         raise UsageError(f"cannot write to stdout: {error.strerror}") from error
+
+
+def _mute() -> None:
+    """Let the interpreter flush what is left to nowhere, without complaint."""
+    with suppress(OSError, ValueError):
+        null = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(null, sys.stdout.fileno())
+        os.close(null)
 
 
 def _plain(value: Any) -> Any:

@@ -1,36 +1,29 @@
 """``restir demo``: path tracing, biased and unbiased ReSTIR GI, against the truth."""
 
 import argparse
-import json
-from argparse import Namespace
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 from reference.commands import arguments as options
 from reference.commands.console import emit, progress, show
-from reference.commands.metadata import metadata
 from reference.commands.opening import open_scene
-from reference.commands.reference import EVERY, checkpoint_beside, truth, truth_image
+from reference.commands.reference import EVERY, TRUTH_SEED
 from reference.commands.targets import make_folder
-from reference.comparison import compare
-from reference.demo.page import table, write_page
+from reference.commands.values import MOST_SAMPLES, whole
+from reference.demo.gallery import write_gallery
+from reference.demo.page import table
 from reference.demo.runs import Runs, runs_of_frames, runs_of_paths
-from reference.demo.score import Score, scores
-from reference.demo.strip import strip
-from reference.display import auto_exposure, encode_png, to_display
+from reference.demo.score import scores
 from reference.exr import write_exr
-from reference.files import write_file
-from reference.images import Image, to_image
-from reference.methods import Job, method_named
-from reference.methods.path import PATH, PathSettings
-from reference.options import as_text
-from reference.scene.scene import Scene
-from reference.world import World, build_world
+from reference.metadata import metadata
+from reference.methods import method_named
+from reference.methods.path import PATH
+from reference.truth import accumulate_truth, checkpoint_beside, truth_image
+from reference.world import build_world
 
 NAME = "demo"
 SCENE, SIZE = "door-ajar", (192, 144)
-TRUTH_SEED = 2**31
-"""Of the truth, and the runs have 0, 1, ...: nothing is compared with itself."""
+METHODS = ("restir-gi-biased", "restir-gi-unbiased")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -41,12 +34,87 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser : ArgumentParser
         Of this command.
     """
-    count = options.whole(2, options.MOST_SAMPLES)
+
+    def add_count(name: str, least: int, most: int, default: int, of: str) -> None:
+        parser.add_argument(
+            name,
+            type=whole(least, most),
+            default=default,
+            metavar="N",
+            help=f"{of} (default {default})",
+        )
+
     options.add_scene(parser, nargs="?", default=SCENE)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder")
-    parser.add_argument("--spp", type=count, default=1024, metavar="N", help="of the truth (default 1024)")
-    parser.add_argument("--frames", type=count, default=32, metavar="F", help="of ReSTIR GI (default 32)")
-    parser.add_argument("--runs", type=options.whole(2, 1000), default=4, metavar="R", help="of each method, with different seeds (default 4)")
-    options.add_light(parser, light=False)
+    add_count("--spp", 2, MOST_SAMPLES, 2048, "samples a pixel of the truth")
+    add_count("--frames", 1, MOST_SAMPLES, 32, "frames of ReSTIR GI")
+    add_count("--runs", 2, 1000, 4, "runs of each method, with different seeds")
+    options.add_bounces(parser, 1)
     options.add_schedule(parser)
     options.add_json(parser)
+    parser.set_defaults(light="indirect", seed=0)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Render, compare, and write the folder.
+
+    Parameters
+    ----------
+    arguments : Namespace
+        Parsed.
+
+    Raises
+    ------
+    UsageError
+        Bad input, or a file cannot be written.
+    """
+    out = arguments.out
+    scene = open_scene(arguments, SIZE if arguments.scene == SCENE else None)
+    make_folder(out)
+    world = build_world(scene)
+    paths = options.job(arguments, world, {"spp": arguments.spp}, PATH.settings, ())
+    true_job = replace(paths, seed=TRUTH_SEED)
+
+    checkpoint = checkpoint_beside(out / "truth.exr")
+    with progress(f"{scene.name}, truth") as tick:
+        state = accumulate_truth(scene, true_job, checkpoint, EVERY, tick)
+    words = metadata(scene, "path", true_job, state.rays, state.seconds)
+    truth = truth_image(state, true_job, words)
+    write_exr(out / "truth.exr", truth)
+
+    with progress(f"{scene.name}, {arguments.runs} runs of each method") as tick:
+        restir: list[Runs] = []
+        for name in METHODS:
+            tick(len(restir), len(METHODS) + 1, "methods")
+            method = method_named(name)
+            job = replace(
+                paths, counts={"frames": arguments.frames}, settings=method.settings
+            )
+            restir.append(runs_of_frames(method, job, arguments.runs))
+        tick(len(restir), len(METHODS) + 1, "methods")
+        traced = runs_of_paths(paths, restir[-1].seconds, arguments.runs)
+    found = scores(state.moments, traced, restir)
+    remarks = _remarks(arguments)
+    contenders = list(zip([traced, *restir], found, strict=True))
+    write_gallery(out, scene, truth, contenders, remarks)
+    checkpoint.unlink(missing_ok=True)
+    if arguments.json:
+        methods = [asdict(score) for score in found]
+        emit({"page": str(out / "index.html"), "scene": scene.name, "methods": methods})
+        return
+    show(table(found, f"{scene.name}, {truth.width}x{truth.height}"))
+    for remark in remarks:
+        show(remark)
+    show(f"Look at {out / 'index.html'}, or at the strip alone, {out / 'teaser.png'}.")
+
+
+def _remarks(arguments: argparse.Namespace) -> list[str]:
+    return [
+        f"Means over {arguments.runs} runs with different seeds. The time of ReSTIR GI"
+        " is that of one frame at the end of a run; path tracing has as many samples as"
+        " fit into the time of the unbiased one. Camera rays are not counted.",
+        "MSE is against the truth, whose own noise is taken off. Times better: MSE"
+        " times seconds of path tracing over that of the method.",
+        "Bias of the mean: luminance of the whole picture over that of the truth, less"
+        " 1, with its standard error.",
+    ]

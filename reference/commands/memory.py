@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from reference.commands.arguments import MOST_PIXELS_A_SIDE
+from reference.commands.values import MOST_PIXELS_A_SIDE
 from reference.errors import UsageError
 
 BYTES_A_PIXEL = 1024

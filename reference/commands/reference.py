@@ -9,6 +9,7 @@ from reference.commands import arguments as options
 from reference.commands.console import emit, progress, show
 from reference.commands.opening import open_scene
 from reference.commands.targets import check_file
+from reference.commands.values import MOST_SAMPLES, seconds, whole
 from reference.display import auto_exposure, write_png
 from reference.exr import write_exr
 from reference.images import Image
@@ -37,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_out(parser)
     parser.add_argument(
         "--spp",
-        type=options.whole(2, options.MOST_SAMPLES),
+        type=whole(2, MOST_SAMPLES),
         default=1024,
         metavar="N",
         help="samples a pixel (default 1024)",
@@ -52,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--checkpoint",
-        type=options.seconds,
+        type=seconds,
         default=EVERY,
         metavar="SECONDS",
         help=f"time between checkpoints (default {EVERY:g})",

@@ -8,12 +8,13 @@ from reference.commands import arguments as options
 from reference.commands.console import emit, progress, show
 from reference.commands.opening import open_scene
 from reference.commands.targets import check_file
+from reference.commands.values import MOST_SAMPLES, whole
 from reference.display import auto_exposure, write_png
 from reference.errors import UsageError
 from reference.exr import write_exr
 from reference.images import Image, to_image
 from reference.metadata import metadata
-from reference.methods import Job, Layers, Method, method_named, method_names
+from reference.methods import Layers, Method, drive, method_named, method_names
 from reference.options import with_values
 from reference.world import World, build_world
 
@@ -28,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser : ArgumentParser
         Of this command.
     """
-    count = options.whole(1, options.MOST_SAMPLES)
+    count = whole(1, MOST_SAMPLES)
     options.add_scene(parser)
     parser.add_argument(
         "--method", required=True, metavar="M", help=", ".join(method_names())
@@ -81,7 +82,8 @@ def run(arguments: argparse.Namespace) -> None:
     world = build_world(scene)
     job = options.job(arguments, world, counts, settings, aovs)
     start = time.perf_counter()
-    layers = _render(method, job, scene.name)
+    with progress(f"{scene.name}, {method.name}") as tick:
+        layers = drive(method, job, lambda p: tick(p.done, p.total, p.unit))
     seconds = time.perf_counter() - start
     words = metadata(scene, method.name, job, world.caster.counts, seconds)
     write_exr(out, _image(method, layers, world, words))
@@ -89,18 +91,6 @@ def run(arguments: argparse.Namespace) -> None:
         color = to_image(layers["color"], world.camera.width, world.camera.height)
         write_png(png, color, auto_exposure(color))
     _report(arguments, out, png, words, layers)
-
-
-def _render(method: Method, job: Job, scene: str) -> Layers:
-    steps = method.render(job)
-    with progress(f"{scene}, {method.name}") as tick:
-        while True:
-            try:
-                step = next(steps)
-            except StopIteration as end:
-                layers: Layers = end.value
-                return layers
-            tick(step.done, step.total, step.unit)
 
 
 def _image(

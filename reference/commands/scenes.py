@@ -38,7 +38,8 @@ def run(arguments: argparse.Namespace) -> None:
                 "name": name,
                 "summary": CATALOGUE[name].summary,
                 "requires": [
-                    {"name": r.name, "why": r.why, "left_out": r.left_out} for r in needs
+                    {"name": r.name, "why": r.why, "left_out": r.left_out}
+                    for r in needs
                 ],
             }
             for name, needs in found.items()

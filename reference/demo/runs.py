@@ -3,11 +3,12 @@
 import time
 from collections import Counter
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
 from reference.arrays import Vec3s
-from reference.methods import Job, Layers, Method
+from reference.methods import Job, Layers, Method, drive
 from reference.methods.path import PATH
 
 CONVERGED = 8  # last steps of a run, whose median time counts
@@ -106,11 +107,6 @@ def timed(method: Method, job: Job) -> tuple[Layers, list[float]]:
     Layers, list of float (s)
         The result, and the time of each step.
     """
-    steps, times = method.render(job), []
-    while True:
-        start = time.perf_counter()
-        try:
-            next(steps)
-        except StopIteration as end:
-            return end.value, times
-        times.append(time.perf_counter() - start)
+    clock = [time.perf_counter()]
+    layers = drive(method, job, lambda _: clock.append(time.perf_counter()))
+    return layers, [b - a for a, b in pairwise(clock)]

@@ -112,3 +112,30 @@ class Method:
     settings: Any
     aovs: Mapping[str, str]
     render: Callable[[Job], Rendering]
+
+
+def drive(method: Method, job: Job, tick: Callable[[Progress], None]) -> Layers:
+    """Render to the end.
+
+    Parameters
+    ----------
+    method : Method
+        How.
+    job : Job
+        What.
+    tick : callable
+        Told after each step.
+
+    Returns
+    -------
+    Layers
+        The result.
+    """
+    steps = method.render(job)
+    while True:
+        try:
+            step = next(steps)
+        except StopIteration as end:
+            layers: Layers = end.value
+            return layers
+        tick(step)

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s, cross, dot, normalize
+from reference.arrays import Indices, Masks, Scalars, Vec3s, cross, length, normalize
 from reference.scene.materials.kinds import Material
 from reference.scene.materials.parameters import MaterialTable, tabulate
 from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh
+from reference.scene.shapes import Mesh, Sphere
 from reference.scene.textures import Bitmap, Checker
 
 
@@ -42,8 +42,6 @@ class Geometry:
         Mesh, or sphere after the last mesh.
     materials : MaterialTable
         Materials of the scene.
-    dropped : int
-        Triangles without area, left out.
     middle : (3,) float64, m
         Centre of the bounding box.
     extent : float, m
@@ -64,7 +62,6 @@ class Geometry:
     emission: Vec3s
     shape: Indices
     materials: MaterialTable
-    dropped: int
     middle: Vec3s
     extent: float
 
@@ -80,34 +77,31 @@ def build_geometry(scene: Scene) -> Geometry:
     Parameters
     ----------
     scene : Scene
-        Validated.
+        Validated: its numbers are finite and its triangles have areas.
 
     Returns
     -------
     Geometry
-        Triangles without area are left out and counted.
+        Primitives in the order of the scene.
     """
-    shapes = (*scene.meshes, *scene.spheres)
+    shapes: tuple[Mesh | Sphere, ...] = (*scene.meshes, *scene.spheres)
     materials: list[Material] = []
     for shape in shapes:
         if not any(shape.material is m for m in materials):
             materials.append(shape.material)
     row = {id(m): i for i, m in enumerate(materials)}
     table = tabulate(materials)
-    world = [_world_triangles(mesh) for mesh in scene.meshes]
-    kept = [area > 0 for _, area in world]
 
-    def per_triangle(values: list[Scalars], empty: tuple[int, ...]) -> Scalars:
-        parts = [v[k] for v, k in zip(values, kept, strict=True)]
-        return np.concatenate(parts) if parts else np.zeros((0, *empty))
+    def per_triangle(parts: list[Scalars], *shape: int) -> Scalars:
+        return np.concatenate(parts) if parts else np.zeros((0, *shape))
 
-    corners = per_triangle([c for c, _ in world], (3, 3))
-    triangle_area = per_triangle([a for _, a in world], ())
-    counts = [int(k.sum()) for k in kept] + [1] * len(scene.spheres)
+    corners = per_triangle([world_corners(m) for m in scene.meshes], 3, 3)
+    counts = [len(m.faces) for m in scene.meshes] + [1] * len(scene.spheres)
     shape_index = np.repeat(np.arange(len(shapes), dtype=np.int32), counts)
     smooth = any(m.normals is not None for m in scene.meshes)
     textured = any(isinstance(t, Bitmap | Checker) for t in table.textures)
     edge_u, edge_v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    front = cross(edge_u, edge_v)
     center = np.array([s.center for s in scene.spheres], float).reshape(-1, 3)
     radius = np.array([s.radius for s in scene.spheres], float)
     reach = radius[:, None]
@@ -117,12 +111,12 @@ def build_geometry(scene: Scene) -> Geometry:
         corner=np.ascontiguousarray(corners[:, 0]),
         edge_u=edge_u,
         edge_v=edge_v,
-        face_normal=normalize(cross(edge_u, edge_v)),
-        area=np.concatenate([triangle_area, 4.0 * np.pi * radius**2]),
-        smooth=per_triangle([_world_normals(m) for m in scene.meshes], (3, 3))
+        face_normal=normalize(front),
+        area=np.concatenate([0.5 * length(front), 4.0 * np.pi * radius**2]),
+        smooth=per_triangle([_world_normals(m) for m in scene.meshes], 3, 3)
         if smooth
         else None,
-        uv=per_triangle([_corner_uv(m) for m in scene.meshes], (3, 2))
+        uv=per_triangle([_corner_uv(m) for m in scene.meshes], 3, 2)
         if textured
         else None,
         center=center,
@@ -134,22 +128,32 @@ def build_geometry(scene: Scene) -> Geometry:
         ],
         shape=shape_index,
         materials=table,
-        dropped=int(sum((~k).sum() for k in kept)),
         middle=(low + high) / 2,
         extent=float(np.max(high - low)) / 2,
     )
 
 
-def _world_triangles(mesh: Mesh) -> tuple[Scalars, Scalars]:
+def world_corners(mesh: Mesh) -> Scalars:
+    """Corners of the triangles of a mesh.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        F faces.
+
+    Returns
+    -------
+    (F, 3, 3) float64, m
+        In the world; triangle, corner, component.
+    """
     vertices = mesh.vertices @ mesh.pose[:3, :3].T + mesh.pose[:3, 3]
-    corners = vertices[mesh.faces]
-    normal = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return corners, 0.5 * np.sqrt(dot(normal, normal))
+    corners: Scalars = vertices[mesh.faces]
+    return corners
 
 
 def _world_normals(mesh: Mesh) -> Scalars:
     if mesh.normals is None:
-        corners, _ = _world_triangles(mesh)
+        corners = world_corners(mesh)
         flat = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         return np.repeat(normalize(flat)[:, None], 3, axis=1)
     # Normals turn with the inverse transpose.

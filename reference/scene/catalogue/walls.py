@@ -4,7 +4,7 @@ import numpy as np
 
 from reference.scene.camera import Camera
 from reference.scene.catalogue.rooms import WHITE, pose
-from reference.scene.lights import ConstantEnvironment, DirectionalLight, PointLight
+from reference.scene.lights import ConstantEnvironment, DirectionalLight
 from reference.scene.materials.kinds import Coated, Lambertian
 from reference.scene.scene import Scene
 from reference.scene.shapes import box, quad

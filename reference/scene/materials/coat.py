@@ -17,8 +17,10 @@ NODES = 64
 """Cosines at which the transmittance of a coat is tabulated."""
 
 
-def directional_reflectance(cos_o: Scalars, alpha: float, ior: float) -> Scalars:
-    """Share of the light from a direction that a coat reflects, E(cos θ_o).
+def directional_albedo(
+    cos_o: Scalars, alpha: float, ior: float
+) -> tuple[Scalars, Scalars]:
+    """Shares of the light from a direction that a coat reflects and lets pass.
 
     Parameters
     ----------
@@ -31,37 +33,45 @@ def directional_reflectance(cos_o: Scalars, alpha: float, ior: float) -> Scalars
 
     Returns
     -------
-    (N,) float
-        0 to 1.
+    (N,), (N,) float
+        Reflected and transmitted; what single scattering loses between the
+        microfacets is in neither.
 
     Notes
     -----
-    E = ∫ F(wo·h) G1(wi) p(h) dh over the visible normals, by a midpoint rule on the
-    unit square of [Heitz18], 64 x 64: single scattering, as in the material itself.
+    ∫ F(wo·h) G1(wi) p(h) dh and ∫ (1 - F(wo·h)) G1(wt) p(h) dh over the visible
+    normals, wi reflected and wt refracted at h, by a midpoint rule on the unit square of
+    [Heitz18], 64 x 64.
     """
-    cos_o = np.clip(cos_o, 1e-6, 1.0)
+    cos_o = np.maximum(cos_o, 1e-6)
     if alpha == 0:
-        return fresnel_dielectric(cos_o, np.full_like(cos_o, ior))[0]
+        fresnel, _ = fresnel_dielectric(cos_o, np.full_like(cos_o, ior))
+        return fresnel, 1.0 - fresnel
     grid = (np.arange(64) + 0.5) / 64
     u1, u2 = (u.ravel() for u in np.meshgrid(grid, grid))
-    return np.array([_mean_reflectance(c, alpha, ior, u1, u2) for c in cos_o])
+    means = [_mean_albedo(float(c), alpha, ior, u1, u2) for c in cos_o]
+    reflected, transmitted = np.array(means).T
+    return reflected, transmitted
 
 
-def _mean_reflectance(
+def _mean_albedo(
     cos_o: float, alpha: float, ior: float, u1: Scalars, u2: Scalars
-) -> float:
+) -> tuple[float, float]:
     wo = np.broadcast_to([np.sqrt(1 - cos_o * cos_o), 0.0, cos_o], (len(u1), 3))
     width = np.full_like(u1, alpha)
     h = sample_visible_normal(wo, width, u1, u2)
     cos_d = np.clip(wo[:, 0] * h[:, 0] + wo[:, 2] * h[:, 2], 0.0, 1.0)
-    wi = reflect(wo, h)
-    fresnel, _ = fresnel_dielectric(cos_d, np.full_like(u1, ior))
-    return float(np.mean(fresnel * smith_g1(wi[:, 2], width)))
+    fresnel, cos_t = fresnel_dielectric(cos_d, np.full_like(u1, ior))
+    up = reflect(wo, h)[:, 2]
+    down = -(h[:, 2] * (cos_d / ior - cos_t) - wo[:, 2] / ior)
+    reflected = np.mean(fresnel * smith_g1(up, width))
+    transmitted = np.mean((1.0 - fresnel) * smith_g1(down, width))
+    return float(reflected), float(transmitted)
 
 
 @functools.cache
 def transmittance_table(alpha: float, ior: float) -> tuple[float, ...]:
-    """What a coat lets pass, 1 - E(cos θ), at evenly spaced cosines from 0 to 1.
+    """What a coat lets pass, at evenly spaced cosines from 0 to 1.
 
     Parameters
     ----------
@@ -75,7 +85,7 @@ def transmittance_table(alpha: float, ior: float) -> tuple[float, ...]:
     tuple of float
         ``NODES`` values.
     """
-    return tuple(1.0 - directional_reflectance(np.linspace(0, 1, NODES), alpha, ior))
+    return tuple(directional_albedo(np.linspace(0, 1, NODES), alpha, ior)[1])
 
 
 @functools.cache
@@ -93,10 +103,19 @@ def internal_reflectance(alpha: float, ior: float) -> float:
     -------
     float
         Seen from inside the index is 1 / ior; most of it is total reflection.
+
+    Notes
+    -----
+    A rough coat's is the plain mean over the ``NODES`` cosines of the table, 1.5 % below
+    the integral, because Mitsuba defines it so: with the integral, images of rough
+    coats could not be compared.
     """
+    if alpha > 0:
+        mu = np.linspace(0, 1, NODES)
+        return float(2.0 * np.mean(directional_albedo(mu, alpha, 1.0 / ior)[0] * mu))
     nodes, weights = np.polynomial.legendre.leggauss(128)
     mu = 0.5 * (nodes + 1.0)
-    inside = directional_reflectance(mu, alpha, 1.0 / ior)
+    inside, _ = directional_albedo(mu, alpha, 1.0 / ior)
     return float(np.sum(inside * mu * weights))
 
 

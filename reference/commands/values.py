@@ -1,0 +1,81 @@
+"""Values on the command line: text in, a number within its limits out."""
+
+import argparse
+import re
+from collections.abc import Callable
+
+MOST_PIXELS_A_SIDE = 2**14
+MOST_SAMPLES = MOST_SEED = 2**32 - 1  # each is a 32-bit word of the random key
+Size = tuple[int, int]
+
+
+def whole(least: int, most: int) -> Callable[[str], int]:
+    """Make a converter of integers within limits.
+
+    Parameters
+    ----------
+    least, most : int
+        Both are allowed.
+
+    Returns
+    -------
+    callable
+        From text; raises what argparse tells as an error.
+    """
+
+    def convert(text: str) -> int:
+        try:
+            value = int(text)
+        except ValueError:
+            value = least - 1
+        if not least <= value <= most:
+            raise argparse.ArgumentTypeError(
+                f"{text!r} is not an integer from {least} to {most}"
+            )
+        return value
+
+    return convert
+
+
+def size(text: str) -> Size:
+    """Width and height from ``WxH``.
+
+    Parameters
+    ----------
+    text : str
+        "640x480".
+
+    Returns
+    -------
+    (int, int), pixels
+        1 to 16384 each.
+    """
+    match = re.fullmatch(r"(\d{1,9})[xX](\d{1,9})", text, re.ASCII)
+    sides = tuple(int(side) for side in match.groups()) if match else (0, 0)
+    if not all(1 <= side <= MOST_PIXELS_A_SIDE for side in sides):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not WIDTHxHEIGHT, each from 1 to {MOST_PIXELS_A_SIDE} pixels"
+        )
+    return sides[0], sides[1]
+
+
+def seconds(text: str) -> float:
+    """Time from text.
+
+    Parameters
+    ----------
+    text : str
+        A number.
+
+    Returns
+    -------
+    float, s
+        0 or more.
+    """
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not value >= 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds")
+    return value

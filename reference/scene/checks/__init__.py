@@ -1,0 +1,1 @@
+"""What makes a scene fit to be rendered, a subject a file."""

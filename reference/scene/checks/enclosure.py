@@ -1,0 +1,78 @@
+"""A camera shut up in the dark: inside a closed opaque shape without a light."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from reference.arrays import Vec3s
+from reference.scene.checks.balls import Ball
+from reference.scene.checks.shells import Shell, closed_shells
+from reference.scene.checks.space import Point, sees_out
+from reference.scene.checks.values import refuse
+from reference.scene.geometry import world_corners
+from reference.scene.materials.kinds import Dielectric
+from reference.scene.scene import Scene
+from reference.scene.shapes import Mesh, Sphere
+
+Region = Shell | Ball
+
+
+def check_enclosure(where: str, scene: Scene) -> None:
+    """Require a camera that is not in a closed opaque shape which holds no light.
+
+    Parameters
+    ----------
+    where : str
+        The camera.
+    scene : Scene
+        Its shapes checked.
+
+    Raises
+    ------
+    UsageError
+        Names the shape.  Certain: a room that holds a lamp, that glows inside or that
+        rounding leaves in doubt passes, and so does glass.
+    """
+    eye = np.asarray(scene.camera.position, float)
+    for shape, region in _around(eye, scene):
+        if not _may_hold_light(region, shape, scene):
+            kind = "mesh" if isinstance(shape, Mesh) else "sphere"
+            wrong = f'it is inside {kind} "{shape.name}"'
+            right = "that is closed, opaque and dark inside: move it out, or add a lamp"
+            refuse(where, wrong, right)
+
+
+def _around(eye: Point, scene: Scene) -> Iterator[tuple[Mesh | Sphere, Region]]:
+    """Closed opaque parts of shapes that certainly hold the eye."""
+    for mesh in scene.meshes:
+        corners = world_corners(mesh)
+        if isinstance(mesh.material, Dielectric) or sees_out(eye, corners):
+            continue
+        for shell in closed_shells(mesh.faces, mesh.vertices, corners):
+            if shell.holds(eye):
+                yield mesh, shell
+    for sphere in scene.spheres:
+        ball = Ball(np.asarray(sphere.center), sphere.radius, not sphere.inward)
+        if not isinstance(sphere.material, Dielectric) and ball.holds(eye):
+            yield sphere, ball
+
+
+def _may_hold_light(region: Region, shell_of: Mesh | Sphere, scene: Scene) -> bool:
+    lamps: list[Vec3s] = [np.asarray(p.position) for p in scene.points]
+    if not all(region.excludes_point(lamp) for lamp in lamps):
+        return True
+    if any(shell_of.emission) and not region.outward:
+        return True
+    for mesh in scene.meshes:
+        if any(mesh.emission):
+            corners = world_corners(mesh)
+            if mesh is shell_of and isinstance(region, Shell):
+                corners = np.delete(corners, region.faces, axis=0)
+            if not region.excludes_triangles(corners):
+                return True
+    return any(
+        any(sphere.emission)
+        and sphere is not shell_of
+        and not region.excludes_sphere(np.asarray(sphere.center), sphere.radius)
+        for sphere in scene.spheres
+    )

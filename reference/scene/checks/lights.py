@@ -1,0 +1,102 @@
+"""Lights: nothing negative, and at least one that shines."""
+
+import numpy as np
+
+from reference.arrays import Scalars
+from reference.scene.checks.shapes import LARGEST
+from reference.scene.checks.values import need_numbers, refuse, told
+from reference.scene.lights import ConstantEnvironment, Environment, LatLongEnvironment
+from reference.scene.scene import Scene
+
+UNIT = 1e-6
+"""How far from 1 a unit vector may be: it may have been stored in float32."""
+
+
+def check_lights(scene: Scene) -> None:
+    """Require lights that send light, and at least one of them.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its shapes checked.
+
+    Raises
+    ------
+    UsageError
+        Names the light and the property.
+    """
+    for i, point in enumerate(scene.points):
+        where = f"{scene.name}: point light {i}"
+        need_numbers(where, "position", point.position, -LARGEST, LARGEST, count=3)
+        need_numbers(where, "intensity", point.intensity, 0, count=3)
+    for i, sun in enumerate(scene.suns):
+        where = f"{scene.name}: sun {i}"
+        need_numbers(where, "direction", sun.direction, count=3)
+        _need_unit(where, np.asarray(sun.direction, float))
+        need_numbers(where, "irradiance", sun.irradiance, 0, count=3)
+    if scene.environment is not None:
+        check_environment(f"{scene.name}: environment", scene.environment)
+    if not is_lit(scene):
+        right = "give a mesh or a sphere an emission, or add a lamp, a sun or a sky"
+        refuse(scene.name, "nothing in the scene emits light", right)
+
+
+def check_environment(where: str, environment: Environment) -> None:
+    """Require a sky of non-negative radiance.
+
+    Parameters
+    ----------
+    where : str
+        The environment.
+    environment : Environment
+        Constant or a map.
+
+    Raises
+    ------
+    UsageError
+        Names the property.
+    """
+    if isinstance(environment, ConstantEnvironment):
+        need_numbers(where, "radiance", environment.radiance, 0, count=3)
+        return
+    pixels = environment.pixels
+    if pixels.ndim != 3 or pixels.shape[2] != 3 or pixels.size == 0:
+        size = "x".join(map(str, pixels.shape))
+        refuse(where, f"its map is {size}", "it must be (h, w, 3), not empty")
+    need_numbers(where, "radiance in the map", pixels, 0)
+    turn = np.asarray(environment.to_world, float)
+    need_numbers(where, "rotation", turn, count=9)
+    if np.abs(turn @ turn.T - np.eye(3)).max() > UNIT:
+        right = "its rows must be orthogonal unit vectors"
+        refuse(where, "to_world is no rotation", right)
+
+
+def is_lit(scene: Scene) -> bool:
+    """Whether anything emits.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its numbers checked.
+
+    Returns
+    -------
+    bool
+        Some shape, lamp, sun or sky has an emission above 0.
+    """
+    colors = [mesh.emission for mesh in scene.meshes]
+    colors += [sphere.emission for sphere in scene.spheres]
+    colors += [point.intensity for point in scene.points]
+    colors += [sun.irradiance for sun in scene.suns]
+    if isinstance(scene.environment, ConstantEnvironment):
+        colors.append(scene.environment.radiance)
+    if isinstance(scene.environment, LatLongEnvironment):
+        colors.append(tuple(scene.environment.pixels.max(axis=(0, 1))))
+    return bool(np.any(np.array(colors) > 0))
+
+
+def _need_unit(where: str, direction: Scalars) -> None:
+    size = float(np.linalg.norm(direction))
+    if abs(size - 1.0) > UNIT:
+        right = "a direction has length 1"
+        refuse(where, f"direction is {told(direction)}, {size:g} long", right)

@@ -1,0 +1,54 @@
+"""Whether anything can stand between two points of a scene's surfaces."""
+
+import numpy as np
+
+from reference.arrays import Masks, Scalars, cross, dot, normalize
+from reference.scene.geometry import world_corners
+from reference.scene.scene import Scene
+from reference.scene.shapes import Mesh, Sphere
+
+MOST_TRIANGLES = 2000
+"""Beyond so many, a scene is taken to have obstacles."""
+
+FLAT = 2.0**-30
+"""How far out of a plane a vertex may be, in extents of the scene: well below what a
+ray resolves, well above the rounding of float64."""
+
+
+def first_obstacle(scene: Scene) -> Mesh | Sphere | None:
+    """A shape that may stand between two points; ``None`` if certainly none does.
+
+    Parameters
+    ----------
+    scene : Scene
+        Validated.
+
+    Returns
+    -------
+    Mesh, Sphere or None
+        ``None`` for a single sphere, and for triangles that all lie on the surface of
+        their convex hull: a segment between two of them runs inside the hull, or
+        within one of its faces.
+    """
+    if scene.spheres:
+        alone = len(scene.spheres) == 1 and not scene.meshes
+        return None if alone else scene.spheres[0]
+    parts = [world_corners(mesh) for mesh in scene.meshes]
+    corners = np.concatenate(parts)
+    if len(corners) > MOST_TRIANGLES:
+        return max(scene.meshes, key=lambda mesh: len(mesh.faces))
+    vertices = np.unique(corners.reshape(-1, 3), axis=0)
+    for mesh, part in zip(scene.meshes, parts, strict=True):
+        if not _supports(part, vertices).all():
+            return mesh
+    return None
+
+
+def _supports(corners: Scalars, vertices: Scalars) -> Masks:
+    """Whether all vertices lie on one side of each triangle's plane."""
+    normal = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal = normalize(normal)
+    height = normal @ vertices.T - dot(normal, corners[:, 0])[:, None]
+    flat = FLAT * float(np.ptp(vertices, axis=0).max())
+    above, below = (height <= flat).all(axis=1), (height >= -flat).all(axis=1)
+    return np.asarray(above | below)

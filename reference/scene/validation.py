@@ -1,0 +1,94 @@
+"""Whether a scene can be rendered, and if not, why: one line."""
+
+import numpy as np
+
+from reference.scene.checks.camera import check_camera, check_place
+from reference.scene.checks.enclosure import check_enclosure
+from reference.scene.checks.lights import check_lights
+from reference.scene.checks.shapes import check_mesh, check_sphere, without_flat_faces
+from reference.scene.checks.values import refuse
+from reference.scene.geometry import world_corners
+from reference.scene.scene import Scene
+
+SMALLEST = 1e-50
+"""Half of the longest side of a scene, in metres, whose square still has a square."""
+
+REMOTEST = 2.0**30
+"""Distance from the origin in half extents, up to which float64 resolves a scene.
+
+Its rounding there is 2⁻²³ of the scene, a sixteenth of the step before a surface from
+which rays start.
+"""
+
+
+def validate(scene: Scene) -> Scene:
+    """Scene that can be rendered: every number has a meaning, and light can be seen.
+
+    Parameters
+    ----------
+    scene : Scene
+        As an author or a loader gives it.
+
+    Returns
+    -------
+    Scene
+        The same without triangles that have no area; its notes count them.
+
+    Raises
+    ------
+    UsageError
+        What is wrong, in which shape and where in it, and what would be right.
+
+    Notes
+    -----
+    Everything that renders takes a validated scene and checks nothing again.
+    """
+    for mesh in scene.meshes:
+        check_mesh(f'{scene.name}: mesh "{mesh.name}"', mesh)
+    for sphere in scene.spheres:
+        check_sphere(f'{scene.name}: sphere "{sphere.name}"', sphere)
+    scene = without_flat_faces(scene)
+    extent = check_extent(scene)
+    check_lights(scene)
+    where = f"{scene.name}: camera"
+    check_camera(where, scene.camera)
+    check_place(where, scene, extent)
+    check_enclosure(where, scene)
+    return scene
+
+
+def check_extent(scene: Scene) -> float:
+    """Require a scene that has a size, and lies where numbers resolve it.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its shapes checked, without flat triangles.
+
+    Returns
+    -------
+    float, m
+        Half of the longest side of its bounding box.
+
+    Raises
+    ------
+    UsageError
+        There is no shape, or the scene is too small or too far out.
+    """
+    boxes = [world_corners(mesh).reshape(-1, 3) for mesh in scene.meshes]
+    for sphere in scene.spheres:
+        reach = np.array([[-sphere.radius], [sphere.radius]])
+        boxes.append(sphere.center + reach)
+    if not boxes:
+        right = "it needs a sphere or a triangle with an area"
+        refuse(scene.name, "the scene has no geometry", right)
+    low = np.min([box.min(axis=0) for box in boxes], axis=0)
+    high = np.max([box.max(axis=0) for box in boxes], axis=0)
+    extent = float((high - low).max()) / 2
+    offset = float(np.abs([low, high]).max())
+    if extent < SMALLEST:
+        refuse(scene.name, f"the scene is {2 * extent:g} m wide", "give it in metres")
+    if offset > REMOTEST * extent:
+        wrong = f"the scene is {2 * extent:g} m wide, {offset:g} m from the origin"
+        refuse(scene.name, wrong, "move it to the origin: float64 does not resolve it")
+    return extent
