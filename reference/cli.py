@@ -57,7 +57,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return BROKEN_PIPE
     except KeyboardInterrupt as stop:
         code = TERMINATED if getattr(stop, "terminated", False) else INTERRUPTED
-        return _tell(str(stop) or "interrupted; nothing was written", code)
+        return _tell(str(stop) or "interrupted; nothing half-written is left", code)
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -109,7 +109,6 @@ def _run(argv: Sequence[str] | None) -> int:
             arguments = parser.parse_args(argv)
     except SystemExit as stop:  # --help and --version
         return int(stop.code or 0)
-
     with terminable():
         arguments.run(arguments)
     return 0

@@ -209,10 +209,12 @@ def cumulate(weights: Scalars) -> Scalars:
     ValueError
         No weight is positive, or one is negative or not finite.
     """
-    total = weights.sum()
+    sums = np.cumsum(weights)
+    # Not weights.sum(): it rounds otherwise, so that the running sum could pass 1.
+    total = sums[-1:].sum()
     if not (np.isfinite(total) and total > 0 and np.all(weights >= 0)):
         raise ValueError("weights must be finite, non-negative and not all 0")
-    cumulative = np.cumsum(weights) / total
+    cumulative: Scalars = sums / total
     cumulative[np.flatnonzero(weights)[-1] :] = 1.0
     return cumulative
 
@@ -226,4 +228,6 @@ def _about_z(cos_theta: Scalars, sin_theta: Scalars, u: Scalars) -> Vec3s:
 
 def _azimuth(direction: Vec3s) -> Scalars:
     turns = np.arctan2(direction[:, 1], direction[:, 0]) / (2.0 * np.pi)
-    return np.where(turns < 0, turns + 1.0, turns)
+    turns = np.where(turns < 0, turns + 1.0, turns)
+    # A hair below the x axis the sum rounds to 1, which is 0 again.
+    return np.where(turns < 1, turns, 0.0)

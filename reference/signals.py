@@ -34,7 +34,7 @@ def terminable() -> Iterator[None]:
     """
 
     def stop(number: int, frame: FrameType | None) -> None:
-        raise Interrupted("terminated; nothing was written", terminated=True)
+        raise Interrupted("terminated; nothing half-written is left", terminated=True)
 
     if threading.current_thread() is not threading.main_thread():
         yield

@@ -4,6 +4,8 @@ import argparse
 from dataclasses import asdict, replace
 from pathlib import Path
 
+import numpy as np
+
 from reference.commands import arguments as options
 from reference.commands.console import emit, progress, show
 from reference.commands.opening import open_scene
@@ -18,6 +20,8 @@ from reference.exr import write_exr
 from reference.metadata import metadata
 from reference.methods import method_named
 from reference.methods.path import PATH
+from reference.scene.catalogue.registry import CATALOGUE
+from reference.scene.scene import Scene
 from reference.truth import accumulate_truth, checkpoint_beside, truth_image
 from reference.world import build_world
 
@@ -69,7 +73,7 @@ def run(arguments: argparse.Namespace) -> None:
         Bad input, or a file cannot be written.
     """
     out = arguments.out
-    scene = open_scene(arguments, SIZE if arguments.scene == SCENE else None)
+    scene = open_scene(arguments, _quick)
     make_folder(out)
     world = build_world(scene)
     paths = options.job(arguments, world, {"spp": arguments.spp}, PATH.settings, ())
@@ -106,6 +110,18 @@ def run(arguments: argparse.Namespace) -> None:
     for remark in remarks:
         show(remark)
     show(f"Look at {out / 'index.html'}, or at the strip alone, {out / 'teaser.png'}.")
+
+
+def _quick(scene: Scene) -> tuple[int, int]:
+    """Size of a picture that is done in minutes, in the shape that the scene asks for.
+
+    Built-in scenes ask for none: theirs is a square by default.
+    """
+    if scene.name in CATALOGUE:
+        return SIZE
+    shape = np.clip(scene.camera.width / max(scene.camera.height, 1), 0.01, 100)
+    pixels = SIZE[0] * SIZE[1]
+    return round((pixels * shape) ** 0.5), round((pixels / shape) ** 0.5)
 
 
 def _remarks(arguments: argparse.Namespace) -> list[str]:

@@ -1,20 +1,22 @@
 """SCENE on the command line: found, read, sized, and found fit to render."""
 
 import argparse
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 from reference.commands.console import remark
 from reference.commands.memory import refuse_what_does_not_fit
+from reference.commands.values import Size
 from reference.errors import UsageError
-from reference.scene.catalogue.registry import CATALOGUE
+from reference.scene.catalogue.registry import CATALOGUE, find_scene
 from reference.scene.loaders.load import LOADERS, load_scene
 from reference.scene.scene import Scene
 from reference.scene.validation import validate
 
 
 def open_scene(
-    arguments: argparse.Namespace, size: tuple[int, int] | None = None
+    arguments: argparse.Namespace, size: Callable[[Scene], Size] | None = None
 ) -> Scene:
     """Scene that the arguments name, ready to be built.
 
@@ -22,8 +24,9 @@ def open_scene(
     ----------
     arguments : Namespace
         With ``scene``, ``lenient``, ``size`` and ``json``.
-    size : (int, int), pixels, optional
-        Where no --size is given; else as the scene says.
+    size : callable, optional
+        Gives the size of the picture where no --size is given; else it is what the
+        scene says.
 
     Returns
     -------
@@ -36,12 +39,12 @@ def open_scene(
         No such scene, or it cannot be read or rendered.
     """
     scene = _find(arguments.scene, arguments.lenient)
-    size = arguments.size or size
-    if size is not None:
-        width, height = size
-        camera = replace(scene.camera, width=width, height=height)
-        scene = replace(scene, camera=camera)
-    refuse_what_does_not_fit(scene.camera.width, scene.camera.height)
+    camera = scene.camera
+    width, height = size(scene) if size else (camera.width, camera.height)
+    if arguments.size:
+        width, height = arguments.size
+    scene = replace(scene, camera=replace(camera, width=width, height=height))
+    refuse_what_does_not_fit(width, height)
     scene = validate(scene)
     if not arguments.json:
         for note in scene.notes:
@@ -50,12 +53,13 @@ def open_scene(
 
 
 def _find(name: str, lenient: bool) -> Scene:
-    if name in CATALOGUE:
-        return CATALOGUE[name].build()
     path = Path(name)
-    if path.suffix.lower() not in LOADERS and not path.exists():
+    is_file = path.suffix.lower() in LOADERS or path.exists()
+    if is_file and name not in CATALOGUE:
+        return load_scene(path, lenient)
+    try:
+        return find_scene(name)
+    except UsageError as error:
         raise UsageError(
-            f"unknown scene {name!r}; built-in are {', '.join(CATALOGUE)};"
-            f" a file ends in one of {', '.join(LOADERS)}"
-        )
-    return load_scene(path, lenient)
+            f"{error}; a scene file ends in one of {', '.join(LOADERS)}"
+        ) from None

@@ -15,6 +15,7 @@ from reference.exr import write_exr
 from reference.images import Image, to_image
 from reference.metadata import metadata
 from reference.methods import Layers, Method, drive, method_named, method_names
+from reference.methods.discovery import BUILT_IN
 from reference.options import with_values
 from reference.world import World, build_world
 
@@ -31,9 +32,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """
     count = whole(1, MOST_SAMPLES)
     options.add_scene(parser)
-    parser.add_argument(
-        "--method", required=True, metavar="M", help=", ".join(method_names())
-    )
+    parser.add_argument("--method", required=True, metavar="M", help="see below")
+    parser.epilog = "methods:\n" + "\n".join(map(_described, method_names()))
     options.add_out(parser)
     parser.add_argument("--frames", type=count, metavar="F", help="of reuse over time")
     parser.add_argument("--spp", type=count, metavar="N", help="samples a pixel")
@@ -91,6 +91,12 @@ def run(arguments: argparse.Namespace) -> None:
         color = to_image(layers["color"], world.camera.width, world.camera.height)
         write_png(png, color, auto_exposure(color))
     _report(arguments, out, png, words, layers)
+
+
+def _described(name: str) -> str:
+    # Methods of other packages are imported when they are asked for, not before.
+    summary = BUILT_IN[name].summary if name in BUILT_IN else "of another package"
+    return f"  {name:20} {summary}"
 
 
 def _image(

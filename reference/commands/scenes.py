@@ -37,6 +37,7 @@ def run(arguments: argparse.Namespace) -> None:
             {
                 "name": name,
                 "summary": CATALOGUE[name].summary,
+                "answer": CATALOGUE[name].answer,
                 "requires": [
                     {"name": r.name, "why": r.why, "left_out": r.left_out}
                     for r in needs
@@ -48,7 +49,8 @@ def run(arguments: argparse.Namespace) -> None:
         return
     table = Table("scene", "what it shows", "what it requires", show_lines=True)
     for name, needs in found.items():
-        table.add_row(
-            name, CATALOGUE[name].summary, ", ".join(need.name for need in needs)
-        )
+        entry = CATALOGUE[name]
+        answer = f"\nknown: {entry.answer}" if entry.answer else ""
+        required = ", ".join(need.name for need in needs)
+        table.add_row(name, entry.summary + answer, required)
     show(table)

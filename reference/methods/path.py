@@ -104,8 +104,8 @@ def mean_of_paths(
         pixel=pixel,
         stream=stream,
     )
-    moments, spp = no_samples(samples.rows), job.counts["spp"]
-    for moments in accumulate(samples, moments, spp, job.schedule):
+    moments = none = no_samples(samples.rows)
+    for moments in accumulate(samples, none, job.counts["spp"], job.schedule):
         yield Progress(before + moments.count, total, "samples")
     return moments
 

@@ -141,11 +141,11 @@ def _method(name: str, summary: str, defaults: Settings) -> Method:
 
 BIASED = _method(
     "restir-gi-biased",
-    "ReSTIR GI as fast as it goes: weights 1/M, darker where neighbours differ",
+    "ReSTIR GI with weights 1/M: fast, and wrong where neighbours differ",
     settings.BIASED,
 )
 UNBIASED = _method(
     "restir-gi-unbiased",
-    "ReSTIR GI whose mean over runs is the truth: weights 1/Z with visibility",
+    "ReSTIR GI with weights 1/Z and visibility: its mean over runs is the truth",
     settings.UNBIASED,
 )

@@ -1,15 +1,16 @@
 """Reservoirs through any history: float64 beside a model in fractions.
 
 The model is Algorithm 1 written out for one row, in plain Python.  Both see the same
-inputs, exactly: every float is a fraction.  Where u S and w are closer than the roundings
-of both, either sample may be kept, and the model follows; nowhere else.
+inputs, exactly: every float is a fraction.  Where u S and w are closer than their
+roundings, either sample may be kept, and the model follows; nowhere else.
 """
 
 from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
-from hypothesis import settings
+import pytest
+from hypothesis import Phase, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import (
     RuleBasedStateMachine,
@@ -17,6 +18,7 @@ from hypothesis.stateful import (
     invariant,
     precondition,
     rule,
+    run_state_machine_as_test,
 )
 
 from reference.resampling.reservoir import (
@@ -54,24 +56,28 @@ def row(*numbers):
 class Histories(RuleBasedStateMachine):
     """A reservoir that is fed, merged, closed, capped and opened again."""
 
+    merge = staticmethod(merge)
+
     @initialize(p_hat=maybe_zero, pdf=positive)
     def begin(self, p_hat, pdf):
-        self.made = 0
+        """Start with one sample, which may be a null."""
+        self.made, self.lit = 0, set()
         self.real, self.model = self.fresh(p_hat, pdf)
         self.closed = None
-        self.fed = {0: True}
 
     def fresh(self, p_hat, pdf):
+        """One new sample in both worlds, numbered."""
         y = self.made
         self.made += 1
-        self.fed = getattr(self, "fed", {}) | {y: p_hat > 0}
+        if p_hat > 0:
+            self.lit.add(y)
         real = initial_candidates(*row(y, p_hat, pdf))
         w = Fraction(p_hat) / Fraction(pdf)
         return real, Model(y, Fraction(p_hat), w, Fraction(1), 1)
 
     def follow(self, real, model, u):
         """Merge in both worlds; the roles of stream and newcomer as in the kernel."""
-        merged = merge(self.real, real, np.array([u]))
+        merged = self.merge(self.real, real, np.array([u]))
         a, b = self.model, model
         w, steps = a.w + b.w, max(a.steps, b.steps) + 1
         took_b = merged.y[0] == b.y
@@ -137,7 +143,7 @@ class Histories(RuleBasedStateMachine):
 
     @invariant()
     def both_hold_the_same(self):
-        """Confidences exactly, weights to their roundings, and a sample that was fed."""
+        """M exactly, weights to their roundings, and a sample that was fed."""
         if not hasattr(self, "model"):
             return
         m = self.model
@@ -151,10 +157,36 @@ class Histories(RuleBasedStateMachine):
         assert abs(Fraction(c.w[0]) - m.w) <= 2 * m.steps * U * m.w
         assert (c.w[0] > 0) == (m.w > 0)
         if m.w > 0:
-            assert self.fed[c.y[0]]
+            assert c.y[0] in self.lit
             assert c.y[0] == m.y
             assert Fraction(c.p_hat[0]) == m.p_hat
 
 
+SETTINGS = settings(max_examples=40, stateful_step_count=25)
+
 TestHistories = Histories.TestCase
-TestHistories.settings = settings(max_examples=40, stateful_step_count=25)
+TestHistories.settings = SETTINGS
+
+
+def by_ratio_to_the_old_sum(a, b, u):
+    """Merge that compares with what was there before, not with both together."""
+    c = merge(a, b, u)
+    kept = b if (u * a.w < b.w).all() else a
+    return Candidates(kept.y, kept.p_hat, c.w, c.M)
+
+
+def counting_hits(a, b, u):
+    """Merge that does not count nulls."""
+    c = merge(a, b, u)
+    return Candidates(c.y, c.p_hat, c.w, np.where(b.w > 0, c.M, a.M))
+
+
+@pytest.mark.parametrize("wrong", [by_ratio_to_the_old_sum, counting_hits])
+def test_control_a_wrong_merge_is_found(wrong):
+    class Wrong(Histories):
+        merge = staticmethod(wrong)
+
+    # Any counterexample will do: it need not be the simplest.
+    quickly = settings(SETTINGS, phases=[Phase.generate])
+    with pytest.raises(AssertionError):
+        run_state_machine_as_test(Wrong, settings=quickly)

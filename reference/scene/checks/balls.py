@@ -10,7 +10,7 @@ from reference.scene.checks.space import distance_to_triangles
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ball:
-    """The inside of a sphere; asked what a :class:`reference.scene.checks.shells.Shell` is.
+    """The inside of a sphere.
 
     Attributes
     ----------

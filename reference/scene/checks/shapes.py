@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from reference.arrays import Masks, Scalars, cross, dot
+from reference.arrays import Masks, Scalars, cross, divide_or_zero, dot
 from reference.scene.checks.materials import check_material
 from reference.scene.checks.values import need_numbers, need_rows, refuse
 from reference.scene.geometry import world_corners
@@ -92,7 +92,7 @@ def check_pose(where: str, mesh: Mesh) -> None:
     if not np.array_equal(pose[3], [0, 0, 0, 1]):
         right = "the last row of a pose is (0, 0, 0, 1)"
         refuse(where, "its pose is not affine", right)
-    columns = pose[:3, :3] / np.maximum(np.abs(pose[:3, :3]).max(), 1e-300)
+    columns = divide_or_zero(pose[:3, :3], np.abs(pose[:3, :3]).max(axis=0))
     if abs(np.linalg.det(columns)) < 1e-12:
         refuse(where, "its pose flattens it", "a pose turns, moves and scales")
     with np.errstate(over="ignore", invalid="ignore"):

@@ -133,7 +133,7 @@ def closed_shells(faces: Indices, vertices: Vec3s, corners: Scalars) -> Iterator
     Yields
     ------
     Shell
-        In the order of their first faces.
+        Each once.
     """
     # Vertices at one place are one vertex (+ 0.0 turns -0 into 0).
     _, same = np.unique(vertices + 0.0, axis=0, return_inverse=True)

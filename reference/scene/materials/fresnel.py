@@ -63,10 +63,10 @@ def fresnel_conductor(cos_i: Scalars, eta: Vec3s, k: Vec3s) -> Vec3s:
     a2_plus_b2 = np.sqrt(real * real + 4.0 * eta * eta * k * k)
     a = np.sqrt(np.maximum(0.5 * (a2_plus_b2 + real), 0.0))
     sum_s = a2_plus_b2 + cos2
-    perpendicular = (sum_s - 2.0 * a * cos_i) / (sum_s + 2.0 * a * cos_i)
+    perpendicular = _ratio(sum_s - 2.0 * a * cos_i, sum_s + 2.0 * a * cos_i)
     sum_p = a2_plus_b2 * cos2 + sin2 * sin2
     cross_term = 2.0 * a * cos_i * sin2
-    parallel = perpendicular * (sum_p - cross_term) / (sum_p + cross_term)
+    parallel = perpendicular * _ratio(sum_p - cross_term, sum_p + cross_term)
     reflectance: Vec3s = 0.5 * (perpendicular + parallel)
     return reflectance
 

@@ -1,0 +1,49 @@
+"""Pictures of scenes, made the shortest way: what the tests of this folder look at."""
+
+from dataclasses import replace
+from itertools import islice
+
+import numpy as np
+
+from reference.path_tracer import camera_radiance, first_hits
+from reference.restir_gi import render_frames
+from reference.rng import KeyedUniforms, Stream
+from reference.scene.camera import pixel_centers
+from reference.schedule import Schedule
+from reference.settings import Settings
+from reference.world import build_world
+
+ONE_BAND = Schedule(band=1 << 20)
+
+
+def sized(scene, width, height=None):
+    """The scene with an image of another size."""
+    camera = replace(scene.camera, width=width, height=height or width)
+    return replace(scene, camera=camera)
+
+
+def world_of(scene, width, height=None):
+    """The scene made ready for rays, with an image of another size."""
+    return build_world(sized(scene, width, height))
+
+
+def what_is_seen(world):
+    """First hits through all pixel centres."""
+    return first_hits(world, *pixel_centers(world.camera.width, world.camera.height))
+
+
+def path_traced(world, light="indirect", bounces=1, samples=1, seed=0, points=None):
+    """Mean of some path-traced samples a pixel, (N, 3)."""
+    points = what_is_seen(world) if points is None else points
+    pixel = np.arange(len(points), dtype=np.uint32)
+    total = np.zeros((len(points), 3))
+    for sample in range(samples):
+        u = KeyedUniforms(pixel, sample, seed, Stream.PATH)
+        total += camera_radiance(world, points, light, bounces, u)
+    return total / samples
+
+
+def frames_of(world, count, bounces=1, seed=0, schedule=ONE_BAND, **settings):
+    """The first frames of ReSTIR GI."""
+    frames = render_frames(world, Settings(**settings), bounces, seed, schedule)
+    return list(islice(frames, count))

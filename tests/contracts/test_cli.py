@@ -1,0 +1,375 @@
+"""The command line as other programs see it: files, JSON, headers, exit codes."""
+
+import json
+import re
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Literal
+
+import numpy as np
+import pytest
+
+from reference.cli import main
+from reference.exr import read_exr
+from reference.methods import (
+    Method,
+    Progress,
+    discovery,
+    method_named,
+    method_names,
+)
+from reference.options import as_text, known, with_values
+from reference.scene.catalogue.registry import CATALOGUE
+
+ROOT = Path(__file__).parents[2]
+COMMANDS = ("scenes", "render", "reference", "compare", "demo")
+BUILT_IN = ("path", "restir-gi-biased", "restir-gi-unbiased")
+
+ROOM = ("cornell-box", "--size", "12x8")
+
+
+@pytest.fixture
+def restir(capsys):
+    """Run a command in this process; it must succeed.  Returns what is on stdout."""
+
+    def run(*arguments):
+        code = main([str(argument) for argument in arguments])
+        out, err = capsys.readouterr()
+        assert (code, err) == (0, "")
+        return out
+
+    return run
+
+
+@pytest.fixture
+def render(restir, tmp_path):
+    """Render the room and read the picture."""
+
+    def run(method, *arguments, scene=ROOM):
+        out = tmp_path / "x.exr"
+        restir("render", *scene, "--method", method, "--out", out, *arguments)
+        return read_exr(out)
+
+    return run
+
+
+def few(method):
+    """Options that make a method quick."""
+    if method == "path":
+        return ("--spp", 3)
+    return ("--frames", 3, "--spp", 2)
+
+
+# ---------------------------------------------------------------- the program
+
+
+def test_it_runs_as_a_module():
+    command = [sys.executable, "-m", "reference", "--version"]
+    result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert result.returncode == 0
+    assert re.fullmatch(r"restir-gi-oracle \S.*\n", result.stdout)
+    assert result.stderr == ""
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_explains_itself(restir, command):
+    text = restir(command, "--help")
+    assert text.startswith(f"usage: restir {command} ")
+    assert "--json" in text
+
+
+def test_the_help_lists_every_command(restir):
+    text = restir("--help")
+    assert all(
+        re.search(rf"^ +{command}\b", text, re.MULTILINE) for command in COMMANDS
+    )
+
+
+def test_nobody_reads_the_output():
+    """A pipe that is closed at once: no traceback, and the exit code of `yes`."""
+    script = f"{sys.executable} -m reference scenes | true; exit ${{PIPESTATUS[0]}}"
+    result = subprocess.run(
+        ["bash", "-c", script], cwd=ROOT, capture_output=True, text=True
+    )
+    assert (result.returncode, result.stderr) == (141, "")
+
+
+# ---------------------------------------------------------------- scenes
+
+
+def test_scenes_lists_the_catalogue(restir):
+    text = restir("scenes")
+    assert all(name in text for name in CATALOGUE)
+
+
+def test_scenes_for_a_program(restir):
+    scenes = json.loads(restir("scenes", "--json"))["scenes"]
+    assert [scene["name"] for scene in scenes] == list(CATALOGUE)
+    for scene in scenes:
+        assert scene["summary"]
+        assert all(need["name"] and need["why"] for need in scene["requires"])
+
+
+# ---------------------------------------------------------------- render
+
+
+def test_the_built_in_methods_are_known():
+    assert set(BUILT_IN) <= set(method_names())
+
+
+@pytest.mark.parametrize("method", BUILT_IN)
+def test_a_picture_says_where_it_comes_from(render, method):
+    image = render(method, *few(method), "--seed", 7, "--bounces", 2)
+    expected = {
+        "scene": "cornell-box",
+        "method": method,
+        "light": "indirect",
+        "bounces": "2",
+        "seed": "7",
+        few(method)[0].lstrip("-"): "3",
+    }
+    assert expected.items() <= image.metadata.items()
+    assert {
+        "version",
+        "seconds",
+        "rays.primary",
+        "rays.shadow",
+    } <= image.metadata.keys()
+    assert float(image.metadata["seconds"]) > 0
+    assert int(image.metadata["rays.primary"]) == 12 * 8
+    setting = "pixel" if method == "path" else "temporal_cap"
+    assert f"settings.{setting}" in image.metadata
+    assert (image.width, image.height) == (12, 8)
+    assert np.isfinite(image.color).all()
+    assert image.color.any()
+
+
+@pytest.mark.parametrize("method", BUILT_IN)
+@pytest.mark.parametrize("light", ["indirect", "full"])
+def test_bands_and_threads_change_no_bit(render, method, light):
+    aovs = ("--light", light, "--aov", "direct,indirect,depth", *few(method))
+    first = render(method, *aovs, "--threads", 1, "--band", 10_000)
+    for schedule in (("--threads", 1, "--band", 7), ("--threads", 3, "--band", 10), ()):
+        other = render(method, *aovs, *schedule)
+        assert first.layers.keys() == other.layers.keys()
+        for name, layer in first.layers.items():
+            np.testing.assert_array_equal(layer, other.layers[name], strict=True)
+
+
+@pytest.mark.parametrize("method", BUILT_IN)
+def test_seeds_change_the_picture(render, method):
+    a, b = (render(method, *few(method), "--seed", seed) for seed in (0, 1))
+    assert (a.color != b.color).any()
+
+
+@pytest.mark.parametrize("method", BUILT_IN)
+def test_direct_and_indirect_add_up(render, method):
+    """Of path tracing up to the rounding of sums of a few float64, and of float32."""
+    image = render(method, *few(method), "--light", "full", "--aov", "direct,indirect")
+    total = image.layers["direct"] + image.layers["indirect"]
+    np.testing.assert_allclose(image.color, total, rtol=4 * 2.0**-24, atol=1e-12)
+    for light in ("direct", "indirect"):
+        alone = render(method, *few(method), "--light", light)
+        np.testing.assert_array_equal(alone.color, image.layers[light])
+
+
+@pytest.mark.parametrize("method", BUILT_IN)
+def test_without_a_bounce_there_is_no_indirect_light(render, method):
+    assert not render(method, *few(method), "--bounces", 0).color.any()
+    full = render(method, *few(method), "--bounces", 0, "--light", "full")
+    direct = render(method, *few(method), "--bounces", 0, "--light", "direct")
+    np.testing.assert_array_equal(full.color, direct.color)
+
+
+def test_layers_of_the_reservoirs(render):
+    names = "M,W,radiance,sample_position,sample_normal,mean"
+    image = render("restir-gi-unbiased", "--frames", 3, "--aov", names)
+    assert image.layers.keys() == {"color", *names.split(",")}
+    M, W = image.layers["M"], image.layers["W"]
+    assert M.shape == (8, 12, 1)
+    assert (M >= 1).any()
+    assert (M <= 500).all()
+    full = W[..., 0] > 0
+    np.testing.assert_allclose(
+        np.linalg.norm(image.layers["sample_normal"][full], axis=-1), 1, rtol=1e-6
+    )
+    # A kept sample lies in the room, 2 m wide, and sends light.
+    assert (np.abs(image.layers["sample_position"]) < 2.01).all()
+    assert (image.layers["radiance"][full].max(axis=-1) > 0).all()
+    assert not image.layers["radiance"][~full].any()
+
+
+def test_layers_of_what_is_seen(render):
+    """Through the middle of the room: its back wall is 4.9 m away and faces us."""
+    image = render("path", "--spp", 1, "--aov", "depth,normal,albedo,position")
+    assert image.layers["depth"].shape == (8, 12, 1)
+    norms = np.linalg.norm(image.layers["normal"], axis=-1)
+    seen = image.layers["depth"][..., 0] > 0
+    np.testing.assert_allclose(norms[seen], 1, rtol=1e-6)
+    np.testing.assert_array_equal(norms[~seen], 0)
+    position, depth = image.layers["position"], image.layers["depth"][..., 0]
+    # The eye stands at z = 3.9 and looks along -z.
+    np.testing.assert_allclose(3.9 - position[seen][:, 2], depth[seen], rtol=1e-4)
+    assert image.layers["albedo"].max() <= 1
+
+
+def test_the_mean_of_all_frames(render):
+    """The layer, the setting, and the frames themselves agree."""
+    frames = [
+        render("restir-gi-unbiased", "--frames", frame).color.astype(float)
+        for frame in (1, 2, 3)
+    ]
+    by_setting = render("restir-gi-unbiased", "--frames", 3, "--set", "image=mean")
+    by_layer = render("restir-gi-unbiased", "--frames", 3, "--aov", "mean")
+    np.testing.assert_array_equal(by_setting.color, by_layer.layers["mean"])
+    np.testing.assert_array_equal(by_layer.color, frames[-1])
+    np.testing.assert_allclose(by_setting.color, np.mean(frames, axis=0), rtol=1e-6)
+
+
+def test_standard_error_of_path_tracing(render):
+    image = render("path", "--spp", 8, "--aov", "standard_error")
+    assert image.layers["standard_error"].shape == (8, 12, 3)
+    assert image.layers["standard_error"].any()
+
+
+def test_rays_anywhere_in_the_pixel(render):
+    """What is seen differs from sample to sample; edges show it in direct light."""
+    arguments = ("--spp", 4, "--light", "direct")
+    center = render("path", *arguments)
+    box = render("path", *arguments, "--set", "pixel=box")
+    assert box.metadata["settings.pixel"] == "box"
+    assert (center.color != box.color).any()
+    assert int(box.metadata["rays.primary"]) == 4 * int(center.metadata["rays.primary"])
+
+
+def test_render_for_a_program(restir, tmp_path):
+    out = tmp_path / "x.exr"
+    text = restir(
+        "render", *ROOM, "--method", "path", "--spp", 1, "--out", out, "--png",
+        "--json", "--aov", "depth",
+    )  # fmt: skip
+    results = json.loads(text)
+    assert results["out"] == str(out)
+    assert results["layers"] == ["color", "depth"]
+    assert results["metadata"] == dict(read_exr(out).metadata)
+    assert Path(results["png"]).read_bytes().startswith(b"\x89PNG")
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["x.exr", "x.png"]
+
+
+def test_a_scene_from_a_file(restir, tmp_path):
+    path = tmp_path / "tent.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 3 4\n")
+    out = tmp_path / "x.exr"
+    code = main(
+        ["render", str(path), "--method", "path", "--spp", "1", "--out", str(out),
+         "--size", "8x8", "--lenient"]
+    )  # fmt: skip
+    assert code == 0
+    assert read_exr(out).width == 8
+
+
+# ---------------------------------------------------------------- methods of others
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shade:
+    """Settings of every kind that text can give."""
+
+    level: float = 0.5
+    steps: int = 1
+    dark: bool = False
+    name: str = "grey"
+    kind: Literal["one", "two"] = "one"
+
+
+def grey(job):
+    """Render one value everywhere, and a ramp beside it."""
+    pixels = job.world.camera.width * job.world.camera.height
+    yield Progress(1, 1, "frames")
+    layers = {"color": np.full((pixels, 3), job.settings.level)}
+    return layers | {name: np.arange(float(pixels)) for name in job.aovs}
+
+
+GREY = Method(
+    name="grey",
+    summary="Grey",
+    counts={"frames": 3},
+    settings=Shade(),
+    aovs={"ramp": "number of the pixel"},
+    render=grey,
+)
+
+
+def test_a_method_of_another_package(render, monkeypatch):
+    """Announced by an entry point, it has the options of the built-in ones."""
+    point = SimpleNamespace(name="grey", value="x:GREY", dist=None, load=lambda: GREY)
+    monkeypatch.setattr(discovery, "entry_points", lambda **_: [point])
+    assert method_names() == [*BUILT_IN, "grey"]
+    image = render("grey", "--set", "level=0.25", "--aov", "ramp")
+    assert (image.color == 0.25).all()
+    np.testing.assert_array_equal(image.layers["ramp"].ravel(), np.arange(96))
+    assert image.metadata["frames"] == "3"
+    assert image.metadata["settings.level"] == "0.25"
+
+
+def test_settings_are_read_by_their_types():
+    text = ["level=inf", "steps=-3", "dark=Yes", "name=a=b", "kind=two", "steps=7"]
+    expected = Shade(level=np.inf, steps=7, dark=True, name="a=b", kind="two")
+    settings = with_values(Shade(), text)
+    assert settings == expected
+    # Written and read again they are the same.
+    again = [f"{key}={value}" for key, value in as_text(settings).items()]
+    assert with_values(Shade(), again) == expected
+    assert known(Shade()) == (
+        "level=NUMBER, steps=INTEGER, dark=true|false, name=TEXT, kind=one|two"
+    )
+
+
+@pytest.mark.parametrize("name", BUILT_IN)
+def test_settings_of_a_header_make_the_method_again(name):
+    method = method_named(name)
+    text = [f"{key}={value}" for key, value in as_text(method.settings).items()]
+    assert with_values(method.settings, text) == method.settings
+
+
+# ---------------------------------------------------------------- compare
+
+
+def test_compare_a_picture_with_itself(restir, render, tmp_path):
+    render("path", "--spp", 2)
+    x, out = tmp_path / "x.exr", tmp_path / "page"
+    numbers = json.loads(restir("compare", x, x, "--out", out, "--json"))
+    assert (numbers["mse"], numbers["relative_bias"]) == (0, 0)
+    assert (numbers["a"], numbers["page"]) == (str(x), str(out / "index.html"))
+    assert (out / "index.html").read_text().startswith("<!doctype html>")
+    assert "RMSE" in restir("compare", x, x)
+
+
+# ---------------------------------------------------------------- demo
+
+
+def test_the_demonstration(restir, tmp_path):
+    out = tmp_path / "new" / "out"
+    quick = ("--size", "16x12", "--spp", 4, "--frames", 2, "--runs", 2)
+    text = restir("demo", "--out", out, *quick)
+    assert text.rstrip().endswith(f"{out / 'teaser.png'}.")
+    files = {path.relative_to(out).as_posix() for path in out.rglob("*.*")}
+    page = (out / "index.html").read_text()
+    linked = set(re.findall(r'(?:href|src)="([^"]+)"', page))
+    assert linked <= files
+    for name in (*BUILT_IN, "truth"):
+        assert {f"{name}.exr", f"{name}.png"} <= linked
+        assert read_exr(out / f"{name}.exr").metadata["scene"] == "door-ajar"
+    assert not [name for name in files if "checkpoint" in name]
+    methods = json.loads((out / "numbers.json").read_text())["methods"]
+    assert [m["name"] for m in methods] == list(BUILT_IN)
+
+
+def test_the_demonstration_of_another_scene(restir, tmp_path):
+    quick = ("--spp", 4, "--frames", 2, "--runs", 2, "--json")
+    results = json.loads(restir("demo", *ROOM, "--out", tmp_path, *quick))
+    assert results["scene"] == "cornell-box"
+    assert [m["name"] for m in results["methods"]] == list(BUILT_IN)

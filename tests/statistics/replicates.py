@@ -1,0 +1,148 @@
+"""Independent runs of ReSTIR GI, and how their means are judged.
+
+A replicate is one whole run under its own seed, with empty reservoirs at its start; pixels
+and frames within it are never counted as samples.  Each run comes with a companion: the
+mean, over the same frames, of the same initial samples without any reuse.  The difference
+of the two has expectation 0 where reuse is unbiased, and less noise than either, since
+reuse only weights the same samples anew; what the companion estimates is tested apart,
+against path-traced truth.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from reference.passes.gbuffer import visible_points
+from reference.path_tracer import camera_radiance
+from reference.records import take
+from reference.restir_gi import next_frame
+from reference.rng import KeyedUniforms, Stream
+from reference.scene.camera import pixel_centers
+from reference.scene.scene import Scene
+from reference.scene.surface import VisiblePoints
+from reference.schedule import Schedule
+from reference.settings import Settings
+from reference.world import World, build_world
+
+Array = NDArray[np.float64]
+
+TILE = 8
+ONE_BAND = Schedule(band=1 << 20)
+
+
+def small_world(scene: Scene, width: int, height: int) -> World:
+    camera = replace(scene.camera, width=width, height=height)
+    return build_world(replace(scene, camera=camera))
+
+
+def g_buffer(world: World, jitter: np.random.Generator | None = None) -> VisiblePoints:
+    """Visible points at pixel centres, or at one random point of each pixel."""
+    x, y = pixel_centers(world.camera.width, world.camera.height)
+    if jitter is not None:
+        x, y = (np.floor(c) + jitter.random(len(c)) for c in (x, y))
+    return visible_points(world, x, y)
+
+
+def run(
+    world: World,
+    settings: Settings,
+    frames: int,
+    seed: int,
+    visible: VisiblePoints,
+    bounces: int = 1,
+) -> tuple[Array, Array]:
+    """Last frame of a run, and the mean of its initial samples: (N, 3) each."""
+    alone = replace(settings, temporal=False, spatial=False)
+    last, companion, initial = None, None, []
+    for _ in range(frames):
+        options = (bounces, seed, ONE_BAND, visible)
+        last = next_frame(world, settings, *options, last)
+        companion = next_frame(world, alone, *options, companion)
+        initial.append(companion.color)
+    assert last is not None
+    return last.color, np.mean(initial, axis=0)
+
+
+def tile_means(rows: Array, width: int) -> Array:
+    """(..., N, 3) rows to (..., tiles * 3) means over 8 x 8 pixels."""
+    *many, count, _ = rows.shape
+    image = rows.reshape(*many, count // width // TILE, TILE, width // TILE, TILE, 3)
+    return image.mean(axis=(-4, -2)).reshape(*many, -1)
+
+
+@dataclass(frozen=True)
+class Means:
+    """Image mean in column 0, then tiles and channels: a row a replicate."""
+
+    values: Array
+
+    @property
+    def mean(self) -> Array:
+        return self.values.mean(axis=0)
+
+    @property
+    def error(self) -> Array:
+        return self.values.std(axis=0, ddof=1) / np.sqrt(len(self.values))
+
+    @property
+    def skewness(self) -> Array:
+        central = self.values - self.mean
+        cubes, spread = (central**3).mean(axis=0), central.std(axis=0) ** 3
+        return np.divide(cubes, spread, out=np.zeros_like(cubes), where=spread > 0)
+
+
+def means(rows: list[Array], width: int) -> Means:
+    whole = np.array(rows)
+    image = whole.mean(axis=(1, 2))[:, None]
+    return Means(np.concatenate([image, tile_means(whole, width)], axis=1))
+
+
+def truth(world: World, samples: int, seed: int = 1, bounces: int = 1) -> Means:
+    """Path-traced indirect light in 64 independent batches, a replicate each."""
+    visible = g_buffer(world)
+    count = len(visible.depth)
+    batches = 64
+    at_once = max(1, min(samples // batches, (1 << 16) // count))
+    pixel = np.arange(count * at_once, dtype=np.uint32)
+    points = take(visible.surface, pixel % count)
+    rounds = -(-samples // (batches * at_once))
+    rows = []
+    for batch in range(batches):
+        total = np.zeros((count, 3))
+        for i in range(rounds):
+            frame = batch * rounds + i
+            u = KeyedUniforms(pixel, frame, seed, Stream.PATH)
+            color = camera_radiance(world, points, "indirect", bounces, u)
+            total += color.reshape(at_once, count, 3).mean(axis=0)
+        rows.append(total / rounds)
+    return means(rows, world.camera.width)
+
+
+def hall_t(difference: Array, error: Array, skewness: Array, n: int) -> Array:
+    """t-statistics with their skewness taken out by Hall's cubic transformation.
+
+    Replicates are skewed to the right, and Student's t then rejects correct estimators
+    as too dark far more often than it says.  The transformation removes the terms of
+    order 1/sqrt(n) of the error and is monotone, so that no large t becomes small
+    [Hall92, section 2].
+    """
+    t = np.divide(difference, error, out=np.zeros_like(error), where=error > 0)
+    a = skewness / np.sqrt(n)
+    return t + a * t**2 / 3 + a**2 * t**3 / 27 + a / 6
+
+
+def largest_t(reuse: Means, expected: float | Array = 0.0) -> float:
+    """Largest |t| among the tiles."""
+    t = hall_t(reuse.mean - expected, reuse.error, reuse.skewness, len(reuse.values))
+    return float(np.abs(t[1:]).max())
+
+
+def threshold(tests: int, family: float, n: int) -> float:
+    """Bound on |t| that correct tiles exceed with probability ``family`` in all.
+
+    Bonferroni: tiles share samples through reuse, so that nothing may be assumed of
+    their dependence.
+    """
+    return float(stats.t.isf(family / (2 * tests), n - 1))
