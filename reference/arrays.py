@@ -1,7 +1,7 @@
 """Row-wise verbs: the only functions that know which axis holds the components.
 
-A frame is N rows.  Scalars are ``(N,)``, vectors ``(N, 3)``.  Everything here runs on any
-dtype: float16 to longdouble, and object arrays of ``fractions.Fraction`` or
+A frame is N rows.  Scalars are ``(N,)``, vectors ``(N, 3)``.  Everything here runs on
+any dtype: float16 to longdouble, and object arrays of ``fractions.Fraction`` or
 ``mpmath.mpf``.
 """
 
@@ -191,7 +191,9 @@ def to_world(local: Vec3s, n: Vec3s) -> Vec3s:
         Same length as ``local``.
     """
     tangent, bitangent = normal_frames(n)
-    return local[:, 0:1] * tangent + local[:, 1:2] * bitangent + local[:, 2:3] * n
+    x, y, z = local[:, 0:1], local[:, 1:2], local[:, 2:3]
+    turned: Vec3s = x * tangent + y * bitangent + z * n
+    return turned
 
 
 def turn(a: Vec3s, matrix: Scalars) -> Vec3s:

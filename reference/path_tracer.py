@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s
+from reference.arrays import Indices, Masks, Scalars, Vec3s, dot
 from reference.direct_light import found_by_chance, next_event
 from reference.records import keep, take
 from reference.rng import Uniforms
@@ -104,9 +104,8 @@ def reflected_radiance(
         Without emission of x itself.
     """
     radiance = np.zeros((len(points), 3))
-    alive = can_scatter(world.materials, points)
     walk = _Walk(np.arange(len(points)), points, np.ones((len(points), 3)), uniforms)
-    walk = walk.keep(alive)
+    walk = walk.keep(can_scatter(world.materials, points))
     for vertex in range(bounces + 1):
         if len(walk.rows) == 0:
             break
@@ -125,8 +124,8 @@ def reflected_radiance(
         else:
             u = walk.uniforms.draw(2 * vertex)
             bsdf = sample(world.materials, walk.points, u)
-        alive = bsdf.weight.any(axis=1)
-        walk, bsdf = walk.keep(alive), keep(bsdf, alive)
+        goes_on = dot(bsdf.weight, bsdf.weight) > 0
+        walk, bsdf = walk.keep(goes_on), keep(bsdf, goes_on)
         hits = world.caster.from_surface(walk.points, bsdf.wi, "bounce")
         throughput = walk.throughput * bsdf.weight
         if counts:

@@ -173,9 +173,7 @@ class RayCaster:
         free = self._no_triangle(x_from, direction * self._extent, BEYOND, kind)
         if len(self._radius):
             endless = np.full(len(rows), np.inf)
-            free &= self._no_sphere(
-                x_from, points.primitive[rows], direction, endless
-            )
+            free &= self._no_sphere(x_from, points.primitive[rows], direction, endless)
         return free
 
     def _normalized(self, x: Vec3s) -> Vec3s:
@@ -185,8 +183,9 @@ class RayCaster:
     def _single(self, x: Vec3s) -> Vec3s:
         # Rounded to float32 last, in one pass with the division.
         moved = x - self._middle
-        out = np.empty(moved.shape, np.float32)
-        return np.divide(moved, self._extent, out=out, casting="same_kind")
+        single: Vec3s = np.empty(moved.shape, np.float32)
+        np.divide(moved, self._extent, out=single, casting="same_kind")
+        return single
 
     def _no_triangle(
         self, origin: Vec3s, along: Vec3s, reach: float, kind: str

@@ -1,8 +1,6 @@
-"""Records: frozen dataclasses of arrays that share their rows, handled as one array."""
+"""Records: frozen, slotted dataclasses of arrays that share their rows."""
 
-import functools
 from collections.abc import Callable
-from dataclasses import fields
 from typing import Any, TypeVar
 
 import numpy as np
@@ -28,21 +26,18 @@ def map_rows(function: Callable[..., Any], *records: Record) -> Record:
         Of the same type.
     """
     first: Any = records[0]
-    if first is None:
-        return first  # type: ignore[no-any-return]
+    mapped: Any = None
     if isinstance(first, np.ndarray):
-        return function(*records)  # type: ignore[no-any-return]
-    columns = zip(*(_values(r) for r in records), strict=True)
-    return type(first)(*(map_rows(function, *c) for c in columns))  # type: ignore[no-any-return]
+        mapped = function(*records)
+    elif first is not None:
+        columns = zip(*(_values(record) for record in records), strict=True)
+        mapped = type(first)(*(map_rows(function, *column) for column in columns))
+    result: Record = mapped
+    return result
 
 
 def _values(record: Any) -> list[Any]:
-    return [getattr(record, name) for name in _names(type(record))]
-
-
-@functools.cache
-def _names(kind: type) -> tuple[str, ...]:
-    return tuple(field.name for field in fields(kind))
+    return [getattr(record, name) for name in record.__slots__]
 
 
 def take(record: Record, rows: Indices) -> Record:

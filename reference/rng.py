@@ -1,8 +1,8 @@
 """Numbered random streams: any number can be made again from its key.
 
 The contract, for whoever writes a backend: stream s, dimension d of pixel p in frame t
-under seed k is the four lanes of ``pcg4d(p, t, k, 64 s + d)``, each turned into a number
-in [0, 1) by ``(lane >> 8) * 2**-24``.  Known answers are in
+under seed k is the four lanes of ``pcg4d(p, t, k, 64 s + d)``, each turned into a
+number in [0, 1) by ``(lane >> 8) * 2**-24``.  Known answers are in
 ``tests/golden/pcg4d.csv``.
 """
 

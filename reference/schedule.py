@@ -60,8 +60,8 @@ def in_bands(
     rows : int
         Rows of the frame.
     function : callable
-        Takes a slice of K row numbers and returns a record (or array) of K rows, each of
-        which depends on its own row number alone.
+        Takes a slice of K row numbers and returns a record (or array) of K rows, each
+        of which depends on its own row number alone.
 
     Returns
     -------

@@ -12,7 +12,7 @@ NO_CLOCK = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow]}
 
 # The same examples everywhere, every time.
 settings.register_profile(
-    "repeatable", derandomize=True, database=None, max_examples=50, **NO_CLOCK
+    "repeatable", derandomize=True, database=None, max_examples=30, **NO_CLOCK
 )
 # HYPOTHESIS_PROFILE=search: other examples at every run, and failures are kept.
 settings.register_profile(

@@ -85,8 +85,9 @@ def runs_of_paths(job: Job, seconds: float, count: int) -> Runs:
     Runs
         Of as many whole samples as fit best, at least one.
     """
-    steps = timed(PATH, replace(job, counts={"spp": TRIAL}))[1]
-    a_sample = sum(steps[1:]) / (TRIAL - 1)  # the first step has the camera rays too
+    trials = [timed(PATH, replace(job, counts={"spp": TRIAL}))[1] for _ in range(count)]
+    # The first step is one sample and the camera rays.
+    a_sample = float(np.median([sum(steps[1:]) for steps in trials])) / (TRIAL - 1)
     job = replace(job, counts={"spp": max(1, round(seconds / a_sample))})
     runs = runs_of_frames(PATH, job, count)
     return replace(runs, seconds=job.counts["spp"] * a_sample)

@@ -109,8 +109,8 @@ def _target_of_donor(
 ) -> Scalars:
     """Target of y at donors, 0 where they cannot draw it, whoever may hide it."""
     if world.materials.plain and settings.mis == "1/Z":
-        # Every point here is black or reflects all colours to its whole horizon, so that
-        # whether the target is positive is a question of geometry.
+        # Every point here is black or reflects all colours to its whole horizon, so
+        # that whether the target is positive is a question of geometry.
         toward = y.position - np.take(surface.position, donor, axis=0)
         holds = dot(y.normal, toward) < 0
         holds &= surface.color[donor, 0] > 0

@@ -16,7 +16,6 @@ from reference.passes.normalization import (
 )
 from reference.records import concatenate, cut, keep, take, where
 from reference.resampling.reservoir import (
-    Candidates,
     Reservoirs,
     Samples,
     cap_confidence,
@@ -26,7 +25,7 @@ from reference.resampling.reservoir import (
 )
 from reference.resampling.shift import reconnection_jacobian
 from reference.resampling.target import target
-from reference.rng import Draw, Uniforms
+from reference.rng import Uniforms
 from reference.scene.surface import (
     SurfacePoints,
     VisiblePoints,
@@ -81,9 +80,9 @@ def spatial_pass(
         cut(temporal, rows),
         cut(history, rows),
     )
-    few = np.zeros(len(pixels.rows), bool)
+    few: Masks = np.zeros(len(pixels.rows), bool)
     if pixels.past is not None:
-        few = pixels.past.M >= settings.spatial_cap / 2.0
+        few = settings.spatial_cap / 2.0 <= pixels.past.M
 
     def resample(mask: Masks, tries: int) -> Reservoirs:
         some = uniforms if mask.all() else uniforms.rows(np.flatnonzero(mask))

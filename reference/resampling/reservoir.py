@@ -117,8 +117,8 @@ def choose_second(w_a: Scalars, w_b: Scalars, u: Scalars) -> Masks:
         Strict, so that a row of weight 0 is never taken; and a positive weight
         always is, against 0, even where u · w rounds to w.
     """
-    taken = (u * (w_a + w_b) < w_b) | ((w_a == 0) & (w_b > 0))
-    return taken.astype(bool)
+    taken: Masks = (u * (w_a + w_b) < w_b) | ((w_a == 0) & (w_b > 0))
+    return taken.astype(bool, copy=False)
 
 
 def finalize(c: Candidates, normalization: Scalars) -> Reservoirs:

@@ -81,9 +81,9 @@ def surface_points(
         # Interpolation may turn a normal below its own face; the face then decides.
         above = dot(smooth, normal) * facing[:, 0] > 0
         smooth = np.where(above[:, None], smooth, normal * facing)
-    # Where Embree found a point, rays leave from a step before it: along the normal, and
-    # back along the ray that came.  That ray has just shown the way to be free, so the
-    # step stays before every other surface that touches the point, as in a corner.
+    # Where Embree found a point, rays leave from a step before it: along the normal,
+    # and back along the ray that came.  That ray has just shown the way to be free, so
+    # the step stays before every other surface that touches the point, as in a corner.
     normal *= facing
     wo = -direction
     position = position + step_before(geometry, primitive, normal, wo)

@@ -62,11 +62,14 @@ def mean_color(texture: Texture) -> Vec3s:
     (3,) float64
         Over one repetition.
     """
+    mean: Vec3s
     if isinstance(texture, Bitmap):
-        mean: Vec3s = texture.pixels.mean(axis=(0, 1))
+        mean = texture.pixels.mean(axis=(0, 1))
         return mean
     if isinstance(texture, Checker):
-        return (np.asarray(texture.color0) + np.asarray(texture.color1)) / 2
+        colors: Vec3s = np.array([texture.color0, texture.color1])
+        mean = colors.mean(axis=0)
+        return mean
     return np.asarray(texture, float)
 
 

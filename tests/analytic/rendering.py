@@ -47,3 +47,43 @@ def frames_of(world, count, bounces=1, seed=0, schedule=ONE_BAND, **settings):
     """The first frames of ReSTIR GI."""
     frames = render_frames(world, Settings(**settings), bounces, seed, schedule)
     return list(islice(frames, count))
+
+
+def moved(scene, matrix):
+    """The scene under a similarity: turned, scaled and moved, its eye and suns too.
+
+    Radiance and irradiance stay; a lamp shines with the square of the scale.
+    """
+    matrix = np.asarray(matrix, float)
+    scale = np.cbrt(np.linalg.det(matrix[:3, :3]))
+
+    def point(x):
+        return tuple(matrix[:3, :3] @ np.array(x, float) + matrix[:3, 3])
+
+    def direction(d):
+        return tuple(matrix[:3, :3] @ np.array(d, float) / scale)
+
+    camera = scene.camera
+    return replace(
+        scene,
+        camera=replace(
+            camera,
+            position=point(camera.position),
+            target=point(camera.target),
+            up=direction(camera.up),
+        ),
+        meshes=tuple(replace(m, pose=matrix @ m.pose) for m in scene.meshes),
+        spheres=tuple(
+            replace(s, center=point(s.center), radius=float(scale * s.radius))
+            for s in scene.spheres
+        ),
+        points=tuple(
+            replace(
+                p,
+                position=point(p.position),
+                intensity=tuple(scale**2 * np.array(p.intensity)),
+            )
+            for p in scene.points
+        ),
+        suns=tuple(replace(s, direction=direction(s.direction)) for s in scene.suns),
+    )

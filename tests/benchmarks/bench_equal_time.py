@@ -74,12 +74,8 @@ def main(name: str, size: int, runs: int, samples: int) -> None:
             errors.append(((frame.color - truth) ** 2).mean() - of_truth)
             mean_errors.append(((mean - truth) ** 2).mean() - of_truth)
         path_time = statistics.median(path_times)
-        print_ratio(
-            f"{label:9} frame 32", errors, of_one, frame_times, path_time
-        )
-        print_ratio(
-            f"{label:9} mean of 32", mean_errors, of_one, run_times, path_time
-        )
+        print_ratio(f"{label:9} frame 32", errors, of_one, frame_times, path_time)
+        print_ratio(f"{label:9} mean of 32", mean_errors, of_one, run_times, path_time)
 
 
 def print_ratio(

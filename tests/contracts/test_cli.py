@@ -22,7 +22,9 @@ from reference.methods import (
     method_names,
 )
 from reference.options import as_text, known, with_values
-from reference.scene.catalogue.registry import CATALOGUE
+from reference.scene.camera import view_depth
+from reference.scene.catalogue.registry import CATALOGUE, find_scene
+from reference.scene.hits import STEP
 
 ROOT = Path(__file__).parents[2]
 COMMANDS = ("scenes", "render", "reference", "compare", "demo")
@@ -203,17 +205,20 @@ def test_layers_of_the_reservoirs(render):
 
 
 def test_layers_of_what_is_seen(render):
-    """Through the middle of the room: its back wall is 4.9 m away and faces us."""
+    """Depth is that of the position, which rays leave up to two steps before it."""
     image = render("path", "--spp", 1, "--aov", "depth,normal,albedo,position")
     assert image.layers["depth"].shape == (8, 12, 1)
     norms = np.linalg.norm(image.layers["normal"], axis=-1)
     seen = image.layers["depth"][..., 0] > 0
+    assert seen.any()
     np.testing.assert_allclose(norms[seen], 1, rtol=1e-6)
     np.testing.assert_array_equal(norms[~seen], 0)
     position, depth = image.layers["position"], image.layers["depth"][..., 0]
-    # The eye stands at z = 3.9 and looks along -z.
-    np.testing.assert_allclose(3.9 - position[seen][:, 2], depth[seen], rtol=1e-4)
-    assert image.layers["albedo"].max() <= 1
+    camera = find_scene("cornell-box").camera
+    expected = view_depth(camera, position[seen].astype(float))
+    float32 = 8 * 2.0**-24  # of coordinates up to 4
+    np.testing.assert_allclose(depth[seen], expected, atol=2 * 2 * STEP + float32)
+    assert 0 <= image.layers["albedo"].min() < image.layers["albedo"].max() <= 1
 
 
 def test_the_mean_of_all_frames(render):

@@ -40,8 +40,8 @@ def directional_albedo(
     Notes
     -----
     ∫ F(wo·h) G1(wi) p(h) dh and ∫ (1 - F(wo·h)) G1(wt) p(h) dh over the visible
-    normals, wi reflected and wt refracted at h, by a midpoint rule on the unit square of
-    [Heitz18], 64 x 64.
+    normals, wi reflected and wt refracted at h, by a midpoint rule on the unit square
+    of [Heitz18], 64 x 64.
     """
     cos_o = np.maximum(cos_o, 1e-6)
     if alpha == 0:
@@ -106,9 +106,9 @@ def internal_reflectance(alpha: float, ior: float) -> float:
 
     Notes
     -----
-    A rough coat's is the plain mean over the ``NODES`` cosines of the table, 1.5 % below
-    the integral, because Mitsuba defines it so: with the integral, images of rough
-    coats could not be compared.
+    A rough coat's is the plain mean over the ``NODES`` cosines of the table, 1.5 %
+    below the integral, because Mitsuba defines it so: with the integral, images of
+    rough coats could not be compared.
     """
     if alpha > 0:
         mu = np.linspace(0, 1, NODES)

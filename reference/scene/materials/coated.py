@@ -70,7 +70,7 @@ def scattering(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Vec3s:
     cos_i = lit_cosine(table, points, wi)
     cos_o = np.maximum(dot(points.shading, points.wo), 0.0)
     lobe = specular_lobe(cos_i, cos_o, dot(points.shading, h), table.alpha[m])
-    coat = table.specular[m] * (fresnel * lobe)[:, None]
+    coat: Vec3s = table.specular[m] * (fresnel * lobe)[:, None]
     return base_reflection(table, points, wi) + coat
 
 
