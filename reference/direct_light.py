@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import Indices, Scalars, Vec3s, divide_or_zero
+from reference.arrays import Indices, Scalars, Vec3s, divide_or_zero, zero_vectors
 from reference.records import take
 from reference.rng import Draw
 from reference.scene.emitters import emitted, may_emit, pdf_light
@@ -37,7 +37,7 @@ def next_event(world: World, points: SurfacePoints, u: Draw) -> Vec3s:
     Balance heuristic [Veach95, Eq. 8].  A light that no ray can meet by chance, and a
     surface whose lobes are all narrower than any light, keep their whole weight.
     """
-    radiance = np.zeros((len(points), 3))
+    radiance = zero_vectors(len(points))
     if world.emitters is None or len(points) == 0:
         return radiance
     light = sample_light(world.emitters, world.geometry, points.position, u)
@@ -82,10 +82,10 @@ def found_by_chance(
         strategy, not yet times ``bsdf.weight``.
     """
     if world.emitters is None:
-        return np.zeros(0, np.int64), np.zeros((0, 3))
+        return np.zeros(0, np.int64), zero_vectors(0)
     rows = np.flatnonzero(may_emit(world.emitters, hits.primitive))
     if len(rows) == 0:
-        return rows, np.zeros((0, 3))
+        return rows, zero_vectors(0)
     x, wi = take(points.position, rows), take(bsdf.wi, rows)
     met = surface_points(world.geometry, take(hits, rows), x, wi)
     radiance = emitted(world.emitters, world.geometry, met)

@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s, dot
+from reference.arrays import Indices, Masks, Scalars, Vec3s, dot, zero_vectors
 from reference.direct_light import found_by_chance, next_event
 from reference.records import keep, take
 from reference.rng import Uniforms
@@ -103,8 +103,10 @@ def reflected_radiance(
     (N, 3) float64, W/(m² sr)
         Without emission of x itself.
     """
-    radiance = np.zeros((len(points), 3))
-    walk = _Walk(np.arange(len(points)), points, np.ones((len(points), 3)), uniforms)
+    radiance = zero_vectors(len(points))
+    walk = _Walk(
+        np.arange(len(points)), points, 1.0 + zero_vectors(len(points)), uniforms
+    )
     walk = walk.keep(can_scatter(world.materials, points))
     for vertex in range(bounces + 1):
         if len(walk.rows) == 0:
@@ -189,7 +191,7 @@ def camera_radiance(
     """
     if light == "indirect":
         if bounces == 0:
-            return np.zeros((len(points), 3))
+            return zero_vectors(len(points))
         return reflected_radiance(world, points, bounces, uniforms, skip_direct=True)
     seen = emitted(world.emitters, world.geometry, points)
     deeper = bounces if light == "full" else 0

@@ -14,6 +14,7 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 
 from reference.arrays import Indices, Masks, Scalars, Vec3s, divide_or_zero, dot
+from reference.records import take
 from reference.scene.geometry import Geometry
 from reference.scene.hits import STEP, Hits, contact
 from reference.scene.surface import SurfacePoints
@@ -134,7 +135,7 @@ class RayCaster:
         (K,) bool
             Nothing lies between, up to ``STOP`` of the scene before ``x_to``.
         """
-        x_from = np.take(points.position, rows, axis=0)
+        x_from = take(points.position, rows)
         toward = x_to - x_from
         side = np.where(dot(n_to, toward) > 0, -STEP, STEP) * self._extent
         offset = n_to * side[:, None]
@@ -169,7 +170,7 @@ class RayCaster:
         (K,) bool
             Nothing lies in that direction.
         """
-        x_from = np.take(points.position, rows, axis=0)
+        x_from = take(points.position, rows)
         free = self._no_triangle(x_from, direction * self._extent, BEYOND, kind)
         if len(self._radius):
             endless = np.full(len(rows), np.inf)
@@ -259,22 +260,13 @@ class RayCaster:
 
 
 def _commit(geometry: Geometry) -> EmbreeScene:
-    corners = np.stack(
-        [
-            geometry.corner,
-            geometry.corner + geometry.edge_u,
-            geometry.corner + geometry.edge_v,
-        ],
-        axis=1,
-    )
-    vertices = (
-        ((corners - geometry.middle) / geometry.extent)
-        .astype(np.float32)
-        .reshape(-1, 3)
-    )
+    first, edge_u, edge_v = (geometry.triangle[:, i] for i in range(3))
+    corners = np.stack([first, first + edge_u, first + edge_v], axis=1)
+    corners = (corners - geometry.middle) / geometry.extent
+    vertices = np.ascontiguousarray(corners.reshape(-1, 3), np.float32)
     faces = np.arange(len(vertices), dtype=np.int32).reshape(-1, 3)
     scene = EmbreeScene(robust=True)
-    TriangleMesh(scene, np.ascontiguousarray(vertices), faces)
+    TriangleMesh(scene, vertices, faces)
     # Embree builds its tree at the first query, which must not happen in two threads.
     one = np.zeros((1, 3), np.float32)
     scene.run(one, one + np.float32(1.0), query="OCCLUDED")

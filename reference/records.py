@@ -55,7 +55,17 @@ def take(record: Record, rows: Indices) -> Record:
     record or array
         K rows.
     """
-    return map_rows(lambda a: a.take(rows, axis=0), record)
+    return map_rows(lambda a: _take(a, rows), record)
+
+
+def _take(a: Any, rows: Indices) -> Any:
+    if a.ndim == 1:
+        return a.take(rows)
+    # A column at a time: NumPy would first copy the whole array into C order.
+    out = np.empty((len(rows), a.shape[1]), a.dtype, order="F")
+    for column in range(a.shape[1]):
+        out[:, column] = a[:, column].take(rows)
+    return out
 
 
 def keep(record: Record, mask: Masks) -> Record:
@@ -153,7 +163,7 @@ def scatter(rows: Indices, values: Record, size: int) -> Record:
     """
 
     def put(a: Any) -> Any:
-        out = np.zeros((size, *a.shape[1:]), a.dtype)
+        out = np.zeros((size, *a.shape[1:]), a.dtype, order="F")
         out[rows] = a
         return out
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import Indices, Scalars, Vec3s
+from reference.arrays import Indices, Scalars, Vec3s, vectors
 
 
 def sample_uniform_hemisphere(u1: Scalars, u2: Scalars) -> Vec3s:
@@ -221,9 +221,7 @@ def cumulate(weights: Scalars) -> Scalars:
 
 def _about_z(cos_theta: Scalars, sin_theta: Scalars, u: Scalars) -> Vec3s:
     phi = (2.0 * np.pi) * u
-    return np.stack(
-        [sin_theta * np.cos(phi), sin_theta * np.sin(phi), cos_theta], axis=-1
-    )
+    return vectors(sin_theta * np.cos(phi), sin_theta * np.sin(phi), cos_theta)
 
 
 def _azimuth(direction: Vec3s) -> Scalars:

@@ -74,7 +74,7 @@ def in_bands(
         return first
     # Each band is copied into the whole frame as soon as it is done, so that the frame
     # exists once, not once in pieces and once joined.
-    whole = map_rows(lambda a: np.empty((rows, *a.shape[1:]), a.dtype), first)
+    whole = map_rows(lambda a: np.empty((rows, *a.shape[1:]), a.dtype, "F"), first)
 
     def put(cut: slice, part: Any) -> None:
         def copy(out: Any, values: Any) -> Any:

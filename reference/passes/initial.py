@@ -4,7 +4,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s, divide_or_zero, to_world
+from reference.arrays import (
+    Indices,
+    Masks,
+    Scalars,
+    Vec3s,
+    divide_or_zero,
+    to_world,
+    vectors,
+)
 from reference.path_tracer import follow, reflected_radiance
 from reference.records import scatter, take
 from reference.resampling.reservoir import Samples
@@ -107,7 +115,7 @@ def sample_source(
     )
     wi = to_world(hemisphere(u[1], u[2]), points.shading)
     density = source_pdf(source, table, points, wi)
-    weight = np.repeat((density > 0)[:, None], 3, axis=1).astype(float)
+    weight = vectors(*[np.where(density > 0, 1.0, 0.0)] * 3)
     return BsdfSamples(wi, weight, density, np.zeros(len(points), bool))
 
 
@@ -201,7 +209,7 @@ def _follow_some(
 ) -> SurfacePoints:
     if len(rows) == len(points):
         return follow(world, points, drawn.wi, "initial")
-    met = follow(world, take(points, rows), drawn.wi[rows], "initial")
+    met = follow(world, take(points, rows), take(drawn.wi, rows), "initial")
     # Rows that were not followed are misses.
     primitive = np.full(len(points), -1, np.int32)
     primitive[rows] = met.primitive

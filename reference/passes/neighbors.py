@@ -4,6 +4,7 @@ import numpy as np
 
 from reference.arrays import Indices, Scalars
 from reference.passes.gbuffer import similar
+from reference.records import take
 from reference.rng import Draw
 from reference.scene.surface import VisiblePoints
 from reference.settings import Settings
@@ -47,7 +48,7 @@ def find_neighbors(
     height = len(visible.depth) // width
     x, y = rows % width, rows // width
     n = visible.surface.shading
-    n_row, depth_row = np.take(n, rows, axis=0), visible.depth[rows]
+    n_row, depth_row = take(n, rows), visible.depth[rows]
     least = settings.min_radius
     radius = np.full(len(rows), max(settings.radius * width, least))
     found = []
@@ -59,7 +60,7 @@ def find_neighbors(
         usable = inside & similar(
             n_row,
             depth_row,
-            np.take(n, neighbor, axis=0),
+            take(n, neighbor),
             visible.depth[neighbor],
             settings.max_angle,
             settings.max_depth,

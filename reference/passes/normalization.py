@@ -89,7 +89,7 @@ def normalization(
         possible[asked[~seen]] = False
         holds.append(possible)
         if settings.mis == "balance":
-            x_k = np.take(visible.surface.position, donor, axis=0)
+            x_k = take(visible.surface.position, donor)
             p_k = p_k * reconnection_jacobian(
                 points.position, x_k, y.position, y.normal
             )
@@ -111,12 +111,12 @@ def _target_of_donor(
     if world.materials.plain and settings.mis == "1/Z":
         # Every point here is black or reflects all colours to its whole horizon, so
         # that whether the target is positive is a question of geometry.
-        toward = y.position - np.take(surface.position, donor, axis=0)
+        toward = y.position - take(surface.position, donor)
         holds = dot(y.normal, toward) < 0
         holds &= surface.color[donor, 0] > 0
-        holds &= dot(np.take(surface.normal, donor, axis=0), toward) > 0
+        holds &= dot(take(surface.normal, donor), toward) > 0
         if surface.smooth is not None:
-            holds &= dot(np.take(surface.smooth, donor, axis=0), toward) > 0
+            holds &= dot(take(surface.smooth, donor), toward) > 0
         return holds.astype(float)
     k = take(surface, donor)
     omega, _ = direction_and_distance(k.position, y.position)
@@ -148,7 +148,7 @@ def sees(
     (K,) bool
         Nothing lies between.
     """
-    x_to, n_to = y.position.take(of, axis=0), y.normal.take(of, axis=0)
+    x_to, n_to = take(y.position, of), take(y.normal, of)
     return world.caster.visible(points, rows, x_to, n_to, "reuse")
 
 

@@ -169,7 +169,7 @@ def _stream_neighbor(
     donor = np.where(there, neighbor, 0)
     r = take(temporal, donor)
     # Lines 10 and 11: the sample seen from here, in the measure of here.
-    x_from = np.take(visible.surface.position, donor, axis=0)
+    x_from = take(visible.surface.position, donor)
     jacobian = reconnection_jacobian(x_from, points.position, r.y.position, r.y.normal)
     p_hat = target(settings.target, world.materials, points, r.y)
     slot = np.full(len(donor), len(stream.donors), np.int8)

@@ -4,7 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s, divide_or_zero, dot
+from reference.arrays import (
+    Indices,
+    Masks,
+    Scalars,
+    Vec3s,
+    divide_or_zero,
+    dot,
+    zero_vectors,
+)
 from reference.images import luminance_weights
 from reference.records import take
 from reference.sampling import (
@@ -151,7 +159,7 @@ def emitted(
     (N, 3) float64, W/(m² sr)
         0 from backs and from surfaces that do not emit.
     """
-    radiance = np.zeros((len(points), 3))
+    radiance = zero_vectors(len(points))
     if emitters is None:
         return radiance
     if len(emitters.primitive):

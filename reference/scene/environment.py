@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s, turn
+from reference.arrays import Scalars, Vec3s, turn, vectors
 from reference.images import luminance_weights
 from reference.sampling import cumulate, sample_table, sample_uniform_sphere
 from reference.scene.lights import ConstantEnvironment, Environment, LatLongEnvironment
@@ -112,9 +112,7 @@ def sample_environment(
     phi = 2.0 * np.pi * (column + u2) / width
     sin_theta = np.sqrt(np.maximum(1.0 - cos_theta**2, 0.0))
     # The inverse of _to_map.
-    local = np.stack(
-        [sin_theta * np.sin(phi), cos_theta, -sin_theta * np.cos(phi)], axis=-1
-    )
+    local = vectors(sin_theta * np.sin(phi), cos_theta, -sin_theta * np.cos(phi))
     assert environment.density is not None
     return turn(local, source.to_world), environment.density[row, column]
 

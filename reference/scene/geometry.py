@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from reference.arrays import Indices, Masks, Scalars, Vec3s, cross, length, normalize
+from reference.records import take
 from reference.scene.materials.kinds import Material
 from reference.scene.materials.parameters import MaterialTable, tabulate
 from reference.scene.scene import Scene
@@ -18,10 +19,9 @@ class Geometry:
 
     Attributes
     ----------
-    corner, edge_u, edge_v : (T, 3) float64, m
-        First vertex, and the edges to the second and the third.
-    face_normal : (T, 3) float64
-        Unit normal of the front.
+    triangle : (T, 4, 3) float64
+        First vertex, the edges to the second and the third (m), and the unit normal of
+        the front: side by side, since a hit wants all of them.
     area : (T + S,) float64, m²
         Area of each primitive.
     smooth : (T, 3, 3) float64 or None
@@ -48,10 +48,7 @@ class Geometry:
         Half of its longest side.
     """
 
-    corner: Vec3s
-    edge_u: Vec3s
-    edge_v: Vec3s
-    face_normal: Vec3s
+    triangle: Scalars
     area: Scalars
     smooth: Scalars | None
     uv: Scalars | None
@@ -68,7 +65,7 @@ class Geometry:
     @property
     def triangles(self) -> int:
         """Number of triangles."""
-        return len(self.corner)
+        return len(self.triangle)
 
 
 def build_geometry(scene: Scene) -> Geometry:
@@ -108,10 +105,7 @@ def build_geometry(scene: Scene) -> Geometry:
     every = np.concatenate([corners.reshape(-1, 3), center - reach, center + reach])
     low, high = every.min(axis=0), every.max(axis=0)
     return Geometry(
-        corner=np.ascontiguousarray(corners[:, 0]),
-        edge_u=edge_u,
-        edge_v=edge_v,
-        face_normal=normalize(front),
+        triangle=np.stack([corners[:, 0], edge_u, edge_v, normalize(front)], axis=1),
         area=np.concatenate([0.5 * length(front), 4.0 * np.pi * radius**2]),
         smooth=per_triangle([_world_normals(m) for m in scene.meshes], 3, 3)
         if smooth
@@ -123,14 +117,40 @@ def build_geometry(scene: Scene) -> Geometry:
         radius=radius,
         inward=np.array([s.inward for s in scene.spheres], bool),
         material=np.array([row[id(s.material)] for s in shapes], np.int32)[shape_index],
-        emission=np.array([s.emission for s in shapes], float).reshape(-1, 3)[
-            shape_index
-        ],
+        emission=take(
+            np.array([s.emission for s in shapes], float).reshape(-1, 3), shape_index
+        ),
         shape=shape_index,
         materials=table,
         middle=(low + high) / 2,
         extent=float(np.max(high - low)) / 2,
     )
+
+
+def on_triangles(
+    geometry: Geometry, triangle: Indices, u: Scalars, v: Scalars
+) -> tuple[Vec3s, Vec3s]:
+    """Points of triangles and the normals of their fronts.
+
+    Parameters
+    ----------
+    geometry : Geometry
+        The scene.
+    triangle : (N,) int
+        Which triangles.
+    u, v : (N,) float64
+        Barycentric coordinates of the second and third vertex.
+
+    Returns
+    -------
+    (N, 3) float64, m and (N, 3) float64
+        Positions and unit normals.
+    """
+    rows = geometry.triangle.take(triangle, axis=0)
+    position = np.asfortranarray(rows[:, 0])
+    position += rows[:, 1] * u[:, None]
+    position += rows[:, 2] * v[:, None]
+    return position, np.asfortranarray(rows[:, 3])
 
 
 def world_corners(mesh: Mesh) -> Scalars:

@@ -4,9 +4,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s, dot, normalize
+from reference.arrays import (
+    Indices,
+    Masks,
+    Scalars,
+    Vec3s,
+    dot,
+    normalize,
+    zero_vectors,
+)
 from reference.records import take
-from reference.scene.geometry import Geometry
+from reference.scene.geometry import Geometry, on_triangles
 from reference.scene.surface import SurfacePoints
 from reference.scene.textures import Bitmap, Checker, read
 
@@ -148,13 +156,10 @@ def contact(geometry: Geometry, points: SurfacePoints) -> Vec3s:
 def _on_triangles(geometry: Geometry, hits: Hits) -> tuple[Vec3s, Vec3s]:
     size = len(hits.primitive)
     if geometry.triangles == 0:
-        return np.zeros((size, 3)), np.zeros((size, 3))
+        return zero_vectors(size), zero_vectors(size)
     is_triangle = (hits.primitive >= 0) & (hits.primitive < geometry.triangles)
     rows = np.where(is_triangle, hits.primitive, 0)
-    position = np.take(geometry.edge_u, rows, axis=0) * hits.u[:, None]
-    position += np.take(geometry.edge_v, rows, axis=0) * hits.v[:, None]
-    position += np.take(geometry.corner, rows, axis=0)
-    normal = np.take(geometry.face_normal, rows, axis=0)
+    position, normal = on_triangles(geometry, rows, hits.u, hits.v)
     if not is_triangle.all():
         position[~is_triangle], normal[~is_triangle] = 0.0, 0.0
     return position, normal
@@ -183,7 +188,7 @@ def _colors(
     geometry: Geometry, hits: Hits, material: Indices, hit: Masks, normal: Vec3s
 ) -> Vec3s:
     table = geometry.materials
-    color = np.take(table.color, material, axis=0)
+    color = take(table.color, material)
     if not hit.all():
         color[~hit] = 0.0
     for index, texture in enumerate(table.textures):

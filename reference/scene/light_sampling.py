@@ -4,12 +4,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s, divide_or_zero, dot
+from reference.arrays import (
+    Indices,
+    Masks,
+    Scalars,
+    Vec3s,
+    divide_or_zero,
+    dot,
+    zero_vectors,
+)
+from reference.records import take
 from reference.rng import Draw
 from reference.sampling import sample_table, sample_triangle, sample_uniform_sphere
 from reference.scene.emitters import Emitters
 from reference.scene.environment import environment_radiance, sample_environment
-from reference.scene.geometry import Geometry
+from reference.scene.geometry import Geometry, on_triangles
 from reference.scene.surface import direction_and_distance
 
 
@@ -73,7 +82,7 @@ def sample_light(
         if len(rows) == 0:
             continue
         lanes = (u[0][rows], u[1][rows], u[2][rows], u[3][rows])
-        some = sampler(emitters, geometry, x[rows], light[rows] - first, lanes)
+        some = sampler(emitters, geometry, take(x, rows), light[rows] - first, lanes)
         for name in LightSamples.__slots__:
             getattr(out, name)[rows] = getattr(some, name)
     return out
@@ -84,7 +93,7 @@ def _first_far(emitters: Emitters) -> int:
 
 
 def _empty_samples(size: int) -> LightSamples:
-    wi, weight, x_to, n_to = (np.zeros((size, 3)) for _ in range(4))
+    wi, weight, x_to, n_to = (zero_vectors(size) for _ in range(4))
     return LightSamples(wi, weight, np.zeros(size), x_to, n_to, np.zeros(size, bool))
 
 
@@ -97,7 +106,7 @@ def _sample_area(
     cos_light = np.maximum(-dot(n_to, wi), 0.0)
     density = emitters.probability[light] / geometry.area[primitive]
     pdf = divide_or_zero(density * distance * distance, cos_light)
-    weight = divide_or_zero(geometry.emission[primitive], pdf[:, None])
+    weight = divide_or_zero(take(geometry.emission, primitive), pdf[:, None])
     return LightSamples(wi, weight, pdf, x_to, n_to, np.zeros(len(x), bool))
 
 
@@ -106,13 +115,11 @@ def _point_on(geometry: Geometry, primitive: Indices, u: Draw) -> tuple[Vec3s, V
     on_sphere = primitive >= geometry.triangles
     if not on_sphere.all():
         row = np.where(on_sphere, 0, primitive)
-        x = geometry.corner[row] + b1[:, None] * geometry.edge_u[row]
-        x = x + b2[:, None] * geometry.edge_v[row]
-        n = geometry.face_normal[row]
+        x, n = on_triangles(geometry, row, b1, b2)
         if not on_sphere.any():
             return x, n
     else:
-        x = n = np.zeros((len(primitive), 3))
+        x = n = zero_vectors(len(primitive))
     sphere = np.where(on_sphere, primitive - geometry.triangles, 0)
     outward = sample_uniform_sphere(u[1], u[2])
     on = geometry.center[sphere] + geometry.radius[sphere][:, None] * outward
@@ -130,7 +137,7 @@ def _sample_point(
     per_distance = divide_or_zero(1.0 / probability, distance * distance)
     weight = emitters.intensity[light] * per_distance[:, None]
     size = len(x)
-    free_space = np.zeros((size, 3))
+    free_space = zero_vectors(size)
     return LightSamples(
         wi, weight, np.zeros(size), x_to, free_space, np.zeros(size, bool)
     )
@@ -142,7 +149,7 @@ def _sample_sun(
     size = len(x)
     probability = emitters.probability[_first_far(emitters) + light]
     weight = emitters.irradiance[light] / probability[:, None]
-    nowhere = np.zeros((size, 3))
+    nowhere = zero_vectors(size)
     return LightSamples(
         -emitters.direction[light],
         weight,

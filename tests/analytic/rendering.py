@@ -55,7 +55,7 @@ def moved(scene, matrix):
     Radiance and irradiance stay; a lamp shines with the square of the scale.
     """
     matrix = np.asarray(matrix, float)
-    scale = np.cbrt(np.linalg.det(matrix[:3, :3]))
+    scale = np.linalg.norm(matrix[:3, 0])  # exact for powers of two
 
     def point(x):
         return tuple(matrix[:3, :3] @ np.array(x, float) + matrix[:3, 3])

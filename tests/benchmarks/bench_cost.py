@@ -27,7 +27,7 @@ from reference.schedule import Schedule
 from reference.settings import BIASED, UNBIASED, Settings
 from reference.world import World, build_world
 
-WARM = 12  # frames until every pixel has passed half of the spatial limit
+WARM = 31  # the frame after the 32 of the paper; every pixel then tries few neighbours
 REPEATS = 7
 
 

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections import Counter
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
@@ -223,21 +224,33 @@ def command(out, spp, *more):
     ]  # fmt: skip
 
 
-def start(out, spp, *more):
-    """Run it in a process of its own."""
-    return subprocess.Popen(
-        [sys.executable, "-m", "reference", *command(out, spp, *more)],
-        cwd=ROOT,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+@pytest.fixture
+def start():
+    """Run it in a process of its own, which does not outlive the test."""
+    with ExitStack() as ends:
+
+        def start(out, spp, *more):
+            process = subprocess.Popen(
+                [sys.executable, "-m", "reference", *command(out, spp, *more)],
+                cwd=ROOT,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                text=True,
+            )
+            ends.enter_context(process)
+            ends.callback(process.kill)
+            return process
+
+        yield start
 
 
 def count_in(checkpoint):
-    """Samples in a checkpoint file."""
-    with np.load(checkpoint) as file:
-        return json.loads(str(file["words"]))["count"]
+    """Samples in a checkpoint file; 0 without one."""
+    try:
+        with np.load(checkpoint) as file:
+            return json.loads(str(file["words"]))["count"]
+    except FileNotFoundError:
+        return 0
 
 
 def wait_for(condition):
@@ -271,13 +284,14 @@ ENDS = {"SIGKILL": -9, "SIGINT": 130, "SIGTERM": 143}
 
 @pytest.mark.skipif(sys.platform == "win32", reason="other signals there")
 @pytest.mark.parametrize("name", ENDS)
-def test_a_run_goes_on_after_its_end(tmp_path, uninterrupted, name):
+def test_a_run_goes_on_after_its_end(tmp_path, uninterrupted, start, name):
     """Cut off for good in the middle; the second run, of other bands, ends it."""
     out = tmp_path / "truth.exr"
     checkpoint = tmp_path / "truth.exr.checkpoint"
     # Far more samples than there is time for; that number does not bind the next run.
     process = start(out, 10**8, "--checkpoint", 0)
-    wait_for(lambda: checkpoint.exists() and count_in(checkpoint) > 20)
+    wait_for(lambda: process.poll() is not None or count_in(checkpoint) > 20)
+    assert process.poll() is None, process.communicate()
     process.send_signal(getattr(signal, name))
     _, err = process.communicate(timeout=60)
     assert process.returncode == ENDS[name]
@@ -300,7 +314,7 @@ def test_a_run_goes_on_after_its_end(tmp_path, uninterrupted, name):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="other signals there")
-def test_a_run_survives_many_kills(tmp_path, uninterrupted):
+def test_a_run_survives_many_kills(tmp_path, uninterrupted, start):
     """Killed at any moment, also while it writes."""
     out = tmp_path / "truth.exr"
     checkpoint = tmp_path / "truth.exr.checkpoint"
@@ -310,14 +324,12 @@ def test_a_run_survives_many_kills(tmp_path, uninterrupted):
         before = seen
 
         def is_further(before=before, process=process):
-            if process.poll() is not None:
-                return True
-            return checkpoint.exists() and count_in(checkpoint) > before
+            return process.poll() is not None or count_in(checkpoint) > before
 
         wait_for(is_further)
         process.kill()
         process.communicate()
-        if not checkpoint.exists():
+        if out.exists():
             break
         seen = count_in(checkpoint)
         assert seen >= before

@@ -425,17 +425,20 @@ def test_ctrl_c(tmp_path, name, code):
         "sys.exit(cli.main(sys.argv[1:]))\n"
     )
     arguments = ["render", "door-ajar", "--method", "path", "--spp", "1000000"]
-    process = subprocess.Popen(
+    with subprocess.Popen(
         [sys.executable, "-c", script, *arguments, "--out", str(out)],
         cwd=ROOT,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-    )
-    assert process.stderr.readline() == "on\n"
-    time.sleep(0.05)
-    process.send_signal(getattr(signal, name))
-    stdout, stderr = process.communicate(timeout=60)
+    ) as process:
+        try:
+            assert process.stderr.readline() == "on\n"
+            time.sleep(0.05)
+            process.send_signal(getattr(signal, name))
+            stdout, stderr = process.communicate(timeout=60)
+        finally:
+            process.kill()
     assert (process.returncode, stdout) == (code, "")
     assert len(stderr.splitlines()) == 1
     assert "nothing half-written is left" in stderr

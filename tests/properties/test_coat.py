@@ -45,16 +45,17 @@ def masking(cos, alpha):
     return np.where(cos > 0, 2 / (1 + np.sqrt(1 + alpha**2 * tan2)), 0.0)
 
 
-def albedo_by_quadrature(cos_o, alpha, ior, order=200):
+def albedo_by_quadrature(cos_o, alpha, ior, order=120):
     """Reflected and transmitted shares, over the half vector's slope and azimuth.
 
-    With tan²θ_h = α² s / (1 - s), D cos θ_h dω = ds dφ / 2π.
+    With tan²θ_h = α² (1 - v²) / v², D cos θ_h dω = 2v dv dφ / 2π: even at grazing
+    normals, and the other half of φ is the mirror image.
     """
     nodes, weights = np.polynomial.legendre.leggauss(order)
-    s, phi = (nodes + 1) / 2, np.pi * (nodes + 1) / 2
-    s, phi = (g.ravel() for g in np.meshgrid(s, phi, indexing="ij"))
-    measure = np.outer(weights / 2, weights * np.pi / 2).ravel() * 2 / (2 * np.pi)
-    cos_h = 1 / np.sqrt(1 + alpha**2 * s / (1 - s))
+    v, phi = (nodes + 1) / 2, np.pi * (nodes + 1) / 2
+    measure = np.outer(v * weights, weights / 2).ravel()
+    v, phi = (g.ravel() for g in np.meshgrid(v, phi, indexing="ij"))
+    cos_h = 1 / np.sqrt(1 + alpha**2 * (1 - v * v) / (v * v))
     sin_h = np.sqrt(1 - cos_h**2)
     sin_o = np.sqrt(1 - cos_o**2)
     cos_d = sin_o * sin_h * np.cos(phi) + cos_o * cos_h
@@ -76,15 +77,16 @@ COATS = [(0.3, 1.5), (0.6, 1.5), (0.3, 1.8), (0.3, 1 / 1.5)]
 @pytest.mark.parametrize(("alpha", "ior"), COATS)
 @pytest.mark.parametrize("cos_o", [0.1, 0.4, 0.7, 0.95])
 def test_rough_albedos_are_their_integrals(alpha, ior, cos_o):
-    """64² midpoints of a bounded integrand with a kink: 4 / 64² of the share, at most.
+    """64 midpoints over an integrand that ends, or bends, like c √x.
 
-    Kinks, where the reflection dips below the surface or is total, cost a midpoint rule
-    half a cell's jump of slope along a line of 64 cells: O(1/64²), with slopes up to 4.
+    Grazing normals lie at the rim of the disk, and total reflection begins with a root:
+    there a midpoint rule of step h is off by 0.21 c h^1.5 [ζ(-1/2) = -0.21].  With c up
+    to 4 that is below 64^-1.5.
     """
     found = directional_albedo(np.array([cos_o]), alpha, ior)
     expected = albedo_by_quadrature(cos_o, alpha, ior)
     for a, b in zip(found, expected, strict=True):
-        assert abs(a[0] - b) < 4 / 64**2
+        assert abs(a[0] - b) < 64**-1.5
 
 
 @pytest.mark.parametrize(("alpha", "ior"), COATS)
@@ -92,7 +94,7 @@ def test_no_light_is_gained(alpha, ior):
     reflected, transmitted = directional_albedo(np.linspace(0, 1, 9), alpha, ior)
     assert (reflected >= 0).all()
     assert (transmitted >= 0).all()
-    assert (reflected + transmitted <= 1 + 4 / 64**2).all()
+    assert (reflected + transmitted <= 1 + 64**-1.5).all()
 
 
 @given(scalars(1e-5, 1), st.floats(1.1, 2.5))
@@ -120,14 +122,17 @@ def mean_reflectance(ior):
 
 @pytest.mark.parametrize("ior", [1.3, 1.5, 1.8])
 def test_the_inside_of_a_smooth_coat_sends_back_its_share(ior):
-    """A Gauss rule of 128 nodes over a root's kink: (π / 128)^1.5 · slope / 4, 1e-3."""
+    """Quad asks for 1.5e-8; of 128 Gauss nodes over a function with a root at 0, less.
+
+    A rule laid over the kink at the critical angle was once off by 0.5 %.
+    """
     found = internal_reflectance(0.0, ior)
-    assert abs(found - mean_reflectance(1 / ior)) < 1e-3
+    assert abs(found - mean_reflectance(1 / ior)) < 1e-7
 
 
 @pytest.mark.parametrize("ior", [1.3, 1.5, 1.8])
 def test_inside_and_outside_agree(ior):
-    """Helmholtz: what passes inward and outward is in the ratio of η²; by quadrature."""
+    """Helmholtz: what passes inward and outward is in the ratio of η², by quad."""
     inside, outside = mean_reflectance(1 / ior), mean_reflectance(ior)
     assert_allclose(1 - inside, (1 - outside) / ior**2, rtol=1e-6)
 
@@ -137,16 +142,16 @@ def test_glass_keeps_60_percent_of_diffuse_light():
     assert abs(internal_reflectance(0.0, 1.5) - 0.5963) < 1e-3
 
 
-@pytest.mark.parametrize("alpha", [0.2, 0.4])
+@pytest.mark.parametrize("alpha", [0.3])
 def test_a_rough_coat_keeps_the_mean_over_its_table(alpha):
     """The rule that Mitsuba has: 64 cosines, evenly, ends included."""
     mu = np.linspace(0, 1, NODES)
     mu[0] = 1e-6
     mean = np.mean([2 * c * albedo_by_quadrature(c, alpha, 1 / 1.5)[0] for c in mu])
     found = internal_reflectance(alpha, 1.5)
-    assert abs(found - mean) < 4 / 64**2
+    assert abs(found - mean) < 64**-1.5
     # And how far that is from the integral, as the docstring says.
-    nodes, weights = np.polynomial.legendre.leggauss(40)
+    nodes, weights = np.polynomial.legendre.leggauss(24)
     inside = [albedo_by_quadrature((c + 1) / 2, alpha, 1 / 1.5)[0] for c in nodes]
     integral = np.sum(np.array(inside) * (nodes + 1) / 2 * weights)
     assert 0.005 < 1 - found / integral < 0.025

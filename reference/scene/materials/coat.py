@@ -106,6 +106,9 @@ def internal_reflectance(alpha: float, ior: float) -> float:
 
     Notes
     -----
+    A smooth coat's comes from the outside, by reciprocity 1 - K = (1 - K_outside) / η²:
+    there the integrand has no kink at a critical angle.
+
     A rough coat's is the plain mean over the ``NODES`` cosines of the table, 1.5 %
     below the integral, because Mitsuba defines it so: with the integral, images of
     rough coats could not be compared.
@@ -115,8 +118,8 @@ def internal_reflectance(alpha: float, ior: float) -> float:
         return float(2.0 * np.mean(directional_albedo(mu, alpha, 1.0 / ior)[0] * mu))
     nodes, weights = np.polynomial.legendre.leggauss(128)
     mu = 0.5 * (nodes + 1.0)
-    inside, _ = directional_albedo(mu, alpha, 1.0 / ior)
-    return float(np.sum(inside * mu * weights))
+    outside, _ = directional_albedo(mu, alpha, ior)
+    return float(1.0 - (1.0 - np.sum(outside * mu * weights)) / ior**2)
 
 
 def transmittance(cos: Scalars, table: Scalars) -> Scalars:

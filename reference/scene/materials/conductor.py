@@ -10,6 +10,7 @@ from reference.arrays import (
     normal_frames,
     normalize,
     to_world,
+    vectors,
 )
 from reference.rng import Draw
 from reference.scene.materials.coat import specular_lobe
@@ -123,9 +124,8 @@ def sample_reflected(table: MaterialTable, points: SurfacePoints, u: Draw) -> Ve
     """
     n = points.shading
     tangent, bitangent = normal_frames(n)
-    local = np.stack(
-        [dot(points.wo, tangent), dot(points.wo, bitangent), dot(points.wo, n)], axis=-1
-    )
+    wo = points.wo
+    local = vectors(dot(wo, tangent), dot(wo, bitangent), dot(wo, n))
     # A viewer below the shading normal sees no microfacet; lift it to keep the
     # arithmetic finite: the pdf is 0 there.
     local[:, 2] = np.maximum(local[:, 2], 1e-9)

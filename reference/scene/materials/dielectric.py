@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import Masks, Scalars, Vec3s, dot
+from reference.arrays import Masks, Scalars, Vec3s, dot, vectors
 from reference.rng import Draw
 from reference.scene.materials.fresnel import fresnel_dielectric
 from reference.scene.materials.microfacet import reflect
@@ -40,5 +40,5 @@ def sample(
     wi = np.where(reflects[:, None], reflect(wo, n), refracted)
     weight = np.where(reflects, 1.0, 1.0 / (eta * eta))
     size = len(points)
-    weights = np.repeat(weight[:, None], 3, axis=1)
+    weights = vectors(weight, weight, weight)
     return wi, weights, np.zeros(size), np.ones(size, bool)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s, normalize
+from reference.arrays import Scalars, Vec3s, normalize, vectors
 
 
 def ggx_density(cos_h: Scalars, alpha: Scalars) -> Scalars:
@@ -80,7 +80,7 @@ def sample_visible_normal(wo: Vec3s, alpha: Scalars, u1: Scalars, u2: Scalars) -
     [Heitz18, Listing 1].
     """
     # Stretch the view, so that the microfacets are those of a hemisphere.
-    v = normalize(wo * np.stack([alpha, alpha, np.ones_like(alpha)], axis=-1))
+    v = normalize(wo * vectors(alpha, alpha, np.ones_like(alpha)))
     flat = v[:, 0] ** 2 + v[:, 1] ** 2
     root = np.sqrt(flat)
     safe = np.where(root > 0, root, 1.0)
@@ -96,7 +96,7 @@ def sample_visible_normal(wo: Vec3s, alpha: Scalars, u1: Scalars, u2: Scalars) -
     x = p1 * t1_x - p2 * v[:, 2] * t1_y + p3 * v[:, 0]
     y = p1 * t1_y + p2 * v[:, 2] * t1_x + p3 * v[:, 1]
     z = p2 * (v[:, 0] * t1_y - v[:, 1] * t1_x) + p3 * v[:, 2]
-    return normalize(np.stack([alpha * x, alpha * y, np.maximum(z, 0.0)], axis=-1))
+    return normalize(vectors(alpha * x, alpha * y, np.maximum(z, 0.0)))
 
 
 def reflect(wo: Vec3s, h: Vec3s) -> Vec3s:

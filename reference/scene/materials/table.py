@@ -5,7 +5,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s, divide_or_zero, dot
+from reference.arrays import (
+    Indices,
+    Masks,
+    Scalars,
+    Vec3s,
+    divide_or_zero,
+    dot,
+    zero_vectors,
+)
 from reference.records import take
 from reference.rng import Draw
 from reference.scene.materials import coated, conductor, dielectric, lambertian
@@ -114,10 +122,10 @@ def scattering(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Vec3s:
     }
     if table.kinds == (Kind.LAMBERTIAN,):
         return lambertian.scattering(table, points, wi)
-    value = np.zeros_like(wi)
+    value = zero_vectors(len(wi))
     for kind, rows, some in by_kind(table, points):
         if kind in functions:
-            value[rows] = functions[kind](table, some, wi[rows])
+            value[rows] = functions[kind](table, some, take(wi, rows))
     return value
 
 
@@ -150,7 +158,7 @@ def pdf(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Scalars:
     value = np.zeros(len(wi))
     for kind, rows, some in by_kind(table, points):
         if kind in functions:
-            value[rows] = functions[kind](table, some, wi[rows])
+            value[rows] = functions[kind](table, some, take(wi, rows))
     return value
 
 
@@ -180,7 +188,7 @@ def sample(table: MaterialTable, points: SurfacePoints, u: Draw) -> BsdfSamples:
     if not parts:
         return _sample_kind(Kind.LAMBERTIAN, table, points, u)
     size = len(points)
-    wi, weight = np.zeros((size, 3)), np.zeros((size, 3))
+    wi, weight = zero_vectors(size), zero_vectors(size)
     density, delta = np.zeros(size), np.zeros(size, bool)
     for rows, part in parts:
         wi[rows], weight[rows] = part.wi, part.weight
@@ -206,7 +214,7 @@ def sample_delta(table: MaterialTable, points: SurfacePoints, u: Draw) -> BsdfSa
         Weight 0 on materials without delta lobe.
     """
     size = len(points)
-    wi, weight = np.zeros((size, 3)), np.zeros((size, 3))
+    wi, weight = zero_vectors(size), zero_vectors(size)
     delta = np.zeros(size, bool)
     for kind, rows, some in by_kind(table, points):
         if kind not in HAS_DELTA:

@@ -1,0 +1,170 @@
+"""The built-in scenes: their names, and that each shows what its docstring says."""
+
+import inspect
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from reference.errors import UsageError
+from reference.scene.catalogue.registry import CATALOGUE, find_scene
+from reference.scene.catalogue.rooms import WHITE
+from reference.scene.materials.kinds import Coated
+from reference.scene.shapes import quad
+from tests.analytic.rendering import path_traced, what_is_seen, world_of
+
+NAMES = [
+    "cornell-box",
+    "door-ajar",
+    "sunlit-wall",
+    "glossy-floor",
+    "grazing-light",
+    "sphere-furnace",
+    "half-lit-sphere",
+    "parallel-plates",
+    "checker",
+    "many-lights",
+]
+KNOWN = {"sunlit-wall", "sphere-furnace", "half-lit-sphere", "parallel-plates"}
+
+every_scene = pytest.mark.parametrize("name", NAMES)
+
+
+def test_the_catalogue_has_the_ten_scenes():
+    assert list(CATALOGUE) == NAMES
+    assert {name for name, entry in CATALOGUE.items() if entry.answer} == KNOWN
+
+
+@every_scene
+def test_an_entry_is_named_as_its_scene_and_says_what_it_shows(name):
+    entry = CATALOGUE[name]
+    assert entry.name == name
+    assert entry.build().name == name
+    for text in (entry.summary, entry.answer or "x"):
+        assert text.isascii()
+        assert "\n" not in text
+        assert len(text) <= 88
+    assert inspect.getdoc(entry.build)
+
+
+@every_scene
+def test_a_scene_is_the_same_each_time_and_never_shared(name):
+    first, second = find_scene(name), find_scene(name)
+    assert first is not second
+    assert first.camera == second.camera
+    for a, b in zip(first.meshes, second.meshes, strict=True):
+        assert np.array_equal(a.vertices, b.vertices)
+        assert np.array_equal(a.pose, b.pose)
+        assert a.emission == b.emission
+
+
+@every_scene
+def test_mesh_names_differ(name):
+    names = [mesh.name for mesh in find_scene(name).meshes]
+    assert len(set(names)) == len(names)
+
+
+@pytest.mark.parametrize(
+    ("given", "meant"),
+    [("cornell", "cornell-box"), ("door_ajar", "door-ajar"), ("furnace", None)],
+)
+def test_an_unknown_name_is_told_which_there_are(given, meant):
+    with pytest.raises(UsageError) as error:
+        find_scene(given)
+    message = str(error.value)
+    assert repr(given) in message
+    assert all(name in message for name in NAMES)
+    assert meant is None or f"did you mean {meant}?" in message
+
+
+@every_scene
+def test_a_picture_has_light_and_most_of_it_is_finite_and_seen(name):
+    world = world_of(find_scene(name), 16)
+    color = path_traced(world, "full", bounces=2, samples=4)
+    assert np.isfinite(color).all()
+    assert (color >= 0).all()
+    assert color.any()
+    indirect = path_traced(world, "indirect", bounces=1, samples=8)
+    # The subject of the project: indirect light in a good part of each picture.
+    assert (indirect.sum(axis=1) > 0).mean() > 0.1
+
+
+# ---------------------------------------------------------------- scene by scene
+
+
+def test_door_ajar_is_lit_through_the_gap_alone():
+    """A plug in the doorway leaves the camera's room exactly black."""
+    scene = find_scene("door-ajar")
+    plug = quad("plug", (-2, 0, -0.6), (0, 0, 1.2), (0, 2.1, 0), WHITE)
+    shut = world_of(replace(scene, meshes=(*scene.meshes, plug)), 32)
+    assert not path_traced(shut, "full", bounces=3, samples=16).any()
+    ajar = world_of(scene, 32)
+    color = path_traced(ajar, "full", bounces=3, samples=96)
+    # Hard, not hopeless: all of the room is lit, a tenth directly.
+    assert (color.sum(axis=1) > 0).mean() > 0.8
+    direct = path_traced(ajar, "direct", samples=16)
+    assert 0.02 < (direct.sum(axis=1) > 0).mean() < 0.2
+    # Less than a quarter of the light comes straight: the rest has been around.
+    assert direct.sum() < 0.25 * color.sum()
+
+
+def direct_on(name):
+    """What is seen, and its direct light."""
+    world = world_of(find_scene(name), 48)
+    return what_is_seen(world), path_traced(world, "direct", samples=2)
+
+
+def test_sunlit_wall_is_lit_evenly_and_the_floor_not_at_all():
+    seen, color = direct_on("sunlit-wall")
+    floor, wall = seen.primitive == 0, seen.primitive >= 2
+    floor |= seen.primitive == 1
+    assert not color[floor].any()
+    assert wall.sum() > 100
+    assert np.ptp(color[wall], axis=0).max() <= 4 * 2.0**-52 * color.max()
+
+
+def test_parallel_plates_are_lit_on_the_upper_one_from_below():
+    seen, color = direct_on("parallel-plates")
+    lower = seen.hit & (seen.primitive < 2)
+    upper = seen.primitive >= 2
+    assert not color[lower].any()
+    assert lower.sum() > 300
+    assert upper.sum() > 100
+    assert color[upper].min() > 0
+    assert np.ptp(color[upper], axis=0).max() <= 4 * 2.0**-52 * color.max()
+
+
+def test_grazing_light_leaves_floor_and_blocks_in_the_shade_of_the_screen():
+    """All direct light falls on the upper half of the wall on the left."""
+    seen, color = direct_on("grazing-light")
+    lit = color.any(axis=1)
+    assert lit.sum() > 50
+    assert (seen.position[lit, 0] < -0.999).all()
+    assert (seen.position[lit, 1] > 0.399).all()
+    on_floor = seen.hit & (seen.position[:, 1] < 0.01)
+    assert on_floor.mean() > 0.4
+    # From the floor the strip is at most 22 degrees high beyond a metre from the wall.
+    assert np.degrees(np.arctan(0.8 / 2.0)) < 22
+
+
+def test_glossy_floor_is_seen_with_shadow_and_is_not_lambertian():
+    scene = find_scene("glossy-floor")
+    assert isinstance(scene.meshes[0].material, Coated)
+    seen, color = direct_on("glossy-floor")
+    on_floor = seen.hit & (seen.position[:, 1] < 0.01)
+    assert on_floor.mean() > 0.3
+    assert 0.02 < (~color[on_floor].any(axis=1)).mean() < 0.3
+
+
+def test_many_lights_are_thirty_thousand_and_none_is_forgotten():
+    world = world_of(find_scene("many-lights"), 8)
+    assert len(world.emitters.primitive) == 30_000
+    assert (world.emitters.probability > 0).all()
+    assert (world.geometry.triangle[world.emitters.primitive, 3, 1] < -0.999).all()
+
+
+def test_spheres_are_seen_from_inside():
+    for name in ("sphere-furnace", "half-lit-sphere"):
+        seen = what_is_seen(world_of(find_scene(name), 16))
+        assert seen.front.all()
+        assert seen.hit.all()
