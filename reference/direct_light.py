@@ -8,7 +8,8 @@ from reference.rng import Draw
 from reference.scene.emitters import emitted, may_emit, pdf_light
 from reference.scene.hits import Hits, surface_points
 from reference.scene.light_sampling import sample_light
-from reference.scene.materials.table import BsdfSamples, pdf, scattering
+from reference.scene.materials.bsdf_sampling import BsdfSamples
+from reference.scene.materials.table import pdf, scattering
 from reference.scene.surface import SurfacePoints
 from reference.world import World
 

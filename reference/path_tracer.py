@@ -17,7 +17,8 @@ from reference.rng import Uniforms
 from reference.scene.camera import camera_rays
 from reference.scene.emitters import emitted
 from reference.scene.hits import surface_points
-from reference.scene.materials.table import BsdfSamples, can_scatter, sample
+from reference.scene.materials.bsdf_sampling import BsdfSamples, sample
+from reference.scene.materials.table import can_scatter
 from reference.scene.surface import SurfacePoints
 from reference.world import World
 

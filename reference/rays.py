@@ -3,7 +3,7 @@
 The only file that knows Embree, which works in float32.  The scene is handed to it
 moved and scaled into the cube [-1, 1]³, so that its rounding is the same relative to
 every scene, however small or far from the origin.  Surface points stand a step before
-their triangle (:data:`reference.scene.hits.STEP`), so that rays start where they are.
+their triangle (:mod:`reference.scene.origins`), so that rays start where they are.
 """
 
 import threading
@@ -16,7 +16,9 @@ from embreex.rtcore_scene import EmbreeScene
 from reference.arrays import Indices, Masks, Scalars, Vec3s, divide_or_zero, dot
 from reference.records import take
 from reference.scene.geometry import Geometry
-from reference.scene.hits import STEP, Hits, contact
+from reference.scene.hits import Hits
+from reference.scene.origins import STEP, approach, leaving
+from reference.scene.spheres import first_sphere
 from reference.scene.surface import SurfacePoints
 
 STOP = 2.0**-17
@@ -24,9 +26,6 @@ STOP = 2.0**-17
 
 BEYOND = 1e30
 """Reach of rays that end nowhere; within float32."""
-
-FAR = 4.0
-"""Rays that start further out, in half extents, are brought to the scene in float64."""
 
 
 class RayCaster:
@@ -70,9 +69,11 @@ class RayCaster:
             Primitive -1 and distance inf where nothing is hit.
         """
         self._count("primary", len(origin))
-        o, advance = _approach(self._normalized(origin), direction)
+        o, advance = approach(self._normalized(origin), direction)
         hits = self._closest_triangle(o, direction)
-        hits = self._closest_sphere(o, direction, hits, None)
+        if len(self._radius):
+            start = origin + advance[:, None] * self._extent * direction
+            hits = self._with_spheres(hits, start, direction, None)
         distance = (hits.distance + advance) * self._extent
         return Hits(hits.primitive, hits.u, hits.v, distance)
 
@@ -94,17 +95,11 @@ class RayCaster:
             Primitive -1 and distance inf where nothing is hit.
         """
         self._count(kind, len(points))
-        origin = points.position
-        below = dot(points.normal, direction) < 0
-        if below.any():
-            # To the other side: as far behind the surface as the point is before it.
-            inner = contact(self._geometry, points)
-            inner -= points.normal * (STEP * self._extent)
-            origin = np.where(below[:, None], inner, origin)
+        origin = leaving(self._geometry, points, direction)
         hits = self._closest_triangle(self._single(origin), direction)
         if len(self._radius):
-            exact = self._normalized(points.position)
-            hits = self._closest_sphere(exact, direction, hits, points.primitive)
+            start = points.primitive
+            hits = self._with_spheres(hits, points.position, direction, start)
         return Hits(hits.primitive, hits.u, hits.v, hits.distance * self._extent)
 
     def visible(
@@ -207,12 +202,15 @@ class RayCaster:
     def _no_sphere(
         self, origin: Vec3s, start: Indices, along: Vec3s, reach: Scalars
     ) -> Masks:
-        o, d = self._normalized(origin), along / self._extent
-        free = np.ones(len(o), bool)
-        for index in range(len(self._radius)):
-            t = self._sphere_hit(o, d, index, start)
-            free &= ~(t < reach)
-        return free
+        first, _ = self._first_sphere(origin, along / self._extent, start)
+        return ~(first < reach)
+
+    def _first_sphere(
+        self, origin: Vec3s, d: Vec3s, start: Indices | None
+    ) -> tuple[Scalars, Indices]:
+        own = None if start is None else start - self._geometry.triangles
+        o = self._normalized(origin)
+        return first_sphere(o, d, self._center, self._radius, own)
 
     def _closest_triangle(self, o: Vec3s, d: Vec3s) -> Hits:
         size = len(o)
@@ -230,29 +228,14 @@ class RayCaster:
         u, v = answer["u"].astype(np.float64), answer["v"].astype(np.float64)
         return Hits(answer["primID"], u, v, distance)
 
-    def _closest_sphere(
-        self, o: Vec3s, d: Vec3s, hits: Hits, start: Indices | None
+    def _with_spheres(
+        self, hits: Hits, origin: Vec3s, d: Vec3s, start: Indices | None
     ) -> Hits:
-        primitive, distance = hits.primitive, hits.distance
-        for index in range(len(self._radius)):
-            t = self._sphere_hit(o, d, index, start)
-            closer = t < distance
-            distance = np.where(closer, t, distance)
-            this = np.int32(self._geometry.triangles + index)
-            primitive = np.where(closer, this, primitive)
-        return Hits(primitive, hits.u, hits.v, distance)
-
-    def _sphere_hit(
-        self, o: Vec3s, d: Vec3s, index: int, start: Indices | None
-    ) -> Scalars:
-        near, far = _sphere_crossings(o, d, self._center[index], self._radius[index])
-        if start is not None:
-            # A ray that starts on this sphere crosses it at 0, rounded either way.
-            on_it = start == self._geometry.triangles + index
-            leaves_at_near = np.abs(near) < np.abs(far)
-            near = np.where(on_it & leaves_at_near, -np.inf, near)
-            far = np.where(on_it & ~leaves_at_near, -np.inf, far)
-        return np.where(near > 0, near, np.where(far > 0, far, np.inf))
+        first, sphere = self._first_sphere(origin, d, start)
+        closer = first < hits.distance
+        primitive = np.where(closer, self._geometry.triangles + sphere, hits.primitive)
+        distance = np.where(closer, first, hits.distance)
+        return Hits(primitive.astype(np.int32), hits.u, hits.v, distance)
 
     def _count(self, kind: str, rays: int) -> None:
         with self._lock:
@@ -271,26 +254,3 @@ def _commit(geometry: Geometry) -> EmbreeScene:
     one = np.zeros((1, 3), np.float32)
     scene.run(one, one + np.float32(1.0), query="OCCLUDED")
     return scene
-
-
-def _approach(o: Vec3s, d: Vec3s) -> tuple[Vec3s, Scalars]:
-    outside = dot(o, o) > FAR * FAR
-    advance = np.where(outside, np.maximum(-dot(o, d) - 2.0, 0.0), 0.0)
-    return (o + advance[:, None] * d if outside.any() else o), advance
-
-
-def _sphere_crossings(
-    o: Vec3s, d: Vec3s, center: Vec3s, radius: float
-) -> tuple[Scalars, Scalars]:
-    relative = o - center
-    a, b = dot(d, d), dot(relative, d)
-    a = np.where(a > 0, a, 1.0)
-    # The distance of the centre from the line: no cancellation far from the sphere.
-    foot = relative - (b / a)[:, None] * d
-    discriminant = (radius - np.sqrt(dot(foot, foot))) * (
-        radius + np.sqrt(dot(foot, foot))
-    )
-    root = np.sqrt(np.maximum(discriminant, 0.0) / a)
-    misses = discriminant < 0
-    near, far = -b / a - root, -b / a + root
-    return np.where(misses, np.inf, near), np.where(misses, np.inf, far)

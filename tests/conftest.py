@@ -30,7 +30,7 @@ def pytest_addoption(parser):
     )
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def regenerate(request):
     """Whether golden files are to be written instead of compared."""
     return request.config.getoption("--regenerate")
@@ -38,7 +38,7 @@ def regenerate(request):
 
 @pytest.fixture(scope="session")
 def scenes_folder():
-    """Real scenes: RESTIR_SCENES, or the folder ``shared/scenes`` beside the checkout."""
+    """Real scenes: RESTIR_SCENES, or ``shared/scenes`` beside the checkout."""
     beside = Path(__file__).parents[2] / "shared" / "scenes"
     folder = Path(os.environ.get("RESTIR_SCENES", beside))
     if not folder.is_dir():

@@ -17,7 +17,7 @@ import numpy as np
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from reference.arrays import Scalars, Vec3s, dot, normal_frames, normalize
+from reference.arrays import Vec3s, dot, normal_frames, normalize
 from reference.resampling.reservoir import Candidates, Reservoirs, Samples
 from reference.rng import TabledUniforms
 from reference.scene.materials.kinds import (
@@ -382,8 +382,8 @@ def surfaces(draw, *kinds, rows=ROWS, smooth=None, least=0.01):
         other = draw(directions_above(wo, least))
         # In the hemisphere of the geometric normal, as interpolation leaves it.
         shading = np.where((dot(other, normal) > 0)[:, None], other, normal)
-    points = SurfacePoints(
-        position=draw(_positions(rows)),
+    found = SurfacePoints(
+        position=draw(points(rows=rows)),
         normal=normal,
         smooth=shading,
         wo=wo,
@@ -392,27 +392,7 @@ def surfaces(draw, *kinds, rows=ROWS, smooth=None, least=0.01):
         primitive=np.arange(rows, dtype=np.int32),
         front=draw(arrays(bool, rows)),
     )
-    return Surfaces(table, points)
-
-
-def _positions(rows):
-    return points(rows=rows)
-
-
-def cosine(a: Vec3s, b: Vec3s) -> Scalars:
-    """Inner product of unit vectors, kept between -1 and 1.
-
-    Parameters
-    ----------
-    a, b : (N, 3) float64
-        Unit vectors.
-
-    Returns
-    -------
-    (N,) float64
-        Without the rounding that leads outside.
-    """
-    return np.clip(dot(a, b), -1.0, 1.0)
+    return Surfaces(table, found)
 
 
 # ---------------------------------------------------------------- cutting rows

@@ -8,7 +8,7 @@ from reference.arrays import Scalars
 from reference.passes.gbuffer import visible_points
 from reference.resampling.reservoir import Reservoirs
 from reference.scene.camera import pixel_centers
-from reference.scene.hits import contact
+from reference.scene.origins import contact
 from reference.scene.surface import VisiblePoints
 from reference.schedule import Schedule, in_bands
 from reference.world import World

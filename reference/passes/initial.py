@@ -23,16 +23,15 @@ from reference.sampling import (
     sample_cosine_hemisphere,
     sample_uniform_hemisphere,
 )
-from reference.scene.hits import contact
-from reference.scene.materials.parameters import Kind, MaterialTable, lit_cosine
-from reference.scene.materials.table import (
+from reference.scene.materials.bsdf_sampling import (
     HAS_DELTA,
     BsdfSamples,
-    pdf,
     sample,
     sample_delta,
-    scattering,
 )
+from reference.scene.materials.parameters import Kind, MaterialTable, lit_cosine
+from reference.scene.materials.table import pdf, scattering
+from reference.scene.origins import contact
 from reference.scene.surface import SurfacePoints, direction_and_distance
 from reference.settings import GlossySamples, Source
 from reference.world import World

@@ -26,7 +26,7 @@ from reference.scene.environment import (
     pdf_environment,
 )
 from reference.scene.geometry import Geometry
-from reference.scene.hits import contact
+from reference.scene.origins import contact
 from reference.scene.scene import Scene
 from reference.scene.surface import SurfacePoints
 

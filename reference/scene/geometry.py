@@ -13,6 +13,13 @@ from reference.scene.shapes import Mesh, Sphere
 from reference.scene.textures import Bitmap, Checker
 
 
+INSIDE = 2.0**-16
+"""How far hit points stay inside their triangle, in half extents of the scene.
+
+Eight times the step that rays take off a surface: enough for wedges of 10 degrees.
+"""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Geometry:
     """All primitives of a scene: T triangles, then S spheres.
@@ -22,6 +29,8 @@ class Geometry:
     triangle : (T, 4, 3) float64
         First vertex, the edges to the second and the third (m), and the unit normal of
         the front: side by side, since a hit wants all of them.
+    margin : (T, 3) float64
+        Least barycentric coordinates of a hit point: it is kept ``INSIDE`` its triangle.
     area : (T + S,) float64, m²
         Area of each primitive.
     smooth : (T, 3, 3) float64 or None
@@ -49,6 +58,7 @@ class Geometry:
     """
 
     triangle: Scalars
+    margin: Vec3s
     area: Scalars
     smooth: Scalars | None
     uv: Scalars | None
@@ -104,8 +114,10 @@ def build_geometry(scene: Scene) -> Geometry:
     reach = radius[:, None]
     every = np.concatenate([corners.reshape(-1, 3), center - reach, center + reach])
     low, high = every.min(axis=0), every.max(axis=0)
+    extent = float(np.max(high - low)) / 2
     return Geometry(
         triangle=np.stack([corners[:, 0], edge_u, edge_v, normalize(front)], axis=1),
+        margin=_margins(edge_u, edge_v, length(front), extent),
         area=np.concatenate([0.5 * length(front), 4.0 * np.pi * radius**2]),
         smooth=per_triangle([_world_normals(m) for m in scene.meshes], 3, 3)
         if smooth
@@ -123,8 +135,44 @@ def build_geometry(scene: Scene) -> Geometry:
         shape=shape_index,
         materials=table,
         middle=(low + high) / 2,
-        extent=float(np.max(high - low)) / 2,
+        extent=extent,
     )
+
+
+def _margins(
+    edge_u: Vec3s, edge_v: Vec3s, doubled_area: Scalars, extent: float
+) -> Vec3s:
+    # A coordinate is the distance from the opposite edge over the height above it.
+    opposite = (length(edge_v - edge_u), length(edge_v), length(edge_u))
+    kept = [INSIDE * extent * edge / doubled_area for edge in opposite]
+    return np.minimum(np.stack(kept, axis=-1), 1 / 3)
+
+
+def inside(
+    geometry: Geometry, triangle: Indices, u: Scalars, v: Scalars
+) -> tuple[Scalars, Scalars]:
+    """Barycentric coordinates of hit points, kept off the edges of their triangles.
+
+    Parameters
+    ----------
+    geometry : Geometry
+        The scene.
+    triangle : (N,) int
+        Which triangles.
+    u, v : (N,) float64
+        Barycentric coordinates of the second and third vertex.
+
+    Returns
+    -------
+    (N,), (N,) float64
+        Moved by at most about ``INSIDE`` half extents of the scene: a point in a
+        concave edge then stands clear of the other wall, however sharp the edge.
+    """
+    least = geometry.margin.take(triangle, axis=0)
+    w = np.maximum(1.0 - u - v, least[:, 0])
+    u, v = np.maximum(u, least[:, 1]), np.maximum(v, least[:, 2])
+    total = u + v + w
+    return u / total, v / total
 
 
 def on_triangles(

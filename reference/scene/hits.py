@@ -14,16 +14,10 @@ from reference.arrays import (
     zero_vectors,
 )
 from reference.records import take
-from reference.scene.geometry import Geometry, on_triangles
+from reference.scene.geometry import Geometry, inside, on_triangles
+from reference.scene.origins import step_before
 from reference.scene.surface import SurfacePoints
 from reference.scene.textures import Bitmap, Checker, read
-
-STEP = 2.0**-19
-"""How far before its triangle a point stands, in half extents of the scene.
-
-Embree holds vertices in float32, rounded by 2⁻²⁴ in each of three coordinates, and its
-intersection adds a few roundings more.  2⁻¹⁹ is 32 of them.
-"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,59 +101,14 @@ def surface_points(
     )
 
 
-def step_before(
-    geometry: Geometry, primitive: Indices, normal: Vec3s, wo: Vec3s
-) -> Vec3s:
-    """Offset from a point on a surface to where its rays start.
-
-    Parameters
-    ----------
-    geometry : Geometry
-        The scene.
-    primitive : (N,) int32
-        What was hit; rays are exact on spheres and need no step.
-    normal, wo : (N, 3) float64
-        Unit normal on the side that was seen, and direction back along the ray.
-
-    Returns
-    -------
-    (N, 3) float64, m
-        Add it to go before the surface, subtract it to return to the surface.
-    """
-    step = STEP * geometry.extent
-    offset: Vec3s = (normal + wo) * step
-    if len(geometry.radius):
-        offset = np.where((primitive < geometry.triangles)[:, None], offset, 0.0)
-    return offset
-
-
-def contact(geometry: Geometry, points: SurfacePoints) -> Vec3s:
-    """Points on the surfaces themselves, without the step.
-
-    Parameters
-    ----------
-    geometry : Geometry
-        The scene.
-    points : SurfacePoints
-        N points.
-
-    Returns
-    -------
-    (N, 3) float64, m
-        Where the rays met the surface.
-    """
-    offset = step_before(geometry, points.primitive, points.normal, points.wo)
-    touched: Vec3s = points.position - offset
-    return touched
-
-
 def _on_triangles(geometry: Geometry, hits: Hits) -> tuple[Vec3s, Vec3s]:
     size = len(hits.primitive)
     if geometry.triangles == 0:
         return zero_vectors(size), zero_vectors(size)
     is_triangle = (hits.primitive >= 0) & (hits.primitive < geometry.triangles)
     rows = np.where(is_triangle, hits.primitive, 0)
-    position, normal = on_triangles(geometry, rows, hits.u, hits.v)
+    u, v = inside(geometry, rows, hits.u, hits.v)
+    position, normal = on_triangles(geometry, rows, u, v)
     if not is_triangle.all():
         position[~is_triangle], normal[~is_triangle] = 0.0, 0.0
     return position, normal

@@ -15,7 +15,7 @@ class SurfacePoints:
     ----------
     position : (N, 3) float64, m
         Where rays leave the surface: on spheres a point of it, on triangles a tiny
-        step before it (:func:`reference.scene.hits.contact` takes it back).
+        step before it (:func:`reference.scene.origins.contact` takes it back).
     normal : (N, 3) float64
         Unit geometric normal on the side that the ray came from.
     smooth : (N, 3) float64 or None

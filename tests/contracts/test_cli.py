@@ -24,7 +24,7 @@ from reference.methods import (
 from reference.options import as_text, known, with_values
 from reference.scene.camera import view_depth
 from reference.scene.catalogue.registry import CATALOGUE, find_scene
-from reference.scene.hits import STEP
+from reference.scene.origins import STEP
 
 ROOT = Path(__file__).parents[2]
 COMMANDS = ("scenes", "render", "reference", "compare", "demo")

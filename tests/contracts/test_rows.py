@@ -148,6 +148,7 @@ KERNELS = {
     arrays.normalize: (arrays.normalize, (A,)),
     arrays.sqrt: (arrays.sqrt, (COS,)),
     arrays.to_world: (arrays.to_world, (A, OMEGA)),
+    arrays.vectors: (arrays.vectors, (COS, ALPHA, U[0])),
     arrays.turn: (lambda a: arrays.turn(a, C[:3]), (A,)),
     direction_and_distance: (direction_and_distance, (A, B)),
     pcg4d: (pcg4d, tuple(WORD)),
@@ -261,6 +262,7 @@ KERNELS = {
 }
 
 ELSEWHERE = {
+    "arrays.zero_vectors": "of a number of rows",
     "sampling.cumulate": "a table, not rows",
     "coat.directional_albedo": "made once for a material",
     "coat.transmittance_table": "made once for a material",

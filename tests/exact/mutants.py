@@ -171,8 +171,8 @@ MUTANTS = [
     Mutant(
         "the newer sample always wins",
         "reservoir",
-        "taken = (u * (w_a + w_b) < w_b)",
-        "taken = (w_b > 0)",
+        "(u * (w_a + w_b) < w_b)",
+        "(w_b > 0)",
         ("several_candidates", "temporal_chain", "spatial_pass"),
     ),
     Mutant(
@@ -226,7 +226,7 @@ MUTANTS = [
         "mis",
         "terms = [np.where(holds, M, M * 0)",
         "terms = [M",
-        ("spatial_pass", "two_passes", "loop_of_two_frames"),
+        ("spatial_pass", "two_passes"),
     ),
     Mutant(
         "Z counts pixels without their M",
@@ -240,7 +240,7 @@ MUTANTS = [
         "pipeline",
         "HELD[j][z] & (",
         "(P_HAT[j][z] > 0) & (",
-        ("spatial_pass", "two_passes"),
+        ("spatial_pass",),
     ),
     Mutant(
         "Z does not ask for the horizon",

@@ -45,11 +45,11 @@ HELD = [row.astype(bool) for row in _with_nothing(HOLDS, False)]
 
 
 def jacobian(code, i_from, i_to, x):
-    """|∂ω_to / ∂ω_from| of cells, by the production kernel."""
-    rows = [len(x), 3]
-    x_from, x_to = np.broadcast_to(EYE[i_from], rows), np.broadcast_to(EYE[i_to], rows)
-    ratio = code.shift.reconnection_jacobian(x_from, x_to, CELL[x], NORMAL[x])
-    return np.where(x == NOTHING, Fraction(1), ratio)
+    """|∂ω_to / ∂ω_from| of cells, by the production kernel, run once on each cell."""
+    x_from, x_to = (np.broadcast_to(EYE[i], CELL.shape) for i in (i_from, i_to))
+    ratio = code.shift.reconnection_jacobian(x_from, x_to, CELL, NORMAL)
+    ratio[NOTHING] = Fraction(1)
+    return ratio[x]
 
 
 def initial(code, i, uniform):

@@ -71,9 +71,9 @@ def answers():
 
 
 @pytest.fixture(scope="module")
-def golden(request):
+def golden(regenerate):
     """Rows of the file as dictionaries."""
-    if request.config.getoption("--regenerate"):
+    if regenerate:
         with FILE.open("w", newline="", encoding="ascii") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow([*KEY, "key_w", *WORDS, *NUMBERS])

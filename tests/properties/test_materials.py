@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from reference.arrays import cross, dot, length
 from reference.records import take
 from reference.rng import KeyedUniforms, Stream
-from reference.scene.materials import lambertian, table
+from reference.scene.materials import bsdf_sampling, lambertian, table
 from reference.scene.materials.coated import reflect_in_coat
 from reference.scene.materials.fresnel import fresnel_dielectric
 from reference.scene.materials.microfacet import reflect
@@ -96,7 +96,7 @@ def test_whatever_is_reflected_can_be_drawn(case):
 @given(surfaces(), draws())
 def test_what_is_drawn_is_drawn_with_its_density(surface, u):
     """The fields of a draw agree with what the table says of its direction."""
-    drawn = table.sample(surface.table, surface.points, u)
+    drawn = bsdf_sampling.sample(surface.table, surface.points, u)
     assert (abs(length(drawn.wi) - 1) <= 32 * EPS).all()
     value = table.scattering(surface.table, surface.points, drawn.wi)
     density = table.pdf(surface.table, surface.points, drawn.wi)
@@ -111,14 +111,14 @@ def test_what_is_drawn_is_drawn_with_its_density(surface, u):
 @given(surfaces(Kind.LAMBERTIAN, Kind.ROUGH_CONDUCTOR), draws())
 def test_a_draw_from_one_lobe_never_gains_energy(surface, u):
     """Its weight is a reflectance, times G1 of the light for metals: at most 1."""
-    drawn = table.sample(surface.table, surface.points, u)
+    drawn = bsdf_sampling.sample(surface.table, surface.points, u)
     assert (drawn.weight <= 1 + 16 * EPS).all()
 
 
 @given(surfaces(Kind.LAMBERTIAN), draws())
 def test_lambertian_weights_are_the_reflectance_itself(surface, u):
     """To the bit: noise-free scenes stay noise-free."""
-    drawn = table.sample(surface.table, surface.points, u)
+    drawn = bsdf_sampling.sample(surface.table, surface.points, u)
     reflects = drawn.weight.any(axis=1)
     assert_array_equal(drawn.weight[reflects], surface.points.color[reflects])
 
@@ -131,7 +131,7 @@ def test_the_density_is_1_over_the_determinant_of_the_sampler(surface, u):
     """|∂ω/∂u1 × ∂ω/∂u2| p(ω) = 1, by complex steps; see test_microfacet for 1e6 eps."""
     points, step = surface.points, 1e-100
     u1, u2 = (0.02 + 0.96 * v for v in u[1:3])
-    where = table.sample(surface.table, points, (u[0], u1, u2, u[3])).wi
+    where = bsdf_sampling.sample(surface.table, points, (u[0], u1, u2, u[3])).wi
     density = table.pdf(surface.table, points, where)
 
     def moved(du1, du2):
@@ -233,7 +233,7 @@ def test_the_density_integrates_to_what_is_not_lost(material, cos_o):
     u = np.meshgrid((np.arange(16) + 0.5) / 16, grid, grid)
     u0, u1, u2 = (lane.ravel() for lane in u)
     materials, points = view(material, cos_o, len(u0))
-    drawn = table.sample(materials, points, (u0, u1, u2, u0))
+    drawn = bsdf_sampling.sample(materials, points, (u0, u1, u2, u0))
     lattice = 2 / 64 + (1 / 32 if materials.kind[0] in MIXTURES else 0)
     assert error < 0.01
     assert total <= 1 + error
@@ -274,7 +274,7 @@ def test_materials_without_delta_lobe_have_no_such_draws(surface, u):
 @given(surfaces(Kind.SMOOTH_CONDUCTOR), draws())
 def test_a_mirror_mirrors(surface, u):
     points = surface.points
-    drawn = table.sample(surface.table, points, u)
+    drawn = bsdf_sampling.sample(surface.table, points, u)
     assert_array_equal(drawn.wi, reflect(points.wo, points.shading))
     lit = dot(points.normal, drawn.wi) > 0
     assert_array_equal(drawn.weight[~lit], 0)
@@ -285,7 +285,9 @@ def both_ways(surface):
     """What glass reflects and what it refracts, whatever its probabilities."""
     rows = len(surface.points)
     lanes = [np.full(rows, x) for x in (0.0, 1 - 2.0**-53)]
-    return [table.sample(surface.table, surface.points, (u, u, u, u)) for u in lanes]
+    return [
+        bsdf_sampling.sample(surface.table, surface.points, (u, u, u, u)) for u in lanes
+    ]
 
 
 @given(surfaces(Kind.DIELECTRIC, smooth=False))
@@ -332,7 +334,7 @@ def test_light_finds_its_way_back_through_glass(surface):
         some.material, some.primitive, ~some.front,
     )  # fmt: skip
     almost_one = np.full(len(below), 1 - 2.0**-53)
-    back = table.sample(surface.table, behind, (almost_one,) * 4)
+    back = bsdf_sampling.sample(surface.table, behind, (almost_one,) * 4)
     # Roots of 1 - sin²: errors go as the inverse cosines, 1e3 and 5 at most.
     cosine = abs(dot(some.normal, wi))
     assert (length(back.wi - some.wo) <= 64 * EPS / cosine / 0.2).all()
@@ -362,7 +364,7 @@ def test_a_draw_does_not_depend_on_its_neighbours_kind():
         np.arange(rows, dtype=np.int32), np.ones(rows, bool),
     )  # fmt: skip
     u = KeyedUniforms(np.arange(rows, dtype=np.uint32), 0, 0, Stream.INITIAL).draw(0)
-    together = table.sample(materials, points, u)
+    together = bsdf_sampling.sample(materials, points, u)
     for row, material in enumerate(examples):
         own = SurfacePoints(
             *(take(getattr(points, name), np.array([row]))
@@ -370,7 +372,9 @@ def test_a_draw_does_not_depend_on_its_neighbours_kind():
             None, wo[[row]], points.color[[row]], np.zeros(1, np.int32),
             points.primitive[[row]], points.front[[row]],
         )  # fmt: skip
-        alone = table.sample(tabulate([material]), own, tuple(v[[row]] for v in u))
+        alone = bsdf_sampling.sample(
+            tabulate([material]), own, tuple(v[[row]] for v in u)
+        )
         assert_array_equal(alone.wi[0], together.wi[row])
         assert_array_equal(alone.weight[0], together.weight[row])
 

@@ -187,6 +187,6 @@ def test_control_a_wrong_merge_is_found(wrong):
         merge = staticmethod(wrong)
 
     # Any counterexample will do: it need not be the simplest.
-    quickly = settings(SETTINGS, phases=[Phase.generate])
+    quickly = settings(SETTINGS, phases=[Phase.generate], max_examples=2000)
     with pytest.raises(AssertionError):
         run_state_machine_as_test(Wrong, settings=quickly)

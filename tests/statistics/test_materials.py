@@ -16,7 +16,7 @@ from scipy.stats import chi2
 
 from reference.records import take
 from reference.rng import KeyedUniforms, Stream
-from reference.scene.materials import table
+from reference.scene.materials import bsdf_sampling, table
 from reference.scene.materials.kinds import Coated, Conductor, Lambertian
 from reference.scene.materials.parameters import tabulate
 from reference.scene.surface import SurfacePoints
@@ -59,7 +59,7 @@ def rows_of(points, rows):
 def observed(materials, points):
     """Draws in each cell; those that reflect nothing in the last one."""
     u = KeyedUniforms(np.arange(DRAWS, dtype=np.uint32), 3, 1, Stream.INITIAL).draw(2)
-    drawn = table.sample(materials, rows_of(points, DRAWS), u)
+    drawn = bsdf_sampling.sample(materials, rows_of(points, DRAWS), u)
     wi = drawn.wi
     height = np.clip(np.floor(wi[:, 2] * HEIGHTS), 0, HEIGHTS - 1).astype(int)
     turns = np.arctan2(wi[:, 1], wi[:, 0]) / (2 * np.pi) % 1.0

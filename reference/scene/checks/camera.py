@@ -8,7 +8,7 @@ from reference.scene.checks.shapes import LARGEST
 from reference.scene.checks.space import distance_to_triangles
 from reference.scene.checks.values import need_numbers, refuse, told
 from reference.scene.geometry import world_corners
-from reference.scene.hits import STEP
+from reference.scene.origins import STEP
 from reference.scene.scene import Scene
 
 MOST_PIXELS = 2**28
