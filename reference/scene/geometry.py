@@ -12,7 +12,6 @@ from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh, Sphere
 from reference.scene.textures import Bitmap, Checker
 
-
 INSIDE = 2.0**-16
 """How far hit points stay inside their triangle, in half extents of the scene.
 
@@ -30,7 +29,7 @@ class Geometry:
         First vertex, the edges to the second and the third (m), and the unit normal of
         the front: side by side, since a hit wants all of them.
     margin : (T, 3) float64
-        Least barycentric coordinates of a hit point: it is kept ``INSIDE`` its triangle.
+        Least barycentric coordinates of a hit, which is kept ``INSIDE`` its triangle.
     area : (T + S,) float64, m²
         Area of each primitive.
     smooth : (T, 3, 3) float64 or None

@@ -73,11 +73,13 @@ class Recorder:
         self.embree, self.batches = embree, list[tuple[Any, ...]]()
 
     def run(self, o: Any, d: Any, **options: Any) -> Any:
+        """Trace a batch and keep it."""
         kept = {k: v.copy() if k == "dists" else v for k, v in options.items()}
         self.batches.append((o, d, kept))
         return self.embree.run(o, d, **options)
 
     def replay(self) -> None:
+        """Trace all batches again."""
         for o, d, options in self.batches:
             # The distances are overwritten by a run.
             again = {k: v.copy() if k == "dists" else v for k, v in options.items()}
@@ -114,7 +116,7 @@ def frame_against_rays() -> Iterator[str]:
         world = build_world(sized(scene, 512, 512))
         pixels = 512 * 512
         for name, settings in (("unbiased", UNBIASED), ("biased", BIASED)):
-            frame, step = warmed(world, settings, Schedule())
+            _, step = warmed(world, settings, Schedule())
             recorder = Recorder(world.caster._embree)
             world.caster._embree = recorder  # type: ignore[assignment]
             step()

@@ -208,7 +208,6 @@ def test_rays_that_leave_a_convex_body_meet_nothing(place, shape):
 # ---------------------------------------------------------------- no leaks
 
 
-
 CLOSED = {
     "box": box("room", (2, 2, 2), np.eye(4), GREY, inward=True),
     "flat box": box("room", (2, 0.02, 2), np.eye(4), GREY, inward=True),

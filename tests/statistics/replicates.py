@@ -1,11 +1,11 @@
 """Independent runs of ReSTIR GI, and how their means are judged.
 
-A replicate is one whole run under its own seed, with empty reservoirs at its start; pixels
-and frames within it are never counted as samples.  Each run comes with a companion: the
-mean, over the same frames, of the same initial samples without any reuse.  The difference
-of the two has expectation 0 where reuse is unbiased, and less noise than either, since
-reuse only weights the same samples anew; what the companion estimates is tested apart,
-against path-traced truth.
+A replicate is one whole run under its own seed, with empty reservoirs at its start;
+pixels and frames within it are never counted as samples.  Each run comes with a
+companion: the mean, over the same frames, of the same initial samples without any
+reuse.  The difference of the two has expectation 0 where reuse is unbiased, and less
+noise than either, since reuse only weights the same samples anew; what the companion
+estimates is tested apart, against path-traced truth.
 """
 
 from dataclasses import dataclass, replace
@@ -80,14 +80,17 @@ class Means:
 
     @property
     def mean(self) -> Array:
+        """Of each column."""
         return self.values.mean(axis=0)
 
     @property
     def error(self) -> Array:
+        """Standard error of the mean of each column."""
         return self.values.std(axis=0, ddof=1) / np.sqrt(len(self.values))
 
     @property
     def skewness(self) -> Array:
+        """Third standardized moment of each column; 0 where it does not vary."""
         central = self.values - self.mean
         cubes, spread = (central**3).mean(axis=0), central.std(axis=0) ** 3
         return np.divide(cubes, spread, out=np.zeros_like(cubes), where=spread > 0)

@@ -1,10 +1,10 @@
 """ReSTIR GI against the path tracer, on every built-in scene.
 
-Evidence: statistics.  The image mean must be within 0.5 % of the truth and no 8 x 8 tile
-outside of its band; a correct estimator fails the tiles of one scene with probability
-1e-4 (Bonferroni over tiles and channels, t-quantiles after Hall's transformation).  The
-control is the same test with the Jacobian left out or the neighbours' visibility ignored,
-which must fail.
+Evidence: statistics.  The image mean must be within 0.5 % of the truth and no 8 x 8
+tile outside of its band; a correct estimator fails the tiles of one scene with
+probability 1e-4 (Bonferroni over tiles and channels, t-quantiles after Hall's
+transformation).  The control is the same test with the Jacobian left out or the
+neighbours' visibility ignored, which must fail.
 """
 
 from dataclasses import dataclass, replace
