@@ -3,9 +3,9 @@
     python tests/benchmarks/bench_equal_time.py [SCENE] [SIZE] [RUNS]
 
 A frame of ReSTIR GI takes the time of n path-traced samples a pixel, whose error is
-the error of one over n.  The picture is the 32nd frame, and the time is that of one frame
-in the steady state, as in the paper; beside it stands the stricter reading, the mean of
-all 32 frames against a path tracer given the time of all 32.
+the error of one over n.  The picture is the 32nd frame, and the time is that of one
+frame in the steady state, as in the paper; beside it stands the stricter reading, the
+mean of all 32 frames against a path tracer given the time of all 32.
 """
 
 import statistics

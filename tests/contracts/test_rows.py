@@ -21,6 +21,7 @@ from reference.records import take
 from reference.resampling import mis, reservoir, shift, target
 from reference.rng import KeyedUniforms, Stream, TabledUniforms, pcg4d, to_unit_interval
 from reference.scene.materials import (
+    bsdf_sampling,
     coat,
     coated,
     conductor,
@@ -235,8 +236,8 @@ KERNELS = {
     parameters.lit_cosine: of_material(parameters.lit_cosine),
     table.can_scatter: of_view(table.can_scatter),
     table.pdf: of_material(table.pdf),
-    table.sample: of_draw(table.sample),
-    table.sample_delta: of_draw(table.sample_delta),
+    bsdf_sampling.sample: of_draw(bsdf_sampling.sample),
+    bsdf_sampling.sample_delta: of_draw(bsdf_sampling.sample_delta),
     table.scattering: of_material(table.scattering),
     # Passes, as far as they trace no ray.
     gbuffer.similar: (
@@ -277,7 +278,7 @@ ELSEWHERE = {
 
 MODULES = [arrays, sampling, gbuffer, initial, neighbors, mis, reservoir, shift, target]
 MODULES += [coat, coated, conductor, dielectric, fresnel, lambertian, microfacet]
-MODULES += [parameters, table]
+MODULES += [bsdf_sampling, parameters, table]
 
 
 def public_functions(module):

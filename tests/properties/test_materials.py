@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from reference.arrays import cross, dot, length
 from reference.records import take
 from reference.rng import KeyedUniforms, Stream
-from reference.scene.materials import bsdf_sampling, lambertian, table
+from reference.scene.materials import bsdf_sampling, conductor, lambertian, table
 from reference.scene.materials.coated import reflect_in_coat
 from reference.scene.materials.fresnel import fresnel_dielectric
 from reference.scene.materials.microfacet import reflect
@@ -142,7 +142,7 @@ def test_the_density_is_1_over_the_determinant_of_the_sampler(surface, u):
             if kind == Kind.LAMBERTIAN:
                 wi[rows] = lambertian.sample(some, part)
             else:
-                wi[rows] = table.conductor.sample_reflected(surface.table, some, part)
+                wi[rows] = conductor.sample_reflected(surface.table, some, part)
         return wi.imag / step
 
     area = length(cross(moved(step, 0), moved(0, step)))
@@ -258,7 +258,7 @@ def test_white_lambertian_reflects_all(cos_o):
 @given(surfaces(*WITH_DELTA), draws())
 def test_draws_of_delta_lobes_have_no_density(surface, u):
     """sample_delta draws delta lobes and nothing else; the mixture marks them."""
-    alone = table.sample_delta(surface.table, surface.points, u)
+    alone = bsdf_sampling.sample_delta(surface.table, surface.points, u)
     assert alone.delta.all()
     assert_array_equal(alone.pdf, 0)
     assert (abs(length(alone.wi) - 1) <= 32 * EPS).all()
@@ -266,7 +266,7 @@ def test_draws_of_delta_lobes_have_no_density(surface, u):
 
 @given(surfaces(*SCATTERING[:3]), draws())
 def test_materials_without_delta_lobe_have_no_such_draws(surface, u):
-    alone = table.sample_delta(surface.table, surface.points, u)
+    alone = bsdf_sampling.sample_delta(surface.table, surface.points, u)
     assert_array_equal(alone.weight, 0)
     assert not alone.delta.any()
 

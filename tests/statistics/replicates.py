@@ -55,14 +55,25 @@ def run(
 ) -> tuple[Array, Array]:
     """Last frame of a run, and the mean of its initial samples: (N, 3) each."""
     alone = replace(settings, temporal=False, spatial=False)
-    last, companion, initial = None, None, []
+    color = frame_colors(world, settings, frames, seed, visible, bounces)
+    initial = frame_colors(world, alone, frames, seed, visible, bounces)
+    return color[-1], np.mean(initial, axis=0)
+
+
+def frame_colors(
+    world: World,
+    settings: Settings,
+    frames: int,
+    seed: int,
+    visible: VisiblePoints,
+    bounces: int = 1,
+) -> list[Array]:
+    """Indirect light of each frame of one run."""
+    last, colors = None, []
     for _ in range(frames):
-        options = (bounces, seed, ONE_BAND, visible)
-        last = next_frame(world, settings, *options, last)
-        companion = next_frame(world, alone, *options, companion)
-        initial.append(companion.color)
-    assert last is not None
-    return last.color, np.mean(initial, axis=0)
+        last = next_frame(world, settings, bounces, seed, ONE_BAND, visible, last)
+        colors.append(last.color)
+    return colors
 
 
 def tile_means(rows: Array, width: int) -> Array:

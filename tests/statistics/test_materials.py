@@ -17,6 +17,7 @@ from scipy.stats import chi2
 from reference.records import take
 from reference.rng import KeyedUniforms, Stream
 from reference.scene.materials import bsdf_sampling, table
+from reference.scene.materials.coated import coat_probability
 from reference.scene.materials.kinds import Coated, Conductor, Lambertian
 from reference.scene.materials.parameters import tabulate
 from reference.scene.surface import SurfacePoints
@@ -129,7 +130,6 @@ def test_control_a_lobe_drawn_too_often_is_found():
     assert chi_square(found, np.maximum(due, 0)) < EACH
     # The probability of the coat, from reflectances 0.6 and 0.9.
     shares = [
-        table.coated.coat_probability(*point(Coated((c, c, c), 0.3), 0.6))[0]
-        for c in (0.6, 0.9)
+        coat_probability(*point(Coated((c, c, c), 0.3), 0.6))[0] for c in (0.6, 0.9)
     ]
     assert 0.03 < shares[0] - shares[1] < 0.05

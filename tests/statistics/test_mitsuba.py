@@ -2,8 +2,8 @@
 
 Evidence: statistics, and an independent renderer.  One-bounce indirect light is
 Mitsuba's picture of at most three segments less that of at most two.  Mitsuba spreads
-its samples over each pixel, so every run of ours has its visible points at random places
-of theirs.
+its samples over each pixel, so every run of ours has its visible points at random
+places of theirs.
 The image mean must agree within 0.5 %, and no 8 x 8 tile may leave its band; a correct
 estimator fails the tiles of one scene with probability 1e-4.  The control brightens the
 truth by 2 %, which the image mean must notice.
@@ -18,9 +18,9 @@ from reference.scene.loaders.load import load_scene
 from reference.settings import UNBIASED
 from tests.statistics.replicates import (
     Means,
+    frame_colors,
     g_buffer,
     means,
-    run,
     small_world,
     threshold,
 )
@@ -57,11 +57,13 @@ def rendered(path: Path, width: int, height: int, samples: int) -> Means:
 
 
 def restir(path: Path, width: int, height: int, runs: int, frames: int) -> Means:
-    """The last frames of independent runs, each with visible points of its own."""
+    """Means of the frames of independent runs, each with its own visible points."""
     world = small_world(load_scene(path), width, height)
     rng = np.random.default_rng(7)
     rows = [
-        run(world, UNBIASED, frames, seed, g_buffer(world, rng))[0]
+        np.mean(
+            frame_colors(world, UNBIASED, frames, seed, g_buffer(world, rng)), axis=0
+        )
         for seed in range(runs)
     ]
     return means(rows, width)
