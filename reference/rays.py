@@ -25,7 +25,7 @@ STOP = 2.0**-17
 """How far before its target a visibility ray ends; occluders closer do not count."""
 
 BEYOND = 1e30
-"""Reach of rays that end nowhere; within float32."""
+"""Reach of rays that end nowhere."""
 
 
 class RayCaster:
@@ -69,11 +69,11 @@ class RayCaster:
             Primitive -1 and distance inf where nothing is hit.
         """
         self._count("primary", len(origin))
-        o, advance = approach(self._normalized(origin), direction)
-        hits = self._closest_triangle(o, direction)
+        near, advance = approach(self._normalized(origin), direction)
+        hits = self._closest_triangle(near, direction)
         if len(self._radius):
-            start = origin + advance[:, None] * self._extent * direction
-            hits = self._with_spheres(hits, start, direction, None)
+            nowhere = np.full(len(near), -1)
+            hits = self._with_spheres(hits, near, direction, nowhere)
         distance = (hits.distance + advance) * self._extent
         return Hits(hits.primitive, hits.u, hits.v, distance)
 
@@ -98,8 +98,8 @@ class RayCaster:
         origin = leaving(self._geometry, points, direction)
         hits = self._closest_triangle(self._single(origin), direction)
         if len(self._radius):
-            start = points.primitive
-            hits = self._with_spheres(hits, points.position, direction, start)
+            exact = self._normalized(points.position)
+            hits = self._with_spheres(hits, exact, direction, points.primitive)
         return Hits(hits.primitive, hits.u, hits.v, hits.distance * self._extent)
 
     def visible(
@@ -202,15 +202,10 @@ class RayCaster:
     def _no_sphere(
         self, origin: Vec3s, start: Indices, along: Vec3s, reach: Scalars
     ) -> Masks:
-        first, _ = self._first_sphere(origin, along / self._extent, start)
+        o, d = self._normalized(origin), along / self._extent
+        own = start - self._geometry.triangles
+        first, _ = first_sphere(o, d, self._center, self._radius, own)
         return ~(first < reach)
-
-    def _first_sphere(
-        self, origin: Vec3s, d: Vec3s, start: Indices | None
-    ) -> tuple[Scalars, Indices]:
-        own = None if start is None else start - self._geometry.triangles
-        o = self._normalized(origin)
-        return first_sphere(o, d, self._center, self._radius, own)
 
     def _closest_triangle(self, o: Vec3s, d: Vec3s) -> Hits:
         size = len(o)
@@ -228,10 +223,9 @@ class RayCaster:
         u, v = answer["u"].astype(np.float64), answer["v"].astype(np.float64)
         return Hits(answer["primID"], u, v, distance)
 
-    def _with_spheres(
-        self, hits: Hits, origin: Vec3s, d: Vec3s, start: Indices | None
-    ) -> Hits:
-        first, sphere = self._first_sphere(origin, d, start)
+    def _with_spheres(self, hits: Hits, o: Vec3s, d: Vec3s, start: Indices) -> Hits:
+        own = start - self._geometry.triangles
+        first, sphere = first_sphere(o, d, self._center, self._radius, own)
         closer = first < hits.distance
         primitive = np.where(closer, self._geometry.triangles + sphere, hits.primitive)
         distance = np.where(closer, first, hits.distance)

@@ -4,7 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s, cross, length, normalize
+from reference.arrays import (
+    Indices,
+    Masks,
+    Scalars,
+    Vec3s,
+    cross,
+    divide_or_zero,
+    length,
+    normalize,
+)
 from reference.records import take
 from reference.scene.materials.kinds import Material
 from reference.scene.materials.parameters import MaterialTable, tabulate
@@ -143,8 +152,9 @@ def _margins(
 ) -> Vec3s:
     # A coordinate is the distance from the opposite edge over the height above it.
     opposite = (length(edge_v - edge_u), length(edge_v), length(edge_u))
-    kept = [INSIDE * extent * edge / doubled_area for edge in opposite]
-    return np.minimum(np.stack(kept, axis=-1), 1 / 3)
+    kept = [divide_or_zero(INSIDE * extent * e, doubled_area) for e in opposite]
+    margins: Vec3s = np.minimum(np.stack(kept, axis=-1), 1 / 3)
+    return margins
 
 
 def inside(

@@ -6,7 +6,7 @@ from reference.arrays import Indices, Scalars, Vec3s, dot
 
 
 def first_sphere(
-    o: Vec3s, d: Vec3s, center: Vec3s, radius: Scalars, start: Indices | None
+    o: Vec3s, d: Vec3s, center: Vec3s, radius: Scalars, start: Indices
 ) -> tuple[Scalars, Indices]:
     """Which sphere rays meet first, and where.
 
@@ -18,7 +18,7 @@ def first_sphere(
         Of the spheres, in the unit of ``o``.
     radius : (S,) float64
         Of the spheres.
-    start : (N,) int or None
+    start : (N,) int
         Sphere that each ray leaves; negative for none.
 
     Returns
@@ -29,12 +29,10 @@ def first_sphere(
     first, which = np.full(len(o), np.inf), np.zeros(len(o), np.int64)
     for index in range(len(radius)):
         near, far = _crossings(o, d, center[index], radius[index])
-        if start is not None:
-            # A ray that leaves this sphere crosses it at 0, rounded either way: that
-            # is no hit.
-            leaves, at_near = start == index, np.abs(near) < np.abs(far)
-            near = np.where(leaves & at_near, -np.inf, near)
-            far = np.where(leaves & ~at_near, -np.inf, far)
+        # A ray that leaves this sphere crosses it at 0, rounded either way: no hit.
+        leaves, at_near = start == index, np.abs(near) < np.abs(far)
+        near = np.where(leaves & at_near, -np.inf, near)
+        far = np.where(leaves & ~at_near, -np.inf, far)
         t = np.where(near > 0, near, np.where(far > 0, far, np.inf))
         which = np.where(t < first, index, which)
         first = np.minimum(first, t)

@@ -14,7 +14,7 @@ from reference.arrays import cross, dot, length
 from reference.records import take
 from reference.rng import KeyedUniforms, Stream
 from reference.scene.materials import bsdf_sampling, conductor, lambertian, table
-from reference.scene.materials.coated import reflect_in_coat
+from reference.scene.materials.coated import coat_probability, reflect_in_coat
 from reference.scene.materials.fresnel import fresnel_dielectric
 from reference.scene.materials.microfacet import reflect
 from reference.scene.materials.parameters import Kind, tabulate
@@ -83,6 +83,19 @@ def test_nothing_is_reflected_below_the_surface(surface, wi):
     assert_array_equal(density[~lit], 0)
     assert (value >= 0).all()
     assert (density >= 0).all()
+
+
+@given(lit_surfaces(*SCATTERING))
+def test_light_from_above_is_reflected(case):
+    """On fronts, and on backs that are not black; a black base under a coat shines."""
+    surface, wi = case
+    points, materials = surface.points, surface.table
+    lit = points.front | materials.two_sided[points.material]
+    lit &= (dot(points.normal, wi) > 0) & table.can_scatter(materials, points)
+    base = materials.kind[points.material] == Kind.SMOOTH_COATED
+    lit &= ~base | points.color.any(axis=1)
+    value = table.scattering(materials, points, wi)
+    assert_array_equal(value.any(axis=1), lit)
 
 
 @given(lit_surfaces())
@@ -269,6 +282,22 @@ def test_materials_without_delta_lobe_have_no_such_draws(surface, u):
     alone = bsdf_sampling.sample_delta(surface.table, surface.points, u)
     assert_array_equal(alone.weight, 0)
     assert not alone.delta.any()
+
+
+@given(surfaces(Kind.SMOOTH_COATED), draws())
+def test_a_smooth_coat_is_drawn_with_its_probability(surface, u):
+    """Weight times probability is what the coat reflects, alone or in a mixture."""
+    points = surface.points
+    wi, share = reflect_in_coat(surface.table, points)
+    probability = coat_probability(surface.table, points)
+    drawn = bsdf_sampling.sample(surface.table, points, u)
+    assert_array_equal(drawn.delta, u[0] < probability)
+    coat = drawn.delta
+    whole = drawn.weight * probability[:, None]
+    assert (abs(whole - share)[coat] <= 2 * EPS * share[coat]).all()
+    assert_array_equal(drawn.wi[coat], wi[coat])
+    alone = bsdf_sampling.sample_delta(surface.table, points, u)
+    assert_array_equal(alone.weight, share)
 
 
 @given(surfaces(Kind.SMOOTH_CONDUCTOR), draws())

@@ -22,6 +22,7 @@ from reference.rng import KeyedUniforms, Stream
 from reference.scene.camera import pixel_centers
 from reference.scene.scene import Scene
 from reference.scene.surface import VisiblePoints
+from reference.scene.validation import validate
 from reference.schedule import Schedule
 from reference.settings import Settings
 from reference.world import World, build_world
@@ -34,7 +35,7 @@ ONE_BAND = Schedule(band=1 << 20)
 
 def small_world(scene: Scene, width: int, height: int) -> World:
     camera = replace(scene.camera, width=width, height=height)
-    return build_world(replace(scene, camera=camera))
+    return build_world(validate(replace(scene, camera=camera)))
 
 
 def g_buffer(world: World, jitter: np.random.Generator | None = None) -> VisiblePoints:
@@ -113,9 +114,15 @@ def means(rows: list[Array], width: int) -> Means:
     return Means(np.concatenate([image, tile_means(whole, width)], axis=1))
 
 
-def truth(world: World, samples: int, seed: int = 1, bounces: int = 1) -> Means:
+def truth(
+    world: World,
+    samples: int,
+    seed: int = 1,
+    bounces: int = 1,
+    jitter: np.random.Generator | None = None,
+) -> Means:
     """Path-traced indirect light in 64 independent batches, a replicate each."""
-    visible = g_buffer(world)
+    visible = g_buffer(world, jitter)
     count = len(visible.depth)
     batches = 64
     at_once = max(1, min(samples // batches, (1 << 16) // count))
@@ -126,6 +133,8 @@ def truth(world: World, samples: int, seed: int = 1, bounces: int = 1) -> Means:
     for batch in range(batches):
         total = np.zeros((count, 3))
         for i in range(rounds):
+            if jitter is not None:
+                points = take(g_buffer(world, jitter).surface, pixel % count)
             frame = batch * rounds + i
             u = KeyedUniforms(pixel, frame, seed, Stream.PATH)
             color = camera_radiance(world, points, "indirect", bounces, u)
