@@ -47,9 +47,9 @@ PLANS = [
     Plan("door-ajar", 500, 6, 12000, "1/M"),
     Plan("sunlit-wall", 400, 6, 12000, "jacobian"),
     Plan("parallel-plates", 400, 6, 12000, "jacobian"),
-    Plan("glossy-floor", 1600, 6, 2500, "1/M"),
+    Plan("glossy-floor", 900, 6, 2500, "1/M"),
     Plan("grazing-light", 400, 6, 12000, "jacobian"),
-    Plan("checker", 3500, 6, 4000, "jacobian"),
+    Plan("checker", 700, 6, 4000, "jacobian"),
     Plan("many-lights", 160, 6, 5000, "1/M"),
 ]
 
@@ -98,7 +98,7 @@ def test_reuse_and_initial_samples_agree_with_the_path_tracer(plan):
 @pytest.mark.slow
 @pytest.mark.parametrize("plan", PLANS, ids=lambda plan: plan.scene)
 def test_the_same_test_rejects_a_planted_bias(plan, monkeypatch):
-    runs = min(plan.runs, 400)
+    runs = min(plan.runs, 200)
     settings = BIASED
     if plan.control == "jacobian":
         monkeypatch.setattr(
