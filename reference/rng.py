@@ -103,7 +103,9 @@ class KeyedUniforms:
     pixel : (N,) uint32
         y · width + x.
     frame, seed : int
-        Non-negative, below 2^32.
+        Non-negative, below 2^27: PCG4D mixes its words by products, whose high bits
+        never reach the low ones, so that seeds which differ in the highest bits alone
+        have dependent streams.
     stream : Stream
         Who draws.
     """

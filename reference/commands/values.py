@@ -5,7 +5,8 @@ import re
 from collections.abc import Callable
 
 MOST_PIXELS_A_SIDE = 2**14
-MOST_SAMPLES = MOST_SEED = 2**32 - 1  # each is a 32-bit word of the random key
+MOST_SAMPLES = 2**32 - 1  # a 32-bit word of the random key
+MOST_SEED = 2**27 - 1  # seeds that differ in higher bits alone share their streams
 Size = tuple[int, int]
 
 
