@@ -17,7 +17,8 @@ import numpy as np
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from reference.arrays import Vec3s, dot, normal_frames, normalize
+from reference.arrays import Vec3s, dot, normalize
+from reference.frames import normal_frames
 from reference.resampling.reservoir import Candidates, Reservoirs, Samples
 from reference.rng import TabledUniforms
 from reference.scene.materials.kinds import (

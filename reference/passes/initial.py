@@ -4,15 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.arrays import (
-    Indices,
-    Masks,
-    Scalars,
-    Vec3s,
-    divide_or_zero,
-    to_world,
-    vectors,
-)
+from reference.arrays import Indices, Masks, Scalars, Vec3s, divide_or_zero, vectors
+from reference.frames import to_world
 from reference.path_tracer import follow, reflected_radiance
 from reference.records import scatter, take
 from reference.resampling.reservoir import Samples

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import Masks, Scalars, Vec3s, divide_or_zero
+from reference.arrays import Masks, Scalars, Vec3s, divide_or_zero, saturate
 from reference.records import where
 
 
@@ -135,15 +135,17 @@ def finalize(c: Candidates, normalization: Scalars) -> Reservoirs:
     Returns
     -------
     Reservoirs
-        W = 0 where p̂ = 0 or nothing could be kept.
+        W = 0 where p̂ = 0 or nothing could be kept; at most the largest number of its
+        dtype, which a subnormal p̂ beside a large w would exceed.
 
     Notes
     -----
     [Ouyang21, Eq. 7].
     """
     # Two divisions: the product may underflow where the quotient does not.
-    W = divide_or_zero(divide_or_zero(c.w, c.p_hat), normalization)
-    return Reservoirs(y=c.y, W=W, M=c.M)
+    with np.errstate(over="ignore"):
+        W = divide_or_zero(divide_or_zero(c.w, c.p_hat), normalization)
+    return Reservoirs(y=c.y, W=saturate(W), M=c.M)
 
 
 def initial_candidates(y: Any, p_hat: Scalars, pdf: Scalars) -> Candidates:

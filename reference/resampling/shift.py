@@ -1,6 +1,8 @@
 """Reconnection: another visible point looks at the same sample point."""
 
-from reference.arrays import Scalars, Vec3s, divide_or_zero, dot, sqrt
+import numpy as np
+
+from reference.arrays import Scalars, Vec3s, divide_or_zero, dot, saturate, sqrt
 
 
 def reconnection_jacobian(
@@ -23,7 +25,8 @@ def reconnection_jacobian(
     -------
     (N,), sr/sr
         Factor on the sample's W.  0 where x_from sees the patch edge-on or either
-        point touches it: there the shift has no inverse.
+        point touches it: there the shift has no inverse.  At most the largest number of
+        the dtype; 0 where the squares of both distances overflow.
 
     Notes
     -----
@@ -31,7 +34,8 @@ def reconnection_jacobian(
     """
     v_from, v_to = x_from - x_sample, x_to - x_sample
     # With v not normalized, cos φ = n·v / d, and d_from / d_to comes once more.
-    ratio = sqrt(divide_or_zero(dot(v_from, v_from), dot(v_to, v_to)))
-    cosines = divide_or_zero(abs(dot(n_sample, v_to)), abs(dot(n_sample, v_from)))
-    jacobian: Scalars = cosines * ratio * ratio * ratio
-    return jacobian
+    with np.errstate(over="ignore", invalid="ignore"):
+        ratio = sqrt(divide_or_zero(dot(v_from, v_from), dot(v_to, v_to)))
+        cosines = divide_or_zero(abs(dot(n_sample, v_to)), abs(dot(n_sample, v_from)))
+        jacobian = cosines * ratio * ratio * ratio
+    return saturate(jacobian)

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s, turn, vectors
+from reference.arrays import Scalars, Vec3s, vectors
+from reference.frames import turn
 from reference.images import luminance_weights
 from reference.sampling import cumulate, sample_table, sample_uniform_sphere
 from reference.scene.lights import ConstantEnvironment, Environment, LatLongEnvironment

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reference.arrays import to_world
+from reference.frames import to_world
 from reference.path_tracer import reflected_radiance
 from reference.records import take
 from reference.restir_gi import next_frame

@@ -11,7 +11,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from reference.arrays import cross, divide_or_zero, dot, length, normalize, sqrt, turn
+from reference.arrays import cross, divide_or_zero, dot, length, normalize, sqrt
+from reference.frames import turn
 from reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
 from reference.resampling.reservoir import (
     Candidates,

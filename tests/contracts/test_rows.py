@@ -15,7 +15,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 import reference
-from reference import arrays, sampling
+from reference import arrays, frames, sampling
 from reference.passes import gbuffer, initial, neighbors
 from reference.records import take
 from reference.resampling import mis, reservoir, shift, target
@@ -145,12 +145,13 @@ KERNELS = {
     arrays.divide_or_zero: (arrays.divide_or_zero, (COS, ALPHA * LIVE)),
     arrays.dot: (arrays.dot, (A, B)),
     arrays.length: (arrays.length, (A,)),
-    arrays.normal_frames: (arrays.normal_frames, (OMEGA,)),
+    frames.normal_frames: (frames.normal_frames, (OMEGA,)),
     arrays.normalize: (arrays.normalize, (A,)),
+    arrays.saturate: (arrays.saturate, (A[:, 0],)),
     arrays.sqrt: (arrays.sqrt, (COS,)),
-    arrays.to_world: (arrays.to_world, (A, OMEGA)),
+    frames.to_world: (frames.to_world, (A, OMEGA)),
     arrays.vectors: (arrays.vectors, (COS, ALPHA, U[0])),
-    arrays.turn: (lambda a: arrays.turn(a, C[:3]), (A,)),
+    frames.turn: (lambda a: frames.turn(a, C[:3]), (A,)),
     direction_and_distance: (direction_and_distance, (A, B)),
     pcg4d: (pcg4d, tuple(WORD)),
     to_unit_interval: (to_unit_interval, (WORD[0],)),
@@ -276,7 +277,18 @@ ELSEWHERE = {
 }
 """Functions of the modules that are not kernels, with the reason."""
 
-MODULES = [arrays, sampling, gbuffer, initial, neighbors, mis, reservoir, shift, target]
+MODULES = [
+    arrays,
+    frames,
+    sampling,
+    gbuffer,
+    initial,
+    neighbors,
+    mis,
+    reservoir,
+    shift,
+    target,
+]
 MODULES += [coat, coated, conductor, dielectric, fresnel, lambertian, microfacet]
 MODULES += [bsdf_sampling, parameters, table]
 

@@ -64,7 +64,7 @@ MUTANTS = [
     Mutant(
         "the Jacobian is clamped to [1/3, 3]",
         "shift",
-        "return jacobian",
+        "return saturate(jacobian)",
         "return np.minimum(np.maximum(jacobian, Fraction(1, 3)), 3)",
         ("spatial_pass",),
     ),
@@ -323,7 +323,7 @@ MUTANTS = [
     Mutant(
         "the weight W is limited",
         "reservoir",
-        "return Reservoirs(y=c.y, W=W, M=c.M)",
+        "return Reservoirs(y=c.y, W=saturate(W), M=c.M)",
         "return Reservoirs(y=c.y, W=np.minimum(W, Fraction(1, 2)), M=c.M)",
         ("several_candidates",),
     ),

@@ -10,17 +10,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_array_equal
 
-from reference.arrays import (
-    cross,
-    divide_or_zero,
-    dot,
-    length,
-    normal_frames,
-    normalize,
-    sqrt,
-    to_world,
-    turn,
-)
+from reference.arrays import cross, divide_or_zero, dot, length, normalize, sqrt
+from reference.frames import normal_frames, to_world, turn
 from tests.strategies import ROWS, points, scalars, unit_vectors
 
 EPS = np.finfo(np.float64).eps

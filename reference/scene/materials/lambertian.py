@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s, to_world
+from reference.arrays import Scalars, Vec3s
+from reference.frames import to_world
 from reference.rng import Draw
 from reference.sampling import pdf_cosine_hemisphere, sample_cosine_hemisphere
 from reference.scene.materials.parameters import MaterialTable, lit_cosine
