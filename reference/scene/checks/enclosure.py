@@ -7,7 +7,7 @@ import numpy as np
 from reference.arrays import Vec3s
 from reference.scene.checks.balls import Ball
 from reference.scene.checks.shells import Shell, closed_shells
-from reference.scene.checks.space import Point, sees_out
+from reference.scene.checks.space import sees_out
 from reference.scene.checks.values import refuse
 from reference.scene.geometry import world_corners
 from reference.scene.materials.kinds import Dielectric
@@ -42,7 +42,7 @@ def check_enclosure(where: str, scene: Scene) -> None:
             refuse(where, wrong, right)
 
 
-def _around(eye: Point, scene: Scene) -> Iterator[tuple[Mesh | Sphere, Region]]:
+def _around(eye: Vec3s, scene: Scene) -> Iterator[tuple[Mesh | Sphere, Region]]:
     """Closed opaque parts of shapes that certainly hold the eye."""
     for mesh in scene.meshes:
         corners = world_corners(mesh)

@@ -4,11 +4,8 @@ import numpy as np
 
 from reference.arrays import Masks, Scalars, Vec3s, cross, divide_or_zero, dot
 
-Point = Vec3s
-"""One point, (3,)."""
 
-
-def distance_to_triangles(x: Point, corners: Scalars) -> Scalars:
+def distance_to_triangles(x: Vec3s, corners: Scalars) -> Scalars:
     """Distances from one point to triangles.
 
     Parameters
@@ -39,7 +36,7 @@ def distance_to_triangles(x: Point, corners: Scalars) -> Scalars:
     return np.where(above, height, nearest)
 
 
-def crossings(start: Point, along: Point, corners: Scalars) -> Masks:
+def crossings(start: Vec3s, along: Vec3s, corners: Scalars) -> Masks:
     """Which triangles the segment from ``start`` to ``start + along`` crosses.
 
     Parameters
@@ -65,7 +62,7 @@ def crossings(start: Point, along: Point, corners: Scalars) -> Masks:
     return crossed
 
 
-def inside(x: Point, corners: Scalars) -> bool:
+def inside(x: Vec3s, corners: Scalars) -> bool:
     """Whether a point is certainly inside a closed surface.
 
     Parameters
@@ -84,7 +81,7 @@ def inside(x: Point, corners: Scalars) -> bool:
     return all(crossings(x, ray, corners).sum() % 2 == 1 for ray in _rays(x, corners))
 
 
-def outside(x: Point, corners: Scalars) -> bool:
+def outside(x: Vec3s, corners: Scalars) -> bool:
     """Whether a point is certainly outside a closed surface.
 
     Parameters
@@ -102,7 +99,7 @@ def outside(x: Point, corners: Scalars) -> bool:
     return all(crossings(x, ray, corners).sum() % 2 == 0 for ray in _rays(x, corners))
 
 
-def sees_out(x: Point, corners: Scalars) -> bool:
+def sees_out(x: Vec3s, corners: Scalars) -> bool:
     """Whether a point is certainly not enclosed by any of some triangles.
 
     Parameters
@@ -122,7 +119,7 @@ def sees_out(x: Point, corners: Scalars) -> bool:
     return any(not crossings(x, ray, corners).any() for ray in _rays(x, corners))
 
 
-def _rays(x: Point, corners: Scalars) -> list[Point]:
+def _rays(x: Vec3s, corners: Scalars) -> list[Vec3s]:
     # Directions without a simple ratio of components, so that no edge or corner of an
     # ordinary scene lies on them, each long enough to leave the surface.
     reach = 4.0 * float(np.abs(corners - x).max())
