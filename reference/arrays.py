@@ -67,9 +67,9 @@ def dot(a: Vec3s, b: Vec3s) -> Scalars:
         Column sums, added in the order x, y, z, so that splitting the rows into
         bands cannot change a bit.
     """
-    product: Scalars = (
-        a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
-    )
+    product: Scalars = a[..., 0] * b[..., 0]
+    product += a[..., 1] * b[..., 1]
+    product += a[..., 2] * b[..., 2]
     return product
 
 

@@ -38,26 +38,19 @@ def next_event(world: World, points: SurfacePoints, u: Draw) -> Vec3s:
     Balance heuristic [Veach95, Eq. 8].  A light that no ray can meet by chance, and a
     surface whose lobes are all narrower than any light, keep their whole weight.
     """
-    radiance = zero_vectors(len(points))
     if world.emitters is None or len(points) == 0:
-        return radiance
+        return zero_vectors(len(points))
     light = sample_light(world.emitters, world.geometry, points.position, u)
     value = scattering(world.materials, points, light.wi) * light.weight
     if world.emitters.can_be_hit:
         by_chance = pdf(world.materials, points, light.wi)
         value *= balance(light.pdf, by_chance)[:, None]
     shines = value.any(axis=1)
-    near = np.flatnonzero(shines & ~light.distant)
-    if len(near):
-        x_to, n_to = take(light.x_to, near), take(light.n_to, near)
-        seen = world.caster.visible(points, near, x_to, n_to, "shadow")
-        lit = near[seen]
-        radiance[lit] = value[lit]
-    far = np.flatnonzero(shines & light.distant)
-    if len(far):
-        lit = far[world.caster.escapes(points, far, light.wi[far], "shadow")]
-        radiance[lit] = value[lit]
-    return radiance
+    near, far = shines & ~light.distant, shines & light.distant
+    seen = world.caster.visible(points, light.x_to, light.n_to, near, "shadow")
+    if far.any():
+        seen = seen | world.caster.escapes(points, light.wi, far, "shadow")
+    return np.where(seen[:, None], value, 0.0)
 
 
 def found_by_chance(

@@ -12,7 +12,7 @@ import numpy as np
 
 from reference.arrays import Indices, Masks, Scalars, Vec3s, dot, zero_vectors
 from reference.direct_light import found_by_chance, next_event
-from reference.records import keep, take
+from reference.records import take
 from reference.rng import Uniforms
 from reference.scene.camera import camera_rays
 from reference.scene.emitters import emitted
@@ -23,6 +23,9 @@ from reference.scene.surface import SurfacePoints
 from reference.world import World
 
 Light = Literal["indirect", "direct", "full"]
+
+FEW_DEAD = 0.75
+"""Share of paths alive above which dead ones are not sorted out."""
 
 MAX_BOUNCES = 30
 """Vertices that a stream of 64 dimensions can feed, two a vertex."""
@@ -49,7 +52,7 @@ def first_hits(world: World, x: Scalars, y: Scalars) -> SurfacePoints:
 
 
 def follow(
-    world: World, points: SurfacePoints, direction: Vec3s, kind: str
+    world: World, points: SurfacePoints, direction: Vec3s, active: Masks, kind: str
 ) -> SurfacePoints:
     """What rays that leave surface points meet first.
 
@@ -61,15 +64,17 @@ def follow(
         N points.
     direction : (N, 3) float64
         Unit vectors.
+    active : (N,) bool
+        Which rays are traced.
     kind : str
         What the rays are counted as.
 
     Returns
     -------
     SurfacePoints
-        N rows.
+        N rows; misses where no ray was traced.
     """
-    hits = world.caster.from_surface(points, direction, kind)
+    hits = world.caster.from_surface(points, direction, active, kind)
     return surface_points(world.geometry, hits, points.position, direction)
 
 
@@ -108,7 +113,7 @@ def reflected_radiance(
     walk = _Walk(
         np.arange(len(points)), points, 1.0 + zero_vectors(len(points)), uniforms
     )
-    walk = walk.keep(can_scatter(world.materials, points))
+    walk = walk.pruned(can_scatter(world.materials, points))
     for vertex in range(bounces + 1):
         if len(walk.rows) == 0:
             break
@@ -117,7 +122,7 @@ def reflected_radiance(
         if counts:
             u = walk.uniforms.draw(2 * vertex + 1)
             light = next_event(world, walk.points, u)
-            radiance[walk.rows] += walk.throughput * light
+            walk.add(radiance, walk.throughput * light)
         is_last = vertex == bounces
         if is_last and not (world.emitters and world.emitters.can_be_hit):
             break
@@ -127,9 +132,8 @@ def reflected_radiance(
         else:
             u = walk.uniforms.draw(2 * vertex)
             bsdf = sample(world.materials, walk.points, u)
-        goes_on = dot(bsdf.weight, bsdf.weight) > 0
-        walk, bsdf = walk.keep(goes_on), keep(bsdf, goes_on)
-        hits = world.caster.from_surface(walk.points, bsdf.wi, "bounce")
+        goes_on = walk.points.hit & (dot(bsdf.weight, bsdf.weight) > 0)
+        hits = world.caster.from_surface(walk.points, bsdf.wi, goes_on, "bounce")
         throughput = walk.throughput * bsdf.weight
         if counts:
             found, light = found_by_chance(world, walk.points, bsdf, hits)
@@ -138,7 +142,7 @@ def reflected_radiance(
             break
         # Walk on where there is a surface.
         met = surface_points(world.geometry, hits, walk.points.position, bsdf.wi)
-        walk = _Walk(walk.rows, met, throughput, walk.uniforms).keep(met.hit)
+        walk = _Walk(walk.rows, met, throughput, walk.uniforms).pruned(met.hit)
     return radiance
 
 
@@ -151,10 +155,17 @@ class _Walk:
     throughput: Vec3s
     uniforms: Uniforms
 
-    def keep(self, alive: Masks) -> "_Walk":
-        if alive.all():
-            return self
+    def add(self, radiance: Vec3s, light: Vec3s) -> None:
+        if len(self.rows) == len(radiance):
+            radiance += light
+        else:
+            radiance[self.rows] += light
+
+    def pruned(self, alive: Masks) -> "_Walk":
+        # Dead rows scatter nothing and trace no ray: a few cost less than a copy.
         some = np.flatnonzero(alive)
+        if len(some) > FEW_DEAD * len(alive):
+            return self
         return _Walk(
             self.rows[some],
             take(self.points, some),

@@ -59,13 +59,8 @@ def take(record: Record, rows: Indices) -> Record:
 
 
 def _take(a: Any, rows: Indices) -> Any:
-    if a.ndim == 1:
-        return a.take(rows)
-    # A column at a time: NumPy would first copy the whole array into C order.
-    out = np.empty((len(rows), a.shape[1]), a.dtype, order="F")
-    for column in range(a.shape[1]):
-        out[:, column] = a[:, column].take(rows)
-    return out
+    # Along the columns of Fortran order: NumPy would first copy the array into C order.
+    return a.T.take(rows, axis=-1).T
 
 
 def keep(record: Record, mask: Masks) -> Record:
@@ -121,7 +116,7 @@ def where(mask: Masks, yes: Record, no: Record) -> Record:
     """
 
     def choose(a: Any, b: Any) -> Any:
-        return np.where(mask[:, None] if a.ndim == 2 else mask, a, b)
+        return np.where(mask, a.T, b.T).T
 
     return map_rows(choose, yes, no)
 

@@ -1,9 +1,10 @@
 """Bands and threads: how a frame is cut, which never changes a bit of it."""
 
+import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -19,13 +20,14 @@ class Schedule:
     Attributes
     ----------
     band : int
-        Rows handled at once; 8192 keep the temporaries of a pass in the cache.
+        Rows handled at once.  More rows share the cost of each call, fewer stay in the
+        cache; between 8192 and 32768 it makes no difference to one thread, while two
+        want long calls, in which they do not wait for the interpreter lock.
     threads : int
-        Bands handled at the same time.  NumPy and Embree release the interpreter
-        lock for arrays of this size.
+        Bands handled at the same time.
     """
 
-    band: int = 8192
+    band: int = 32768
     threads: int = 1
 
 
@@ -69,30 +71,53 @@ def in_bands(
         All rows; bit-identical for every schedule.
     """
     cuts = list(bands(rows, schedule.band))
-    first = function(cuts[0])
     if len(cuts) == 1:
-        return first
-    # Each band is copied into the whole frame as soon as it is done, so that the frame
-    # exists once, not once in pieces and once joined.
-    whole = map_rows(lambda a: np.empty((rows, *a.shape[1:]), a.dtype, "F"), first)
+        return function(cuts[0])
+    whole = _Whole[Result](rows)
+    if schedule.threads == 1:
+        for cut in cuts:
+            whole.put(cut, function(cut))
+        return whole.record
+    with ThreadPoolExecutor(schedule.threads) as pool:
+        jobs = [
+            pool.submit(lambda cut: whole.put(cut, function(cut)), cut) for cut in cuts
+        ]
+        try:
+            for job in jobs:
+                job.result()
+        finally:
+            # After Ctrl-C, or a fault in one band, the others need not begin.
+            pool.shutdown(wait=False, cancel_futures=True)
+    return whole.record
 
-    def put(cut: slice, part: Any) -> None:
+
+class _Whole(Generic[Result]):
+    """A frame into which each band is copied as soon as it is done.
+
+    So the frame exists once, not once in pieces and once joined.
+    """
+
+    def __init__(self, rows: int) -> None:
+        self._record: Result | None = None
+        self._rows, self._lock = rows, threading.Lock()
+
+    def put(self, cut: slice, part: Result) -> None:
+        """Copy a band to its place."""
+
+        def reserve(a: Any) -> Any:
+            return np.empty((self._rows, *a.shape[1:]), a.dtype, "F")
+
         def copy(out: Any, values: Any) -> Any:
             out[cut] = values
             return out
 
-        map_rows(copy, whole, part)
+        with self._lock:
+            if self._record is None:
+                self._record = map_rows(reserve, part)
+        map_rows(copy, self._record, part)
 
-    put(cuts[0], first)
-    del first
-    if schedule.threads == 1:
-        for cut in cuts[1:]:
-            put(cut, function(cut))
-        return whole
-    with ThreadPoolExecutor(schedule.threads) as pool:
-        jobs = [
-            pool.submit(lambda rows: put(rows, function(rows)), cut) for cut in cuts[1:]
-        ]
-        for job in jobs:
-            job.result()
-    return whole
+    @property
+    def record(self) -> Result:
+        """The frame, after the last band."""
+        assert self._record is not None
+        return self._record

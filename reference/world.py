@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from reference.rays import RayCaster
+from reference.caster import RayCaster
 from reference.scene.camera import Camera
 from reference.scene.emitters import Emitters, build_emitters
 from reference.scene.geometry import Geometry, build_geometry

@@ -12,7 +12,8 @@ from reference.path_tracer import MAX_BOUNCES
 from reference.schedule import Schedule
 from reference.world import World
 
-BAND = 8192  # rows whose temporaries stay in the cache
+BAND = Schedule().band
+BANDS_A_THREAD = 2  # at least: threads then end nearly together
 
 Parser = argparse.ArgumentParser
 
@@ -169,7 +170,8 @@ def job(
     """
     threads = arguments.threads or _processors()
     pixels = world.camera.width * world.camera.height
-    band = arguments.band or max(256, min(BAND, -(-pixels // (8 * threads))))
+    parts = BANDS_A_THREAD * threads if threads > 1 else 1
+    band = arguments.band or max(256, min(BAND, -(-pixels // parts)))
     return Job(
         world=world,
         light=arguments.light,

@@ -5,8 +5,10 @@ import re
 from collections.abc import Callable
 
 MOST_PIXELS_A_SIDE = 2**14
-MOST_SAMPLES = 2**32 - 1  # a 32-bit word of the random key
-MOST_SEED = 2**27 - 1  # seeds that differ in higher bits alone share their streams
+# Frames, samples and seeds are words of the random key.  Words that differ in higher
+# bits alone have dependent streams (reference.rng).
+MOST_SAMPLES = 2**27 - 1
+MOST_SEED = 2**27 - 1
 Size = tuple[int, int]
 
 

@@ -1,13 +1,12 @@
 """Algorithm 2: one new sample point a pixel."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s, divide_or_zero, vectors
+from reference.arrays import Masks, Scalars, Vec3s, divide_or_zero, vectors
 from reference.frames import to_world
 from reference.path_tracer import follow, reflected_radiance
-from reference.records import scatter, take
 from reference.resampling.reservoir import Samples
 from reference.rng import Draw, Uniforms
 from reference.sampling import (
@@ -150,8 +149,8 @@ def initial_samples(
     """
     # Sample a direction (line 3) and trace it to the sample point (line 4).
     drawn = sample_source(source, world.materials, points, directions.draw(0))
-    possible = np.flatnonzero(points.hit & drawn.weight.any(axis=1))
-    met = _follow_some(world, points, drawn, possible)
+    possible = points.hit & drawn.weight.any(axis=1)
+    met = follow(world, points, drawn.wi, possible, "initial")
     # Estimate the radiance that leaves it (line 5).
     radiance = reflected_radiance(world, met, bounces - 1, paths)
     # The sample is the point, not the ray: density and target take the direction from
@@ -194,15 +193,3 @@ def is_lambertian(table: MaterialTable, points: SurfacePoints) -> Masks:
     """
     lambertian: Masks = table.kind[points.material] == Kind.LAMBERTIAN
     return lambertian
-
-
-def _follow_some(
-    world: World, points: SurfacePoints, drawn: BsdfSamples, rows: Indices
-) -> SurfacePoints:
-    if len(rows) == len(points):
-        return follow(world, points, drawn.wi, "initial")
-    met = follow(world, take(points, rows), take(drawn.wi, rows), "initial")
-    # Rows that were not followed are misses.
-    primitive = np.full(len(points), -1, np.int32)
-    primitive[rows] = met.primitive
-    return replace(scatter(rows, met, len(points)), primitive=primitive)

@@ -12,7 +12,12 @@ from reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
 from reference.resampling.reservoir import Candidates, Reservoirs, Samples
 from reference.resampling.shift import reconnection_jacobian
 from reference.resampling.target import target
-from reference.scene.surface import SurfacePoints, VisiblePoints, direction_and_distance
+from reference.scene.surface import (
+    SurfacePoints,
+    Viewpoints,
+    VisiblePoints,
+    direction_and_distance,
+)
 from reference.settings import Settings
 from reference.world import World
 
@@ -28,6 +33,8 @@ class Stream:
     ----------
     donors : list of (K,) int
         Row of each slot, ``NONE`` where it is empty.
+    x : list of Viewpoints
+        Visible point of each slot.
     M : list of (K,) float64
         Confidence of each slot, 0 where it is empty.
     chosen : Candidates
@@ -35,6 +42,7 @@ class Stream:
     """
 
     donors: list[Indices]
+    x: list[Viewpoints]
     M: list[Scalars]
     chosen: Candidates
 
@@ -81,19 +89,17 @@ def normalization(
     for k in range(2, len(stream.donors)):
         there = stream.donors[k] != NONE
         donor = np.where(there, stream.donors[k], 0)
-        p_k = _target_of_donor(world, visible.surface, settings, donor, y)
+        x_k = stream.x[k]
+        p_k = _target_of_donor(world, visible.surface, settings, donor, x_k, y)
         # Who made the sample sees it: only the others cost a ray.
         possible = there & (p_k > 0) & (chosen.w > 0)
-        asked = np.flatnonzero(possible & (chosen.y != k))
-        seen = sees(world, visible.surface, donor[asked], y, asked)
-        possible[asked[~seen]] = False
-        holds.append(possible)
+        made = possible & (chosen.y == k)
+        holds.append(made | sees(world, x_k, y, possible & ~made))
         if settings.mis == "balance":
-            x_k = take(visible.surface.position, donor)
             p_k = p_k * reconnection_jacobian(
-                points.position, x_k, y.position, y.normal
+                points.position, x_k.position, y.position, y.normal
             )
-            p.append(np.where(possible, p_k, 0.0))
+            p.append(np.where(holds[k], p_k, 0.0))
     if settings.mis == "1/Z":
         return one_over_z(stream.M, holds)
     made_by = np.stack(p)[chosen.y, np.arange(len(points))]
@@ -105,13 +111,14 @@ def _target_of_donor(
     surface: SurfacePoints,
     settings: Settings,
     donor: Indices,
+    x: Viewpoints,
     y: Samples,
 ) -> Scalars:
     """Target of y at donors, 0 where they cannot draw it, whoever may hide it."""
     if world.materials.plain and settings.mis == "1/Z":
         # Every point here is black or reflects all colours to its whole horizon, so
         # that whether the target is positive is a question of geometry.
-        toward = y.position - take(surface.position, donor)
+        toward = y.position - x.position
         holds = dot(y.normal, toward) < 0
         holds &= surface.color[donor, 0] > 0
         holds &= dot(take(surface.normal, donor), toward) > 0
@@ -126,7 +133,7 @@ def _target_of_donor(
 
 
 def sees(
-    world: World, points: SurfacePoints, rows: Indices, y: Samples, of: Indices
+    world: World, points: SurfacePoints | Viewpoints, y: Samples, active: Masks
 ) -> Masks:
     """Whether visible points see sample points: one ray each.
 
@@ -134,22 +141,19 @@ def sees(
     ----------
     world : World
         The scene.
-    points : SurfacePoints
+    points : SurfacePoints or Viewpoints
         N visible points.
-    rows : (K,) int
-        Those that look.
     y : Samples
-        Sample points.
-    of : (K,) int
-        Those that are looked at.
+        N sample points.
+    active : (N,) bool
+        Who looks.
 
     Returns
     -------
-    (K,) bool
-        Nothing lies between.
+    (N,) bool
+        Nothing lies between; false where nobody looks.
     """
-    x_to, n_to = take(y.position, of), take(y.normal, of)
-    return world.caster.visible(points, rows, x_to, n_to, "reuse")
+    return world.caster.visible(points, y.position, y.normal, active, "reuse")
 
 
 def drop_hidden(world: World, points: SurfacePoints, r: Reservoirs) -> Reservoirs:
@@ -169,7 +173,5 @@ def drop_hidden(world: World, points: SurfacePoints, r: Reservoirs) -> Reservoir
     Reservoirs
         W = 0 where the sample is hidden; M still counts.
     """
-    rows = np.flatnonzero(r.W > 0)
-    W = np.zeros(len(r.W))
-    W[rows] = np.where(sees(world, points, rows, r.y, rows), r.W[rows], 0.0)
-    return replace(r, W=W)
+    seen = sees(world, points, r.y, r.W > 0)
+    return replace(r, W=np.where(seen, r.W, 0.0))

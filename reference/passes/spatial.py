@@ -143,16 +143,17 @@ def _stream_own(
     # The pixel's own temporal reservoir always takes part: without it the supports of
     # the others need not cover the pixel's domain.
     rows, points, own, past = pixels.rows, pixels.points, pixels.own, pixels.past
+    x = points.viewpoints
     slot = np.full(len(rows), OWN, np.int8)
     p_hat = target(settings.target, world.materials, points, own.y)
     new = reused_candidates(Reservoirs(slot, own.W, own.M), p_hat)
     if past is None:
         nobody, nothing = np.full(len(rows), NONE), np.zeros(len(rows))
-        return Stream([nobody, rows], [nothing, own.M], new)
+        return Stream([nobody, rows], [x, x], [nothing, own.M], new)
     slot = np.full(len(rows), HISTORY, np.int8)
     p_hat = target(settings.target, world.materials, points, past.y)
     old = reused_candidates(Reservoirs(slot, past.W, past.M), p_hat)
-    return Stream([rows, rows], [past.M, own.M], merge(old, new, u))
+    return Stream([rows, rows], [x, x], [past.M, own.M], merge(old, new, u))
 
 
 def _stream_neighbor(
@@ -169,22 +170,21 @@ def _stream_neighbor(
     donor = np.where(there, neighbor, 0)
     r = take(temporal, donor)
     # Lines 10 and 11: the sample seen from here, in the measure of here.
-    x_from = take(visible.surface.position, donor)
-    jacobian = reconnection_jacobian(x_from, points.position, r.y.position, r.y.normal)
+    x = take(visible.surface.viewpoints, donor)
+    jacobian = reconnection_jacobian(
+        x.position, points.position, r.y.position, r.y.normal
+    )
     p_hat = target(settings.target, world.materials, points, r.y)
     slot = np.full(len(donor), len(stream.donors), np.int8)
     M = np.where(there, r.M, 0.0)
     candidate = reused_candidates(Reservoirs(slot, r.W, M), p_hat, jacobian)
     # Lines 12 and 13: nothing comes from a sample that is hidden; M counts it.
     if settings.visibility == "all":
-        rows = np.flatnonzero(candidate.w > 0)
-        w = np.zeros(len(donor))
-        seen = rows[sees(world, points, rows, r.y, rows)]
-        w[seen] = candidate.w[seen]
-        candidate = replace(candidate, w=w)
+        seen = sees(world, points, r.y, candidate.w > 0)
+        candidate = replace(candidate, w=np.where(seen, candidate.w, 0.0))
     # Line 14.
     chosen = merge(stream.chosen, candidate, u)
-    return Stream([*stream.donors, neighbor], [*stream.M, M], chosen)
+    return Stream([*stream.donors, neighbor], [*stream.x, x], [*stream.M, M], chosen)
 
 
 def _sample_of(

@@ -8,6 +8,22 @@ from reference.arrays import Indices, Masks, Scalars, Vec3s
 
 
 @dataclass(frozen=True, slots=True)
+class Viewpoints:
+    """N points of surfaces that only look: what visibility needs of them.
+
+    Attributes
+    ----------
+    position : (N, 3) float64, m
+        Where rays leave the surface.
+    primitive : (N,) int32
+        Triangle, or sphere after the last triangle.
+    """
+
+    position: Vec3s
+    primitive: Indices
+
+
+@dataclass(frozen=True, slots=True)
 class SurfacePoints:
     """N points where rays met surfaces.
 
@@ -51,6 +67,11 @@ class SurfacePoints:
         """(N,) bool: the ray met a surface."""
         met: Masks = self.primitive >= 0
         return met
+
+    @property
+    def viewpoints(self) -> Viewpoints:
+        """N rows, without a copy."""
+        return Viewpoints(self.position, self.primitive)
 
     @property
     def shading(self) -> Vec3s:

@@ -74,16 +74,22 @@ class Recorder:
 
     def run(self, o: Any, d: Any, **options: Any) -> Any:
         """Trace a batch and keep it."""
-        kept = {k: v.copy() if k == "dists" else v for k, v in options.items()}
-        self.batches.append((o, d, kept))
+        # Without the rows that are passed over: a renderer would not ask for them.
+        rows = np.flatnonzero(options["dists"] >= 0)
+        dists = options["dists"][rows]
+        self.batches.append((o[rows], d[rows], {**options, "dists": dists}))
         return self.embree.run(o, d, **options)
+
+    @property
+    def rays(self) -> int:
+        """How many were kept."""
+        return sum(len(o) for o, _, _ in self.batches)
 
     def replay(self) -> None:
         """Trace all batches again."""
         for o, d, options in self.batches:
             # The distances are overwritten by a run.
-            again = {k: v.copy() if k == "dists" else v for k, v in options.items()}
-            self.embree.run(o, d, **again)
+            self.embree.run(o, d, **{**options, "dists": options["dists"].copy()})
 
 
 def warmed(
@@ -117,11 +123,12 @@ def frame_against_rays() -> Iterator[str]:
         pixels = 512 * 512
         for name, settings in (("unbiased", UNBIASED), ("biased", BIASED)):
             _, step = warmed(world, settings, Schedule())
-            recorder = Recorder(world.caster._embree)
-            world.caster._embree = recorder  # type: ignore[assignment]
+            triangles = world.caster._triangles
+            recorder = Recorder(triangles._embree)
+            triangles._embree = recorder  # type: ignore[assignment]
             step()
-            world.caster._embree = recorder.embree
-            rays = sum(len(o) for o, _, _ in recorder.batches) / pixels
+            triangles._embree = recorder.embree
+            rays = recorder.rays / pixels
             whole, alone = interleaved(step, recorder.replay)
             yield (
                 f"{scene.name:12} {name:9} {whole / pixels * 1e6:6.2f} us/pixel"

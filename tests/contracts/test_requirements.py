@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from reference.records import take
 from reference.scene.camera import Camera
 from reference.scene.catalogue.registry import CATALOGUE, find_scene
 from reference.scene.catalogue.rooms import pose
@@ -164,7 +165,11 @@ def test_in_a_convex_scene_all_points_see_each_other(name):
     sees &= np.einsum("ij,ij->i", toward, seen.normal[b]) < -1e-3
     assert sees.sum() > 50
     a, b = a[sees], b[sees]
-    free = world.caster.visible(seen, a, seen.position[b], seen.normal[b], "reuse")
+    everyone = np.ones(len(a), bool)
+    to = take(seen, b)
+    free = world.caster.visible(
+        take(seen, a), to.position, to.normal, everyone, "reuse"
+    )
     assert free.all()
 
 

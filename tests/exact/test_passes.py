@@ -137,7 +137,8 @@ def test_the_screens_hide_what_they_should(stage):
     i, x = (
         g.ravel() for g in np.meshgrid(range(PIXELS), range(NOTHING), indexing="ij")
     )
-    seen = sees(stage.world, stage.visible.surface, i, samples(x), np.arange(len(x)))
+    viewpoints = take(stage.visible.surface, i)
+    seen = sees(stage.world, viewpoints, samples(x), np.ones(len(x), bool))
     hidden = {(int(a), int(b)) for a, b in zip(i[~seen], x[~seen], strict=True)}
     assert hidden == set(HIDDEN)
     behind = np.sum((stage.visible.surface.position[i] - PLACE[x]) * NORMAL[x], -1) < 0
@@ -328,8 +329,8 @@ def left_out(x_from, x_to, *patch):
     return np.ones(len(x_to))
 
 
-def sees_everything(world, points, rows, y, of):
-    return np.ones(len(of), bool)
+def sees_everything(world, points, y, active):
+    return active
 
 
 def all_confidences(M_k, holds_k):

@@ -87,6 +87,11 @@ def half_size(scene):
     return np.ptp(triangles(scene).reshape(-1, 3), axis=0).max() / 2
 
 
+def everyone(rows):
+    """Mask of all rows."""
+    return np.ones(len(rows), bool)
+
+
 def row_dot(a, b):
     return np.einsum("...i,...i->...", a, b)
 
@@ -202,7 +207,7 @@ def test_rays_that_leave_a_convex_body_meet_nothing(place, shape):
     for lift in (1.0, 0.1, 1e-2, 1e-4):
         side = unit(np.cross(seen.normal, directions(len(seen))))
         outward = unit(side + lift * seen.normal)
-        assert not follow(world, seen, outward, "bounce").hit.any()
+        assert not follow(world, seen, outward, everyone(seen), "bounce").hit.any()
 
 
 # ---------------------------------------------------------------- no leaks
@@ -251,7 +256,9 @@ def test_no_ray_finds_a_way_out_of_a_closed_body(place, shape):
         assert points.front.all()
         onward = directions(len(points), bounce)
         sign = np.where(row_dot(onward, points.normal) > 0, 1.0, -1.0)
-        points = follow(world, points, onward * sign[:, None], "bounce")
+        points = follow(
+            world, points, onward * sign[:, None], everyone(points), "bounce"
+        )
         assert points.hit.all()
 
 
@@ -359,7 +366,7 @@ def test_points_on_concave_edges_stand_before_both_walls(place):
     points = take(seen, np.repeat(on_edges(), 64))
     onward = directions(len(points), 5)
     sign = np.where(row_dot(onward, points.normal) > 0, 1.0, -1.0)
-    met = follow(world, points, onward * sign[:, None], "bounce")
+    met = follow(world, points, onward * sign[:, None], everyone(points), "bounce")
     assert met.hit.all()
     # The front is the inside: a point behind a wall would see backs.
     assert met.front.all()
@@ -598,8 +605,9 @@ def test_visibility_is_that_of_every_triangle_tried_and_symmetric(place, soup):
     faces &= row_dot(toward, points.normal[b]) < -0.05 * size
     a, b = a[faces], b[faces]
     assert len(a) > 20
-    forth = world.caster.visible(points, a, x[b], points.normal[b], "reuse")
-    back = world.caster.visible(points, b, x[a], points.normal[a], "reuse")
+    from_a, from_b = take(points, a), take(points, b)
+    forth = world.caster.visible(from_a, x[b], from_b.normal, everyone(a), "reuse")
+    back = world.caster.visible(from_b, x[a], from_a.normal, everyone(a), "reuse")
     distance = np.linalg.norm(x[b] - x[a], axis=1)
     crossings = cross_all(x[a], unit(x[b] - x[a]), triangles(scene))
     # What lies within 16 margins of either end, or of an edge, may count or not.
@@ -649,7 +657,7 @@ def test_rays_may_start_at_vertices(place):
     local = np.repeat(np.sign(block.vertices), 200, axis=0)
     turn = place[:3, :3] / np.linalg.norm(place[:3, 0])
     outward = (np.abs(outward) * local) @ turn.T
-    assert not follow(world, points, outward, "bounce").hit.any()
+    assert not follow(world, points, outward, everyone(points), "bounce").hit.any()
 
 
 def test_rays_are_counted_by_kind():
@@ -661,10 +669,10 @@ def test_rays_are_counted_by_kind():
     seen = what_is_seen(world)
     assert caster.counts == Counter(primary=256)
     hit = int(seen.hit.sum())
-    rows = np.arange(10)
-    caster.visible(seen, rows, seen.position[rows], seen.normal[rows], "reuse")
-    caster.escapes(seen, rows, seen.normal[rows], "shadow")
-    caster.from_surface(seen, seen.normal, "bounce")
+    some = np.arange(256) < 10
+    caster.visible(seen, seen.position, seen.normal, some, "reuse")
+    caster.escapes(seen, seen.normal, some, "shadow")
+    caster.from_surface(seen, seen.normal, everyone(seen), "bounce")
     assert caster.counts == Counter(primary=256, reuse=10, shadow=10, bounce=256)
     caster.counts.clear()
     path_traced(world, "direct", points=seen)
@@ -686,7 +694,7 @@ def test_no_rays_no_answers():
         hits = world.caster.from_camera(none, none)
         points = surface_points(world.geometry, hits, none, none)
         assert len(points) == 0
-        rows = np.zeros(0, int)
-        assert len(world.caster.visible(points, rows, none, none, "reuse")) == 0
-        assert len(world.caster.escapes(points, rows, none, "shadow")) == 0
-        assert len(follow(world, points, none, "bounce")) == 0
+        nobody = np.zeros(0, bool)
+        assert len(world.caster.visible(points, none, none, nobody, "reuse")) == 0
+        assert len(world.caster.escapes(points, none, nobody, "shadow")) == 0
+        assert len(follow(world, points, none, everyone(points), "bounce")) == 0

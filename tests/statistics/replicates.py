@@ -4,10 +4,12 @@ A replicate is one whole run under its own seed, with empty reservoirs at its st
 pixels and frames within it are never counted as samples.  Each run comes with a
 companion: the mean, over the same frames, of the same initial samples without any
 reuse.  The difference of the two has expectation 0 where reuse is unbiased, and less
-noise than either, since reuse only weights the same samples anew; what the companion
-estimates is tested apart, against path-traced truth.
+noise than either, since reuse only weights the same samples anew.  What initial samples
+estimate on their own is measured apart, with many more of them.  The sum of the two
+means is the mean of ReSTIR GI, to be held against a truth.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,13 +17,16 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from reference.passes.gbuffer import visible_points
+from reference.passes.initial import initial_samples
+from reference.passes.shade import shade
+from reference.passes.temporal import temporal_pass
 from reference.path_tracer import camera_radiance
 from reference.records import take
 from reference.restir_gi import next_frame
-from reference.rng import KeyedUniforms, Stream
+from reference.rng import KeyedUniforms, Stream, UInts
 from reference.scene.camera import pixel_centers
 from reference.scene.scene import Scene
-from reference.scene.surface import VisiblePoints
+from reference.scene.surface import SurfacePoints, VisiblePoints
 from reference.scene.validation import validate
 from reference.schedule import Schedule
 from reference.settings import Settings
@@ -114,31 +119,70 @@ def means(rows: list[Array], width: int) -> Means:
     return Means(np.concatenate([image, tile_means(whole, width)], axis=1))
 
 
-def truth(
+def path_traced(
     world: World,
     samples: int,
-    seed: int = 1,
     bounces: int = 1,
     jitter: np.random.Generator | None = None,
 ) -> Means:
-    """Path-traced indirect light in 64 independent batches, a replicate each."""
+    """Indirect light by the path tracer: the truth."""
+
+    def color(points: SurfacePoints, pixel: UInts, number: int) -> Array:
+        u = KeyedUniforms(pixel, number, SEED_OF_TRUTH, Stream.PATH)
+        return camera_radiance(world, points, "indirect", bounces, u)
+
+    return in_batches(world, samples, color, jitter)
+
+
+def initially_sampled(
+    world: World,
+    settings: Settings,
+    samples: int,
+    bounces: int = 1,
+    jitter: np.random.Generator | None = None,
+) -> Means:
+    """Indirect light by the initial samples of ReSTIR GI alone."""
+
+    def color(points: SurfacePoints, pixel: UInts, number: int) -> Array:
+        streams = (Stream.INITIAL, Stream.PATH, Stream.SPECULAR, Stream.TEMPORAL)
+        *three, last = (
+            KeyedUniforms(pixel, number, SEED_OF_INITIAL, s) for s in streams
+        )
+        source, glossy_samples = settings.source, settings.glossy_samples
+        fresh = initial_samples(world, points, source, glossy_samples, bounces, *three)
+        kept = temporal_pass(world, points, fresh, None, settings.target, 1.0, last)
+        return shade(world, points, kept) + fresh.unshared
+
+    return in_batches(world, samples, color, jitter)
+
+
+BATCHES = 64
+
+# Runs take the seeds from 0 on; what is compared must not share a random number.
+SEED_OF_TRUTH, SEED_OF_INITIAL = 1 << 20, (1 << 20) + 1
+
+
+def in_batches(
+    world: World,
+    samples: int,
+    color: Callable[[SurfacePoints, UInts, int], Array],
+    jitter: np.random.Generator | None,
+) -> Means:
+    """Means of independent samples a pixel in 64 batches, a replicate each."""
     visible = g_buffer(world, jitter)
     count = len(visible.depth)
-    batches = 64
-    at_once = max(1, min(samples // batches, (1 << 16) // count))
+    at_once = max(1, min(samples // BATCHES, (1 << 14) // count))
     pixel = np.arange(count * at_once, dtype=np.uint32)
     points = take(visible.surface, pixel % count)
-    rounds = -(-samples // (batches * at_once))
+    rounds = -(-samples // (BATCHES * at_once))
     rows = []
-    for batch in range(batches):
+    for batch in range(BATCHES):
         total = np.zeros((count, 3))
         for i in range(rounds):
             if jitter is not None:
                 points = take(g_buffer(world, jitter).surface, pixel % count)
-            frame = batch * rounds + i
-            u = KeyedUniforms(pixel, frame, seed, Stream.PATH)
-            color = camera_radiance(world, points, "indirect", bounces, u)
-            total += color.reshape(at_once, count, 3).mean(axis=0)
+            some = color(points, pixel, batch * rounds + i)
+            total += some.reshape(at_once, count, 3).mean(axis=0)
         rows.append(total / rounds)
     return means(rows, world.camera.width)
 
