@@ -7,6 +7,7 @@ import numpy as np
 
 from reference.arrays import Vec3s
 from reference.passes.gbuffer import visible_points
+from reference.passes.history import History
 from reference.passes.initial import initial_samples
 from reference.passes.shade import shade
 from reference.passes.spatial import spatial_pass
@@ -131,6 +132,10 @@ def next_frame(
     """
     rows = len(visible.depth)
     number = 0 if last is None else last.number + 1
+    temporal_history = spatial_history = None
+    if last and settings.temporal:
+        temporal_history = History(last.visible.surface, last.temporal)
+        spatial_history = History(last.visible.surface, last.spatial)
 
     def uniforms(stream: Stream, r: slice) -> KeyedUniforms:
         pixel = np.arange(r.start, r.stop, dtype=np.uint32)
@@ -148,12 +153,11 @@ def next_frame(
             uniforms(Stream.PATH, r),
             uniforms(Stream.SPECULAR, r),
         )
-        history = cut(last.temporal, r) if last and settings.temporal else None
         temporal = temporal_pass(
             world,
             points,
             initial,
-            history,
+            cut(temporal_history, r),
             settings.target,
             settings.temporal_cap,
             uniforms(Stream.TEMPORAL, r),
@@ -172,7 +176,7 @@ def next_frame(
                 r,
                 visible,
                 fresh.temporal,
-                last.spatial if last and settings.temporal else None,
+                spatial_history,
                 settings,
                 uniforms(Stream.SPATIAL, r),
             )

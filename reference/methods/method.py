@@ -64,7 +64,7 @@ class Job:
     bounces : int
         Bounces of indirect light, 0 to 30.
     seed : int
-        0 to 2³² − 1; runs of different seeds are independent.
+        0 to 2²⁷ − 1; runs of different seeds are independent.
     counts : mapping of str to int
         The method's own ``counts``, with what the command line says instead.
     settings : dataclass instance

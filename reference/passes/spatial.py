@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reference.arrays import Indices, Masks, Scalars
+from reference.passes.history import History
 from reference.passes.neighbors import NONE, find_neighbors
 from reference.passes.normalization import (
     HISTORY,
@@ -39,7 +40,7 @@ def spatial_pass(
     rows: slice,
     visible: VisiblePoints,
     temporal: Reservoirs,
-    history: Reservoirs | None,
+    history: History | None,
     settings: Settings,
     uniforms: Uniforms,
 ) -> Reservoirs:
@@ -55,7 +56,7 @@ def spatial_pass(
         Of the whole frame, at which ``temporal`` stands.
     temporal : Reservoirs
         Of the whole frame.
-    history : Reservoirs or None
+    history : History or None
         Spatial reservoirs of the whole last frame, at the same visible points;
         ``None`` after a reset.
     settings : Settings
@@ -78,7 +79,7 @@ def spatial_pass(
         np.arange(rows.start, rows.stop),
         cut(visible.surface, rows),
         cut(temporal, rows),
-        cut(history, rows),
+        cut(history.reservoirs, rows) if history else None,
     )
     few: Masks = np.zeros(len(pixels.rows), bool)
     if pixels.past is not None:

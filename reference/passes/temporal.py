@@ -1,5 +1,6 @@
 """Algorithm 3: the new sample meets what the pixel kept from earlier frames."""
 
+from reference.passes.history import History
 from reference.passes.initial import InitialSamples
 from reference.resampling.mis import one_over_m
 from reference.resampling.reservoir import (
@@ -20,7 +21,7 @@ def temporal_pass(
     world: World,
     points: SurfacePoints,
     initial: InitialSamples,
-    history: Reservoirs | None,
+    history: History | None,
     kind: Target,
     cap: float,
     uniforms: Uniforms,
@@ -35,8 +36,9 @@ def temporal_pass(
         N visible points.
     initial : InitialSamples
         One new sample each.
-    history : Reservoirs or None
-        What the last frame left at the same visible points; ``None`` after a reset.
+    history : History or None
+        Temporal reservoirs of the last frame at the same visible points; ``None``
+        after a reset.
     kind : 'scattered' or 'outgoing'
         Target, Equation 9 or 10.
     cap : float
@@ -61,7 +63,8 @@ def temporal_pass(
     if history is None:
         return cap_confidence(finalize(new, new.M), cap)
     # Line 3: the reservoir of the last frame competes with w = p̂ W M.
-    old = reused_candidates(history, target(kind, world.materials, points, history.y))
+    past = history.reservoirs
+    old = reused_candidates(past, target(kind, world.materials, points, past.y))
     # Lines 5 and 6.
     both = merge(old, new, uniforms.draw(0)[0])
     return cap_confidence(finalize(both, one_over_m([old.M, new.M])), cap)

@@ -1,11 +1,12 @@
 """Mean squared error against the path tracer's in equal time, as in Figure 13.
 
-    python tests/benchmarks/bench_equal_time.py [SCENE] [SIZE] [RUNS]
+    python tests/benchmarks/bench_equal_time.py [SCENE] [SIZE] [RUNS] [KEY=VALUE ...]
 
 A frame of ReSTIR GI takes the time of n path-traced samples a pixel, whose error is
 the error of one over n.  The picture is the 32nd frame, and the time is that of one
 frame in the steady state, as in the paper; beside it stands the stricter reading, the
-mean of all 32 frames against a path tracer given the time of all 32.
+mean of all 32 frames against a path tracer given the time of all 32.  Settings of
+ReSTIR GI are the paper's but for what KEY=VALUE changes, as with ``--set``.
 """
 
 import statistics
@@ -15,6 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from reference.options import with_values
 from reference.passes.gbuffer import visible_points
 from reference.path_tracer import camera_radiance
 from reference.records import cut
@@ -30,7 +32,8 @@ FRAMES = 32
 SCHEDULE = Schedule()
 
 
-def main(name: str, size: int, runs: int, samples: int) -> None:
+def main(name: str, size: int, runs: int, changes: list[str]) -> None:
+    samples = 3000
     scene = find_scene(name)
     camera = replace(scene.camera, width=size, height=size)
     world = build_world(replace(scene, camera=camera))
@@ -55,7 +58,8 @@ def main(name: str, size: int, runs: int, samples: int) -> None:
     variance = squares / samples - truth**2
     of_one, of_truth = variance.mean(), variance.mean() / samples
     print(f"{name} {size} x {size}: truth of {samples} samples a pixel, {runs} runs")
-    for label, settings in (("unbiased", UNBIASED), ("biased", BIASED)):
+    for label, start_from in (("unbiased", UNBIASED), ("biased", BIASED)):
+        settings = with_values(start_from, changes)
         errors, mean_errors, frame_times, run_times, path_times = [], [], [], [], []
         for seed in range(runs):
             mean, seconds = np.zeros((count, 3)), []
@@ -101,4 +105,4 @@ def print_ratio(
 if __name__ == "__main__":
     scene = sys.argv[1] if len(sys.argv) > 1 else "door-ajar"
     size = int(sys.argv[2]) if len(sys.argv) > 2 else 128
-    main(scene, size, int(sys.argv[3]) if len(sys.argv) > 3 else 8, 3000)
+    main(scene, size, int(sys.argv[3]) if len(sys.argv) > 3 else 8, sys.argv[4:])

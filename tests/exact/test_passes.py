@@ -19,6 +19,7 @@ from reference.passes import normalization as normalization_module
 from reference.passes import spatial as spatial_module
 from reference.passes import temporal as temporal_module
 from reference.passes.gbuffer import visible_points
+from reference.passes.history import History
 from reference.passes.initial import InitialSamples
 from reference.passes.normalization import sees
 from reference.passes.spatial import spatial_pass
@@ -265,10 +266,10 @@ def contributions(stage, settings):
     before = Reservoirs(
         samples(past_cells.ravel()), past_W.ravel(), np.full(lines * PIXELS, PAST)
     )
-    kept = spatial_pass(
-        stage.world, slice(0, lines * PIXELS), take(stage.visible, every), r, before,
-        settings, TabledUniforms(uniforms.reshape(64, 4, -1)),
-    )  # fmt: skip
+    visible = take(stage.visible, every)
+    history = History(visible.surface, before)
+    rows, u = slice(0, lines * PIXELS), TabledUniforms(uniforms.reshape(64, 4, -1))
+    kept = spatial_pass(stage.world, rows, visible, r, history, settings, u)
     assert_allclose(probability.sum(axis=0), 1, rtol=1e-13)
     found = np.zeros((PIXELS, NOTHING))
     cells, weights = cells_of(kept.y).reshape(-1, PIXELS), kept.W.reshape(-1, PIXELS)
@@ -384,9 +385,8 @@ def temporal_chain(stage, i, kind, cap, frames=3):
         pdf = np.divide(1.0, fresh_W, out=np.zeros(count), where=fresh_W > 0)
         uniforms = TabledUniforms(np.broadcast_to(u, (1, 4, count)))
         drawn = InitialSamples(samples(new), pdf, np.zeros((count, 3)))
-        history = temporal_pass(
-            stage.world, points, drawn, history, kind, cap, uniforms
-        )
+        past = None if history is None else History(points, history)
+        history = temporal_pass(stage.world, points, drawn, past, kind, cap, uniforms)
         # Impossible sides of a decision go no further.
         alive = np.flatnonzero(probability > 0)
         history, probability = take(history, alive), probability[alive]
