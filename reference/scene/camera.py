@@ -91,6 +91,33 @@ def camera_rays(camera: Camera, x: Scalars, y: Scalars) -> tuple[Vec3s, Vec3s]:
     return origin, direction
 
 
+def image_points(camera: Camera, points: Vec3s) -> tuple[Scalars, Scalars]:
+    """Where points of the world appear in the image: the inverse of `camera_rays`.
+
+    Parameters
+    ----------
+    camera : Camera
+        The camera.
+    points : (N, 3) float64, m
+        In the world.
+
+    Returns
+    -------
+    (N,), (N,) float64, pixels
+        Points of the image, also outside of it; NaN for points that are not before
+        the camera.
+    """
+    right, up, forward = camera.axes
+    offset = points - np.asarray(camera.position, float)
+    depth = dot(offset, forward)
+    half_width = np.tan(np.radians(camera.fov_x) / 2)
+    scale = np.full(len(depth), np.nan)
+    np.divide(camera.width / 2, depth * half_width, out=scale, where=depth > 0)
+    x = camera.width / 2 + dot(offset, right) * scale
+    y = camera.height / 2 - dot(offset, up) * scale
+    return x, y
+
+
 def view_depth(camera: Camera, points: Vec3s) -> Scalars:
     """Distance of points from the camera, along its axis.
 

@@ -19,6 +19,14 @@ from reference import arrays, frames, sampling
 from reference.passes import gbuffer, initial, neighbors
 from reference.records import take
 from reference.resampling import mis, reservoir, shift, target
+from reference.resampling.packing import (
+    log_luv,
+    octahedral,
+    paper,
+    restir_pt,
+    rounding,
+    rtxdi,
+)
 from reference.rng import KeyedUniforms, Stream, TabledUniforms, pcg4d, to_unit_interval
 from reference.scene.materials import (
     bsdf_sampling,
@@ -89,6 +97,8 @@ LIVE = rng.random(N) < 0.8
 CANDIDATES = reservoir.Candidates(SAMPLES, COS * LIVE, ALPHA * LIVE, np.ceil(9 * COS))
 OTHERS = reservoir.Candidates(SAMPLES, ALPHA, COS, np.ceil(5 * ALPHA))
 CLOSED = reservoir.Reservoirs(SAMPLES, ALPHA * LIVE, np.ceil(40 * COS))
+CODES = paper.pack(A, OMEGA, CLOSED, WORD[1])
+AGE_AND_MISC = WORD[2] % 300, WORD[3].astype(np.uint16)
 MASK = rng.random(N) < 0.5
 VISIBLE = VisiblePoints(POINTS, np.where(POINTS.hit, 1 + 0.1 * COS, 0.0))
 COAT = np.array(coat.transmittance_table(0.3, 1.5))
@@ -202,6 +212,20 @@ KERNELS = {
         ),
         (POINTS, SAMPLES),
     ),
+    # Packing.
+    log_luv.decode_log_luv: (log_luv.decode_log_luv, (WORD[0],)),
+    log_luv.encode_log_luv: (log_luv.encode_log_luv, (COLOR,)),
+    octahedral.decode_normal: (octahedral.decode_normal, (CODES["n_v"],)),
+    octahedral.encode_normal: (octahedral.encode_normal, (OMEGA,)),
+    paper.pack: (paper.pack, (A, OMEGA, CLOSED, WORD[1])),
+    paper.unpack: (paper.unpack, (CODES,)),
+    restir_pt.pack: (restir_pt.pack, (A, OMEGA, CLOSED, WORD[1])),
+    restir_pt.unpack: (restir_pt.unpack, (CODES.view(restir_pt.RESERVOIR),)),
+    rounding.nearest_count: (lambda x: rounding.nearest_count(x, 5), (9 * COS,)),
+    rounding.nearest_float: (lambda x: rounding.nearest_float(x, np.float16), (A,)),
+    rounding.widened: (rounding.widened, (CODES["L_o"],)),
+    rtxdi.pack: (rtxdi.pack, (CLOSED, *AGE_AND_MISC)),
+    rtxdi.unpack: (rtxdi.unpack, (rtxdi.pack(CLOSED, *AGE_AND_MISC),)),
     # Materials.
     coat.base_scattering: (coat.base_scattering, (COLOR, COS, MASK)),
     coat.specular_lobe: (coat.specular_lobe, (COS, U[0], U[1], ALPHA)),
@@ -269,8 +293,10 @@ ELSEWHERE = {
     "coat.directional_albedo": "made once for a material",
     "coat.transmittance_table": "made once for a material",
     "coat.internal_reflectance": "made once for a material",
+    "paper.buffer_bytes": "a number",
     "parameters.kind_of": "of one material",
     "parameters.tabulate": "of a list of materials",
+    "rtxdi.buffer_index": "of a whole frame",
     "table.by_kind": "splits rows, in order",
     "gbuffer.visible_points": "traces rays: tests of the frame loop",
     "initial.initial_samples": "traces rays: tests of the frame loop",
@@ -291,6 +317,7 @@ MODULES = [
 ]
 MODULES += [coat, coated, conductor, dielectric, fresnel, lambertian, microfacet]
 MODULES += [bsdf_sampling, parameters, table]
+MODULES += [log_luv, octahedral, paper, restir_pt, rounding, rtxdi]
 
 
 def public_functions(module):

@@ -1,0 +1,155 @@
+"""Scenes that change: a function from the number of a frame to the scene of it.
+
+Every frame has the same shapes in the same order, so that a triangle or sphere keeps
+its number; what moves are their poses, the camera and the lights.  A part that stays is
+the same object in the next frame, which is how a frame knows that it has nothing to do.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from reference.arrays import Scalars
+from reference.errors import UsageError
+from reference.scene.camera import Camera
+from reference.scene.scene import Scene
+from reference.scene.shapes import Mesh, Sphere
+
+Animation = Callable[[int], Scene]
+"""The scene of each frame, numbered from 0."""
+
+RIGID = 1e-9
+"""How far a pose's rotation may be from orthonormal: rounding, and no scale."""
+
+
+def still(scene: Scene) -> Animation:
+    """Animate nothing.
+
+    Parameters
+    ----------
+    scene : Scene
+        Validated.
+
+    Returns
+    -------
+    Animation
+        The same scene in every frame.
+    """
+    return lambda frame: scene
+
+
+def with_camera(animation: Animation, camera_at: Callable[[int], Camera]) -> Animation:
+    """Move the camera.
+
+    Parameters
+    ----------
+    animation : Animation
+        The rest.
+    camera_at : callable
+        Camera of each frame.
+
+    Returns
+    -------
+    Animation
+        With that camera.
+    """
+    return lambda frame: replace(animation(frame), camera=camera_at(frame))
+
+
+def with_shape(
+    animation: Animation, name: str, move_at: Callable[[int], Scalars]
+) -> Animation:
+    """Move a mesh or a sphere.
+
+    Parameters
+    ----------
+    animation : Animation
+        The rest.
+    name : str
+        Of the shape, or of several that move together.
+    move_at : callable
+        Rigid (4, 4) motion of each frame, in the world, away from where the shape
+        stands in ``animation``.
+
+    Returns
+    -------
+    Animation
+        With the shape moved.
+
+    Raises
+    ------
+    UsageError
+        When a frame is asked for: no such shape, or the motion is not rigid.
+    """
+
+    def at(frame: int) -> Scene:
+        scene, move = animation(frame), np.asarray(move_at(frame), float)
+        check_rigid(f'{scene.name}: motion of "{name}" in frame {frame}', move)
+        names = [m.name for m in scene.meshes] + [s.name for s in scene.spheres]
+        if name not in names:
+            raise UsageError(f'{scene.name}: no shape is called "{name}"')
+        return replace(
+            scene,
+            meshes=tuple(
+                _moved_mesh(m, move) if m.name == name else m for m in scene.meshes
+            ),
+            spheres=tuple(
+                _moved_sphere(s, move) if s.name == name else s for s in scene.spheres
+            ),
+        )
+
+    return at
+
+
+def with_change(
+    animation: Animation, frame: int, change: Callable[[Scene], Scene]
+) -> Animation:
+    """Change the scene at once, from one frame on: switch a light, say.
+
+    Parameters
+    ----------
+    animation : Animation
+        The scenes before.
+    frame : int
+        First frame that is changed.
+    change : callable
+        Scene to scene; shapes keep their number and order.
+
+    Returns
+    -------
+    Animation
+        As before until ``frame``, changed from there on.
+    """
+    return lambda t: change(animation(t)) if t >= frame else animation(t)
+
+
+def check_rigid(where: str, move: Scalars) -> None:
+    """Refuse what is not a rotation and a translation.
+
+    Parameters
+    ----------
+    where : str
+        Begins the message.
+    move : (4, 4) float64
+        World to world.
+
+    Raises
+    ------
+    UsageError
+        One line.
+    """
+    rotation = move[:3, :3]
+    orthonormal = np.abs(rotation @ rotation.T - np.eye(3)).max() <= RIGID
+    last = (move[3] == (0, 0, 0, 1)).all()
+    if not (orthonormal and last and np.linalg.det(rotation) > 0):
+        raise UsageError(f"{where} is not rigid; give a rotation and a translation")
+
+
+def _moved_mesh(mesh: Mesh, move: Scalars) -> Mesh:
+    return replace(mesh, pose=move @ mesh.pose)
+
+
+def _moved_sphere(sphere: Sphere, move: Scalars) -> Sphere:
+    x, y, z = (float(v) for v in move[:3, :3] @ sphere.center + move[:3, 3])
+    return replace(sphere, center=(x, y, z))

@@ -1,0 +1,208 @@
+"""Packed reservoirs as 32-bit words, made by shifting bit fields.
+
+The judges of :mod:`reference.resampling.packing`, without a line of the project: the
+words are plain numbers, and floats are made by the standard library's ``struct``.
+"""
+
+import struct
+from dataclasses import dataclass
+
+import numpy as np
+from hypothesis import strategies as st
+
+UNIT = 32767
+LARGEST_FLOAT = struct.unpack("<f", b"\xff\xff\x7f\x7f")[0]
+
+# ---------------------------------------------------------------- bits
+
+
+def float_bits(x):
+    """Word of a number that float32 holds."""
+    return struct.unpack("<I", struct.pack("<f", x))[0]
+
+
+def half_value(code):
+    """Number of a 16-bit code."""
+    return struct.unpack("<e", code.to_bytes(2, "little"))[0]
+
+
+def normal_word(code):
+    """Two 16-bit integers in two's complement, the first in the low bits."""
+    u, v = code
+    return (u & 0xFFFF) | (v & 0xFFFF) << 16
+
+
+def to_bytes(words):
+    """Words as they lie in memory, low byte first."""
+    return b"".join(word.to_bytes(4, "little") for word in words)
+
+
+# ---------------------------------------------------------------- codes
+
+
+def is_canonical(u, v):
+    """Which codes an encoder writes: on the rim of the square, half of them."""
+    inside = (abs(u) <= UNIT) & (abs(v) <= UNIT)
+    return inside & ((abs(u) < UNIT) | (v >= 0)) & ((abs(v) < UNIT) | (u >= 0))
+
+
+def direction(u, v):
+    """Unit vectors of octahedral coordinates in [-1, 1], face by face.
+
+    The upper half is the square |u| + |v| <= 1 seen from +z.  The lower half of each
+    quadrant is the same triangle turned over its long side: (u, v) goes to
+    (1 - v, 1 - u).
+    """
+    u, v = np.asarray(u, np.float64), np.asarray(v, np.float64)
+    a, b = abs(u), abs(v)
+    lower = a + b > 1
+    x, y = np.where(lower, 1 - b, a), np.where(lower, 1 - a, b)
+    n = np.stack([np.copysign(x, u), np.copysign(y, v), 1 - a - b], axis=-1)
+    return n / np.sqrt(np.sum(n * n, axis=-1, keepdims=True))
+
+
+PRIMARIES = np.array([(0.64, 0.33), (0.30, 0.60), (0.15, 0.06)])
+"""Chromaticities x, y of red, green and blue of Rec. 709."""
+
+WHITE = (0.3127, 0.3290)
+
+
+def chroma(xy):
+    """CIE 1976 u′, v′ of chromaticities x, y."""
+    x, y = np.moveaxis(np.asarray(xy), -1, 0)
+    divisor = -2 * x + 12 * y + 3
+    return np.stack([4 * x / divisor, 9 * y / divisor], axis=-1)
+
+
+def distances_to_sides(uv):
+    """How far points are outside of each side of the triangle of Rec. 709."""
+    corners = chroma(PRIMARIES)
+    result = []
+    for i in range(3):
+        (ax, ay), (bx, by) = corners[i - 1], corners[i]
+        across = np.array([by - ay, ax - bx]) / np.hypot(bx - ax, by - ay)
+        third = (corners[i - 2] - corners[i]) @ across
+        result.append(-np.sign(third) * ((uv - corners[i]) @ across))
+    return np.stack(result)
+
+
+def chroma_cells():
+    """All 2¹⁸ pairs of chroma codes, and their middles."""
+    codes = np.stack(np.meshgrid(np.arange(512), np.arange(512), indexing="ij"), -1)
+    codes = codes.reshape(-1, 2)
+    return codes, (codes + 0.5) / 820
+
+
+def cells_in_gamut():
+    """Chroma codes whose middle is a colour of Rec. 709."""
+    codes, middle = chroma_cells()
+    return codes[(distances_to_sides(middle) < 0).all(axis=0)]
+
+
+IN_GAMUT = cells_in_gamut()
+
+# ---------------------------------------------------------------- reservoirs
+
+
+@dataclass(frozen=True)
+class Fields:
+    """What one stored reservoir holds, as codes where there are codes.
+
+    Attributes
+    ----------
+    x_v, x_s : three floats
+        Positions that float32 holds.
+    n_v, n_s : two ints
+        Octahedral codes, canonical.
+    halves : three ints
+        Codes of radiance in halves.
+    log_luv : three ints
+        Codes of radiance in LogLuv.
+    W : float
+        Non-negative, of float32.
+    M, age, misc, seed : int
+        Whole numbers.
+    """
+
+    x_v: tuple
+    n_v: tuple
+    x_s: tuple
+    n_s: tuple
+    halves: tuple
+    log_luv: tuple
+    W: float
+    M: int
+    age: int
+    misc: int
+    seed: int
+
+
+def words_of_48_bytes(f, last):
+    """Three times four words: as ReSTIR_PT has them, with the word that comes last."""
+    red, green, blue = f.halves
+    return [
+        *(float_bits(x) for x in f.x_v),
+        normal_word(f.n_v),
+        *(float_bits(x) for x in f.x_s),
+        normal_word(f.n_s),
+        red | green << 16,
+        blue | f.M << 16,
+        float_bits(f.W),
+        last,
+    ]
+
+
+def words_of_rtxdi(f):
+    """Eight words; M and age have 8 bits."""
+    L, u, v = f.log_luv
+    return [
+        *(float_bits(x) for x in f.x_s),
+        f.M & 255 | (f.age & 255) << 8 | f.misc << 16,
+        L << 18 | u << 9 | v,
+        float_bits(f.W),
+        normal_word(f.n_s),
+        0,
+    ]
+
+
+@st.composite
+def canonical_normals(draw):
+    """Codes that an encoder writes."""
+    u, v = draw(st.integers(-UNIT, UNIT)), draw(st.integers(-UNIT, UNIT))
+    v = abs(v) if abs(u) == UNIT else v
+    u = abs(u) if abs(v) == UNIT else u
+    return u, v
+
+
+def triples(numbers):
+    return st.tuples(numbers, numbers, numbers)
+
+
+@st.composite
+def log_luv_codes(draw):
+    """Black, or a colour of Rec. 709."""
+    L = draw(st.integers(0, 16383))
+    u, v = IN_GAMUT[draw(st.integers(0, len(IN_GAMUT) - 1))].tolist()
+    return (L, u, v) if L else (0, 0, 0)
+
+
+FLOATS = st.floats(-LARGEST_FLOAT, LARGEST_FLOAT, width=32)
+HALVES = st.builds(int.__or__, st.integers(0, 0x7BFF), st.sampled_from([0, 0x8000]))
+COUNTS = st.integers(0, 65535)
+UINT32 = st.integers(0, 2**32 - 1)
+
+FIELDS = st.builds(
+    Fields,
+    x_v=triples(FLOATS),
+    n_v=canonical_normals(),
+    x_s=triples(FLOATS),
+    n_s=canonical_normals(),
+    halves=triples(HALVES),
+    log_luv=log_luv_codes(),
+    W=st.floats(0, LARGEST_FLOAT, width=32),
+    M=COUNTS,
+    age=UINT32,
+    misc=COUNTS,
+    seed=UINT32,
+)
+"""Reservoirs that any writer may have written: finite, and in canonical codes."""
