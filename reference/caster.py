@@ -30,6 +30,8 @@ class RayCaster:
     ----------
     geometry : Geometry
         The scene.
+    before : RayCaster, optional
+        Of another frame of the same animation, in whose counter rays are counted on.
 
     Attributes
     ----------
@@ -37,9 +39,9 @@ class RayCaster:
         Rays traced so far: 'primary', 'bounce', 'shadow', 'reuse', ...
     """
 
-    def __init__(self, geometry: Geometry) -> None:
-        self.counts: Counter[str] = Counter()
-        self._lock = threading.Lock()
+    def __init__(self, geometry: Geometry, before: "RayCaster | None" = None) -> None:
+        self.counts: Counter[str] = before.counts if before else Counter()
+        self._lock: threading.Lock = before._lock if before else threading.Lock()
         self._geometry = geometry
         self._triangles = Triangles(geometry)
         self._center = (geometry.center - geometry.middle) / geometry.extent

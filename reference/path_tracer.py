@@ -85,6 +85,8 @@ def reflected_radiance(
     uniforms: Uniforms,
     skip_direct: bool = False,
     first: BsdfSamples | None = None,
+    tail: Scalars | None = None,
+    tail_begins: int = 0,
 ) -> Vec3s:
     """Radiance that surface points scatter towards their viewers, one path each.
 
@@ -103,6 +105,11 @@ def reflected_radiance(
         Leave out light that reaches x straight from a light.
     first : BsdfSamples or None
         Directions in which the paths leave x, where the caller has chosen them.
+    tail : (N,) float64 or None
+        Russian roulette: weight of all that lies beyond vertex ``tail_begins``, 0 where
+        the path ends there; ``None`` for 1.
+    tail_begins : int
+        The last vertex that every path reaches.
 
     Returns
     -------
@@ -140,9 +147,13 @@ def reflected_radiance(
             radiance[walk.rows[found]] += throughput[found] * light
         if is_last:
             break
-        # Walk on where there is a surface.
+        # Walk on where there is a surface, and roulette lets the path live.
         met = surface_points(world.geometry, hits, walk.points.position, bsdf.wi)
-        walk = _Walk(walk.rows, met, throughput, walk.uniforms).pruned(met.hit)
+        alive = met.hit
+        if tail is not None and vertex == tail_begins:
+            throughput = throughput * tail[walk.rows, None]
+            alive = alive & (tail[walk.rows] > 0)
+        walk = _Walk(walk.rows, met, throughput, walk.uniforms).pruned(alive)
     return radiance
 
 

@@ -1,60 +1,25 @@
-"""ReSTIR GI: the frame loop of Figure 4."""
+"""ReSTIR GI: the frame loop of Figures 4 and 10."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import replace
 
-import numpy as np
-
-from reference.arrays import Vec3s
+from reference.passes.boiling import boiling_filter
 from reference.passes.gbuffer import visible_points
-from reference.passes.history import History
-from reference.passes.initial import initial_samples
-from reference.passes.shade import shade
-from reference.passes.spatial import spatial_pass
-from reference.passes.temporal import temporal_pass
-from reference.records import cut
-from reference.resampling.reservoir import Reservoirs
-from reference.rng import KeyedUniforms, Stream
+from reference.passes.halves import (
+    reuses_neighbors,
+    samples_and_temporal,
+    spatial_and_shade,
+)
+from reference.passes.moment import Frame, Moment
+from reference.passes.past import past_of
+from reference.scene.animation import Animation, Changes, still
 from reference.scene.camera import pixel_centers
 from reference.scene.surface import VisiblePoints
 from reference.schedule import Schedule, in_bands
 from reference.settings import Settings
-from reference.world import World
+from reference.world import World, next_world
 
-
-@dataclass(frozen=True, slots=True)
-class Frame:
-    """All that one frame leaves for the next, and the picture.
-
-    Attributes
-    ----------
-    number : int
-        From 0.
-    visible : VisiblePoints
-        G-buffer.
-    temporal, spatial : Reservoirs
-        Reservoirs at the visible points.
-    color : (N, 3) float64, W/(m² sr)
-        Indirect light.
-    """
-
-    number: int
-    visible: VisiblePoints
-    temporal: Reservoirs
-    spatial: Reservoirs
-    color: Vec3s
-
-
-@dataclass(frozen=True, slots=True)
-class _Fresh:
-    temporal: Reservoirs
-    unshared: Vec3s
-
-
-@dataclass(frozen=True, slots=True)
-class _Shaded:
-    spatial: Reservoirs
-    color: Vec3s
+__all__ = ["Frame", "next_frame", "render_frames"]
 
 
 def render_frames(
@@ -63,13 +28,14 @@ def render_frames(
     bounces: int,
     seed: int,
     schedule: Schedule,
+    animation: Animation | None = None,
 ) -> Iterator[Frame]:
     """Frames of indirect light by ReSTIR GI, without end.
 
     Parameters
     ----------
     world : World
-        The scene.
+        The scene in frame 0.
     settings : Settings
         The algorithm.
     bounces : int
@@ -78,18 +44,30 @@ def render_frames(
         Runs of different seeds are independent.
     schedule : Schedule
         Bands and threads; no influence on the result.
+    animation : Animation, optional
+        Validated scenes of all frames, with cameras of one size; by default the scene
+        stands still.
 
     Yields
     ------
     Frame
         Frame after frame, each resampling what the last one left.
     """
+    animation = animation or still(world.scene)
     rows = world.camera.width * world.camera.height
     x, y = pixel_centers(world.camera.width, world.camera.height)
-    visible = in_bands(schedule, rows, lambda r: visible_points(world, x[r], y[r]))
+
+    def g_buffer(now: World) -> VisiblePoints:
+        return in_bands(schedule, rows, lambda r: visible_points(now, x[r], y[r]))
+
     last: Frame | None = None
     while True:
-        last = next_frame(world, settings, bounces, seed, schedule, visible, last)
+        now = next_world(last.world, animation(last.number + 1)) if last else world
+        visible = last.visible if last and now is last.world else g_buffer(now)
+        changes = animation.changes
+        last = next_frame(
+            now, settings, bounces, seed, schedule, visible, last, changes
+        )
         yield last
 
 
@@ -101,6 +79,7 @@ def next_frame(
     schedule: Schedule,
     visible: VisiblePoints,
     last: Frame | None,
+    changes: Changes = "nothing",
 ) -> Frame:
     """One frame of ReSTIR GI.
 
@@ -119,7 +98,9 @@ def next_frame(
     visible : VisiblePoints
         G-buffer of this frame.
     last : Frame or None
-        What the last frame left at the same visible points.
+        What the last frame left.
+    changes : 'nothing', 'camera' or 'scene'
+        What may differ between frames of the run.
 
     Returns
     -------
@@ -128,60 +109,22 @@ def next_frame(
 
     Notes
     -----
-    [Ouyang21, Fig. 4].
+    [Ouyang21, Fig. 4 and 10].
     """
-    rows = len(visible.depth)
     number = 0 if last is None else last.number + 1
-    temporal_history = spatial_history = None
-    if last and settings.temporal:
-        temporal_history = History(last.visible.surface, last.temporal)
-        spatial_history = History(last.visible.surface, last.spatial)
-
-    def uniforms(stream: Stream, r: slice) -> KeyedUniforms:
-        pixel = np.arange(r.start, r.stop, dtype=np.uint32)
-        return KeyedUniforms(pixel, number, seed, stream)
-
-    def initial_and_temporal(r: slice) -> _Fresh:
-        points = cut(visible.surface, r)
-        initial = initial_samples(
-            world,
-            points,
-            settings.source,
-            settings.glossy_samples,
-            bounces,
-            uniforms(Stream.INITIAL, r),
-            uniforms(Stream.PATH, r),
-            uniforms(Stream.SPECULAR, r),
-        )
-        temporal = temporal_pass(
-            world,
-            points,
-            initial,
-            cut(temporal_history, r),
-            settings.target,
-            settings.temporal_cap,
-            uniforms(Stream.TEMPORAL, r),
-        )
-        return _Fresh(temporal, initial.unshared)
-
+    moment = Moment(number, world, visible, settings, bounces, seed, schedule, changes)
+    past = past_of(moment, last)
     # Every pixel's temporal reservoir is complete before a neighbour reads it.
-    fresh = in_bands(schedule, rows, initial_and_temporal)
-
-    def spatial_and_shade(r: slice) -> _Shaded:
-        points = cut(visible.surface, r)
-        spatial = cut(fresh.temporal, r)
-        if settings.spatial:
-            spatial = spatial_pass(
-                world,
-                r,
-                visible,
-                fresh.temporal,
-                spatial_history,
-                settings,
-                uniforms(Stream.SPATIAL, r),
-            )
-        color = shade(world, points, spatial) + fresh.unshared[r]
-        return _Shaded(spatial, color)
-
-    shaded = in_bands(schedule, rows, spatial_and_shade)
-    return Frame(number, visible, fresh.temporal, shaded.spatial, shaded.color)
+    fresh = in_bands(
+        schedule, moment.pixels, lambda r: samples_and_temporal(moment, past, r)
+    )
+    if settings.boiling_filter:
+        width, strength = world.camera.width, settings.boiling_filter
+        calm = boiling_filter(fresh.kept.reservoirs, width, strength)
+        fresh = replace(fresh, kept=replace(fresh.kept, reservoirs=calm))
+    shaded = in_bands(
+        schedule, moment.pixels, lambda r: spatial_and_shade(moment, past, fresh, r)
+    )
+    temporal = fresh.kept.reservoirs
+    spatial = shaded.spatial if reuses_neighbors(moment) else temporal
+    return Frame(number, world, visible, temporal, spatial, shaded.color, shaded.seen)

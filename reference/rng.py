@@ -32,6 +32,7 @@ class Stream(IntEnum):
     DIRECT = 4
     SPECULAR = 5
     PATH = 6
+    ROULETTE = 7
 
 
 def pcg4d(x: UInts, y: UInts, z: UInts, w: UInts) -> tuple[UInts, UInts, UInts, UInts]:
@@ -102,16 +103,18 @@ class KeyedUniforms:
     ----------
     pixel : (N,) uint32
         y · width + x.
-    frame, seed : int
-        Non-negative, below 2^27: PCG4D mixes its words by products, whose high bits
-        never reach the low ones, so that seeds which differ in the highest bits alone
-        have dependent streams.
+    frame : int or (N,) int
+        Of all rows, or of each.  Non-negative, below 2^27: PCG4D mixes its words by
+        products, whose high bits never reach the low ones, so that frames which differ
+        in the highest bits alone have dependent streams.
+    seed : int
+        The same holds of it.
     stream : Stream
         Who draws.
     """
 
     pixel: UInts
-    frame: int
+    frame: int | Indices
     seed: int
     stream: Stream
 
@@ -136,7 +139,7 @@ class KeyedUniforms:
         if not 0 <= dimension < DIMENSIONS:
             raise IndexError(f"dimension {dimension} is outside 0..{DIMENSIONS - 1}")
         words = (self.frame, self.seed, self.stream * DIMENSIONS + dimension)
-        frame, seed, key = (np.array([word], np.uint32) for word in words)
+        frame, seed, key = (np.atleast_1d(word).astype(np.uint32) for word in words)
         x, y, z, w = pcg4d(self.pixel, frame, seed, key)
         return (
             to_unit_interval(x),
@@ -158,7 +161,8 @@ class KeyedUniforms:
         KeyedUniforms
             K rows.
         """
-        return KeyedUniforms(self.pixel[rows], self.frame, self.seed, self.stream)
+        frame = self.frame if isinstance(self.frame, int) else self.frame[rows]
+        return KeyedUniforms(self.pixel[rows], frame, self.seed, self.stream)
 
 
 @dataclass(frozen=True, slots=True)

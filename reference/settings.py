@@ -1,14 +1,21 @@
 """Settings of ReSTIR GI, with the paper's numbers as defaults."""
 
 from dataclasses import dataclass
+from math import inf
 from typing import Literal
 
 from reference.resampling.target import Target
 
 Source = Literal["uniform", "cosine", "bsdf"]
-Mis = Literal["1/M", "1/Z", "balance"]
+Mis = Literal["1/M", "1/Z", "balance", "pairwise", "defensive"]
 Visibility = Literal["all", "chosen", "none"]
 GlossySamples = Literal["path-traced", "as-lambertian"]
+JacobianUse = Literal["multiplied", "left-out", "divided"]
+BeyondLimit = Literal["reject-mirrored", "reject", "clamp"]
+MotionReuse = Literal["shifted", "as-stored"]
+Reuse = Literal["separate", "double-buffered", "fused"]
+Storage = Literal["float64", "paper"]
+FinalVisibility = Literal["in-weight", "traced", "reused"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -21,7 +28,7 @@ class Settings:
         Density of initial directions (section 4.1).
     target : 'scattered' or 'outgoing'
         Equation 9 or 10.
-    mis : '1/Z', 'balance' or '1/M'
+    mis : '1/Z', 'balance', 'pairwise', 'defensive' or '1/M'
         How reused samples are weighted; 1/M is biased.
     visibility : 'all', 'chosen' or 'none'
         Which reused samples are tested from the receiver: every one before it
@@ -44,6 +51,53 @@ class Settings:
         Between the normals of pixels that share samples.
     max_depth : float
         Relative difference of their depths, |a - b| / max(a, b).
+    motion : 'shifted' or 'as-stored'
+        Reservoirs of a last frame that looked different: shifted into this one, with
+        Jacobian, visibility and Z, or taken as they stand, as in the paper, which is
+        biased.
+    validate_every : int, frames
+        Samples are traced again in every n-th frame of a scene that changes (section
+        4.3), and reservoirs emptied whose sample is not what it was, which is biased;
+        0 for never.
+    validation_tolerance : float
+        Relative change of luminance that a sample survives.
+    boost_below : float
+        Pixels whose spatial M is below it reuse the spatial reservoirs of their
+        neighbours, too (Figure 10); 0 for never.
+    roulette : float
+        Share of the tiles of 64 x 32 pixels whose paths go on beyond the first bounce
+        (section 5, which has 0.25).
+    storage : 'float64' or 'paper'
+        How reservoirs are kept between passes: as they are, or in the 48 bytes of
+        section 5.
+    reuse : 'separate', 'double-buffered' or 'fused'
+        Spatial reuse of this frame's temporal reservoirs; of the last frame's, as two
+        buffers without a barrier have them (section 5); or one pass for all.
+    jacobian : 'multiplied', 'left-out' or 'divided'
+        What becomes of Equation 11; divided as in Algorithm 4.  Only the first is
+        unbiased.
+    jacobian_limit : float
+        Of max(J, 1/J), at least 1; inf for none.
+    beyond_limit : 'reject-mirrored', 'reject' or 'clamp'
+        What becomes of shifts beyond it: refused here and in the weights of others,
+        refused here alone, or J clamped; the latter two are biased.
+    max_age : float, frames
+        Samples older than this are dropped, which is biased: how old a sample is
+        depends on its value.
+    boiling_filter : float
+        Strength of a filter that empties temporal reservoirs which outshine their
+        tile, 0 to 1; biased.
+    permutation : bool
+        Histories are read from a shuffled place nearby.
+    fallback_search : bool
+        Where reprojection fails, some places nearby are tried.
+    final_visibility : 'in-weight', 'traced' or 'reused'
+        A last ray for the sample that is shown: none, since hidden samples have no
+        weight; one a frame; or only where the sample did not come from the pixel's own
+        past, which is biased while things move.
+    checkerboard : bool
+        New samples in every other pixel, and where there is no history; biased while
+        things move.
     """
 
     source: Source = "uniform"
@@ -61,7 +115,28 @@ class Settings:
     min_radius: float = 3.0
     max_angle: float = 25.0
     max_depth: float = 0.05
+    motion: MotionReuse = "shifted"
+    validate_every: int = 0
+    validation_tolerance: float = 0.1
+    boost_below: float = 0.0
+    roulette: float = 1.0
+    storage: Storage = "float64"
+    reuse: Reuse = "separate"
+    jacobian: JacobianUse = "multiplied"
+    jacobian_limit: float = inf
+    beyond_limit: BeyondLimit = "reject-mirrored"
+    max_age: float = inf
+    boiling_filter: float = 0.0
+    permutation: bool = False
+    fallback_search: bool = False
+    final_visibility: FinalVisibility = "in-weight"
+    checkerboard: bool = False
 
 
 UNBIASED = Settings()
-BIASED = Settings(mis="1/M", glossy_samples="as-lambertian")
+BIASED = Settings(
+    mis="1/M",
+    glossy_samples="as-lambertian",
+    motion="as-stored",
+    validate_every=6,
+)

@@ -1,6 +1,6 @@
 """A scene made ready for rays: primitives, accelerator and lights."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from reference.caster import RayCaster
 from reference.scene.camera import Camera
@@ -16,8 +16,8 @@ class World:
 
     Attributes
     ----------
-    camera : Camera
-        The eye.
+    scene : Scene
+        What it was made of.
     geometry : Geometry
         Primitives and materials.
     caster : RayCaster
@@ -26,10 +26,15 @@ class World:
         Lights; ``None`` where nothing emits.
     """
 
-    camera: Camera
+    scene: Scene
     geometry: Geometry
     caster: RayCaster
     emitters: Emitters | None
+
+    @property
+    def camera(self) -> Camera:
+        """The eye."""
+        return self.scene.camera
 
     @property
     def materials(self) -> MaterialTable:
@@ -37,13 +42,15 @@ class World:
         return self.geometry.materials
 
 
-def build_world(scene: Scene) -> World:
+def build_world(scene: Scene, before: World | None = None) -> World:
     """Make a scene ready for rays.
 
     Parameters
     ----------
     scene : Scene
         Validated by :func:`reference.scene.validation.validate`.
+    before : World, optional
+        Of another frame of the same animation, in whose counter rays are counted on.
 
     Returns
     -------
@@ -51,6 +58,48 @@ def build_world(scene: Scene) -> World:
         With a camera of the size that the scene asks for.
     """
     geometry = build_geometry(scene)
-    caster = RayCaster(geometry)
+    caster = RayCaster(geometry, before.caster if before else None)
     emitters = build_emitters(scene, geometry)
-    return World(scene.camera, geometry, caster, emitters)
+    return World(scene, geometry, caster, emitters)
+
+
+def next_world(before: World, scene: Scene) -> World:
+    """The world of the next frame; what has not changed is not made again.
+
+    Parameters
+    ----------
+    before : World
+        Of a frame.
+    scene : Scene
+        Of another frame of the same animation.
+
+    Returns
+    -------
+    World
+        ``before`` itself where the scene is the same object; with the same geometry and
+        lights where only the camera differs.  Rays are counted on in one counter.
+    """
+    if scene is before.scene:
+        return before
+    if same_but_for_the_camera(before.scene, scene):
+        return replace(before, scene=scene)
+    return build_world(scene, before)
+
+
+def same_but_for_the_camera(a: Scene, b: Scene) -> bool:
+    """Whether two scenes hold the very same shapes and lights.
+
+    Parameters
+    ----------
+    a, b : Scene
+        Frames of one animation.
+
+    Returns
+    -------
+    bool
+        By identity: what an animation does not change stays the same object.
+    """
+    ours = (*a.meshes, *a.spheres, *a.points, *a.suns, a.environment)
+    theirs = (*b.meshes, *b.spheres, *b.points, *b.suns, b.environment)
+    pairs = zip(ours, theirs, strict=False)
+    return len(ours) == len(theirs) and all(x is y for x, y in pairs)

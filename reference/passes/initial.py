@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Masks, Scalars, Vec3s, divide_or_zero, vectors
+from reference.arrays import Indices, Masks, Scalars, Vec3s, divide_or_zero, vectors
 from reference.frames import to_world
 from reference.path_tracer import follow, reflected_radiance
 from reference.resampling.reservoir import Samples
+from reference.resampling.suffix import Suffix
 from reference.rng import Draw, Uniforms
 from reference.sampling import (
     pdf_cosine_hemisphere,
@@ -119,6 +120,9 @@ def initial_samples(
     directions: Uniforms,
     paths: Uniforms,
     speculars: Uniforms,
+    numbers: Indices | None = None,
+    tail: Scalars | None = None,
+    active: Masks | None = None,
 ) -> InitialSamples:
     """One new sample point for each visible point.
 
@@ -136,6 +140,12 @@ def initial_samples(
         Bounces of indirect light, at least 1.
     directions, paths, speculars : Uniforms
         N rows: for the direction, for L_o at the sample point, for delta lobes.
+    numbers : (N,) int64 or None
+        Of the paths, where their radiance will have to be found again.
+    tail : (N,) float64 or None
+        Russian roulette: weight of what lies beyond the first bounce; ``None`` for 1.
+    active : (N,) bool or None
+        Who samples at all; ``None`` for everyone.
 
     Returns
     -------
@@ -150,9 +160,11 @@ def initial_samples(
     # Sample a direction (line 3) and trace it to the sample point (line 4).
     drawn = sample_source(source, world.materials, points, directions.draw(0))
     possible = points.hit & drawn.weight.any(axis=1)
+    if active is not None:
+        possible &= active
     met = follow(world, points, drawn.wi, possible, "initial")
     # Estimate the radiance that leaves it (line 5).
-    radiance = reflected_radiance(world, met, bounces - 1, paths)
+    radiance = reflected_radiance(world, met, bounces - 1, paths, tail=tail)
     # The sample is the point, not the ray: density and target take the direction from
     # point to point, which differs from the ray's by Embree's rounding.
     x_s = contact(world.geometry, met)
@@ -170,9 +182,18 @@ def initial_samples(
     if source != "bsdf" and any(k in HAS_DELTA for k in world.materials.kinds):
         first = sample_delta(world.materials, points, speculars.draw(0))
         unshared += reflected_radiance(
-            world, points, bounces, speculars, skip_direct=True, first=first
+            world,
+            points,
+            bounces,
+            speculars,
+            skip_direct=True,
+            first=first,
+            tail=tail,
+            tail_begins=1,
         )
-    y = Samples(x_s, met.normal, np.where(shared[:, None], radiance, 0.0))
+    suffix = None if numbers is None else Suffix(numbers, met)
+    shining = np.where(shared[:, None], radiance, 0.0)
+    y = Samples(x_s, met.normal, shining, suffix)
     return InitialSamples(y, density, unshared)
 
 
@@ -193,3 +214,26 @@ def is_lambertian(table: MaterialTable, points: SurfacePoints) -> Masks:
     """
     lambertian: Masks = table.kind[points.material] == Kind.LAMBERTIAN
     return lambertian
+
+
+def shares_all(world: World, source: Source, glossy_samples: GlossySamples) -> bool:
+    """Whether all light of the initial paths may be reused.
+
+    Parameters
+    ----------
+    world : World
+        The scene.
+    source : 'uniform', 'cosine' or 'bsdf'
+        Density of the directions.
+    glossy_samples : 'path-traced' or 'as-lambertian'
+        What becomes of sample points that are not Lambertian.
+
+    Returns
+    -------
+    bool
+        False where `InitialSamples.unshared` may hold light.
+    """
+    kinds = world.materials.kinds
+    lambertian = kinds == (Kind.LAMBERTIAN,)
+    smooth = any(kind in HAS_DELTA for kind in kinds)
+    return lambertian or (glossy_samples == "as-lambertian" and not smooth)

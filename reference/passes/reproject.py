@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import Indices, Scalars
+from reference.arrays import Indices, Masks, Scalars
 from reference.passes.gbuffer import similar
 from reference.passes.neighbors import NONE
 from reference.records import take
@@ -11,6 +11,32 @@ from reference.scene.motion import Motion, carry, turn
 from reference.scene.surface import VisiblePoints
 from reference.settings import Settings
 from reference.world import World
+
+
+def places_before(
+    before: World, world: World, visible: VisiblePoints, back: Motion | None
+) -> tuple[Scalars, Scalars]:
+    """Where the visible points of this frame were in the image of the last.
+
+    Parameters
+    ----------
+    before, world : World
+        Of the last frame, and of this one.
+    visible : VisiblePoints
+        N visible points of this frame.
+    back : Motion or None
+        From this frame to the last.
+
+    Returns
+    -------
+    (N,), (N,) float64, pixels
+        Also outside of the image; NaN where nothing is seen, or the point was behind
+        the camera.
+    """
+    surface = visible.surface
+    shape = world.geometry.shape[surface.primitive]
+    x, y = image_points(before.camera, carry(back, shape, surface.position))
+    return np.where(surface.hit, x, np.nan), np.where(surface.hit, y, np.nan)
 
 
 def motion_vectors(
@@ -33,12 +59,74 @@ def motion_vectors(
         To be subtracted from the place in this frame; NaN where nothing is seen, or
         the point was behind the camera.
     """
-    surface = visible.surface
+    x, y = image_points(world.camera, visible.surface.position)
+    x_back, y_back = places_before(before, world, visible, back)
+    return x - x_back, y - y_back
+
+
+def row_at(x: Scalars, y: Scalars, world: World) -> Indices:
+    """Pixels that hold places of the image.
+
+    Parameters
+    ----------
+    x, y : (N,) float64, pixels
+        Places, NaN where there is none.
+    world : World
+        Whose camera sees the image.
+
+    Returns
+    -------
+    (N,) int
+        Row, or ``NONE`` outside of the image.
+    """
+    width, height = world.camera.width, world.camera.height
+    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+    column, line = (np.where(inside, v, 0.0).astype(np.int64) for v in (x, y))
+    return np.where(inside, line * width + column, NONE)
+
+
+def alike_before(
+    before: World,
+    seen_before: VisiblePoints,
+    world: World,
+    visible: VisiblePoints,
+    back: Motion | None,
+    rows: Indices,
+    settings: Settings,
+) -> Masks:
+    """Whether pixels of the last frame saw something like what each pixel sees now.
+
+    Parameters
+    ----------
+    before, world : World
+        Of the last frame, and of this one.
+    seen_before, visible : VisiblePoints
+        G-buffers of both frames, N rows each.
+    back : Motion or None
+        From this frame to the last.
+    rows : (N,) int
+        Pixels of the last frame, or ``NONE``.
+    settings : Settings
+        Similarity of depths and normals.
+
+    Returns
+    -------
+    (N,) bool
+        False where there is no pixel, or either saw nothing.
+    """
+    surface, row = visible.surface, np.maximum(rows, 0)
     shape = world.geometry.shape[surface.primitive]
-    x, y = image_points(world.camera, surface.position)
-    x_back, y_back = image_points(before.camera, carry(back, shape, surface.position))
-    gone = ~surface.hit
-    return np.where(gone, np.nan, x - x_back), np.where(gone, np.nan, y - y_back)
+    depth = view_depth(before.camera, carry(back, shape, surface.position))
+    alike = similar(
+        turn(back, shape, surface.shading),
+        np.where(surface.hit, depth, 0.0),
+        take(seen_before.surface.shading, row),
+        seen_before.depth[row],
+        settings.max_angle,
+        settings.max_depth,
+    )
+    found: Masks = alike & (rows != NONE)
+    return found
 
 
 def reproject(
@@ -72,20 +160,6 @@ def reproject(
     -----
     [Ouyang21, section 5].  The tests look at geometry alone, never at a sample.
     """
-    surface, width = visible.surface, world.camera.width
-    height = world.camera.height
-    shape = world.geometry.shape[surface.primitive]
-    position = carry(back, shape, surface.position)
-    x, y = image_points(before.camera, position)
-    inside = surface.hit & (x >= 0) & (x < width) & (y >= 0) & (y < height)
-    column, line = (np.where(inside, v, 0.0).astype(np.int64) for v in (x, y))
-    row = line * width + column
-    alike = similar(
-        turn(back, shape, surface.shading),
-        np.where(inside, view_depth(before.camera, position), 0.0),
-        take(seen_before.surface.shading, row),
-        seen_before.depth[row],
-        settings.max_angle,
-        settings.max_depth,
-    )
-    return np.where(inside & alike, row, NONE)
+    row = row_at(*places_before(before, world, visible, back), before)
+    alike = alike_before(before, seen_before, world, visible, back, row, settings)
+    return np.where(alike, row, NONE)

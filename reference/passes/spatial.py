@@ -5,69 +5,69 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reference.arrays import Indices, Masks, Scalars
-from reference.passes.history import History
+from reference.passes.entries import Donors, Entry, other_entry, own_entry
+from reference.passes.history import History, past_entry
 from reference.passes.neighbors import NONE, find_neighbors
-from reference.passes.normalization import (
-    HISTORY,
-    OWN,
-    Stream,
-    drop_hidden,
-    normalization,
-    sees,
-)
-from reference.records import concatenate, cut, keep, take, where
-from reference.resampling.reservoir import (
-    Reservoirs,
-    Samples,
-    cap_confidence,
-    finalize,
-    merge,
-    reused_candidates,
-)
-from reference.resampling.shift import reconnection_jacobian
-from reference.resampling.target import target
+from reference.passes.receivers import Receivers
+from reference.passes.resample import Resampled, resample
+from reference.records import concatenate, keep, take
+from reference.resampling.reservoir import Reservoirs
 from reference.rng import Uniforms
-from reference.scene.surface import (
-    SurfacePoints,
-    VisiblePoints,
-)
-from reference.settings import Settings
-from reference.world import World
+
+OWN = 63
+"""Dimension that decides on the pixel's own reservoir; the others are neighbours'."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Neighborhood:
+    """Whose reservoirs the neighbours of K pixels lend.
+
+    Attributes
+    ----------
+    donors : Donors
+        Temporal reservoirs of this frame, or of the last.
+    rows : (K,) int
+        Pixels of the donors' frame around which neighbours are looked for, or ``NONE``.
+    spatial : Donors or None
+        Spatial reservoirs of the last frame, for pixels with few samples.
+    home : (N,) int or None
+        Row of the last frame for each pixel of the donors' frame, or ``NONE``; ``None``
+        where they are the same.
+    """
+
+    donors: Donors
+    rows: Indices
+    spatial: Donors | None = None
+    home: Indices | None = None
 
 
 def spatial_pass(
-    world: World,
-    rows: slice,
-    visible: VisiblePoints,
-    temporal: Reservoirs,
+    receivers: Receivers,
+    own: Reservoirs,
+    around: Neighborhood | None,
     history: History | None,
-    settings: Settings,
     uniforms: Uniforms,
-) -> Reservoirs:
+) -> Resampled:
     """Resample the temporal reservoirs of similar pixels nearby.
 
     Parameters
     ----------
-    world : World
-        The scene.
-    rows : slice
-        K consecutive pixels, to be resampled.
-    visible : VisiblePoints
-        Of the whole frame, at which ``temporal`` stands.
-    temporal : Reservoirs
-        Of the whole frame.
+    receivers : Receivers
+        K pixels.
+    own : Reservoirs
+        Their temporal reservoirs.
+    around : Neighborhood or None
+        Whose neighbours take part; ``None`` for nobody's.
     history : History or None
-        Spatial reservoirs of the whole last frame, at the same visible points;
-        ``None`` after a reset.
-    settings : Settings
-        Weights, visibility, caps and search.
+        Spatial reservoirs of the last frame; ``None`` after a reset.
     uniforms : Uniforms
-        K rows.  Dimension s, lanes 0 and 1: neighbour s; lane 2: whether it is kept.
-        Dimension 63, lane 0: the same for the pixel's own temporal reservoir.
+        K rows.  Dimension s, lanes 0 and 1: neighbour s; lane 2: whether it is kept;
+        lane 3: whether its spatial reservoir is.  Dimension 63, lane 0: whether the
+        pixel's own temporal reservoir is.
 
     Returns
     -------
-    Reservoirs
+    Resampled
         K rows; M at most ``settings.spatial_cap``.
 
     Notes
@@ -75,123 +75,117 @@ def spatial_pass(
     [Ouyang21, Alg. 4 and section 5]: pixels whose M is below half of its limit try
     more neighbours.
     """
-    pixels = _Pixels(
-        np.arange(rows.start, rows.stop),
-        cut(visible.surface, rows),
-        cut(temporal, rows),
-        cut(history.reservoirs, rows) if history else None,
-    )
-    few: Masks = np.zeros(len(pixels.rows), bool)
-    if pixels.past is not None:
-        few = settings.spatial_cap / 2.0 <= pixels.past.M
+    settings = receivers.settings
+    few: Masks = np.zeros(len(receivers.points), bool)
+    if history:
+        few = settings.spatial_cap / 2.0 <= history.reservoirs.M
 
-    def resample(mask: Masks, tries: int) -> Reservoirs:
-        some = uniforms if mask.all() else uniforms.rows(np.flatnonzero(mask))
-        chosen = keep(pixels, mask)
-        return _resample(world, chosen, visible, temporal, settings, some, tries)
+    def of(mask: Masks, tries: int) -> Resampled:
+        if mask.all():
+            return _resample(receivers, own, around, history, uniforms, tries)
+        return _resample(
+            replace(receivers, points=keep(receivers.points, mask)),
+            keep(own, mask),
+            replace(around, rows=around.rows[mask]) if around else None,
+            history.keep(mask) if history else None,
+            uniforms.rows(np.flatnonzero(mask)),
+            tries,
+        )
 
     if not few.any():
-        return resample(~few, settings.iterations_many)
+        return of(~few, settings.iterations_many)
     if few.all():
-        return resample(few, settings.iterations_few)
-    parts = [
-        resample(~few, settings.iterations_many),
-        resample(few, settings.iterations_few),
-    ]
+        return of(few, settings.iterations_few)
+    parts = [of(~few, settings.iterations_many), of(few, settings.iterations_few)]
     return take(concatenate(parts), np.argsort(np.argsort(few, kind="stable")))
 
 
-@dataclass(frozen=True, slots=True)
-class _Pixels:
-    """Pixels to be resampled, with what is their own."""
-
-    rows: Indices
-    points: SurfacePoints
-    own: Reservoirs
-    past: Reservoirs | None
-
-
 def _resample(
-    world: World,
-    pixels: _Pixels,
-    visible: VisiblePoints,
-    temporal: Reservoirs,
-    settings: Settings,
+    receivers: Receivers,
+    own: Reservoirs,
+    around: Neighborhood | None,
+    history: History | None,
     uniforms: Uniforms,
     tries: int,
-) -> Reservoirs:
-    draws = [uniforms.draw(s) for s in range(tries)]
-    width = world.camera.width
-    neighbors = find_neighbors(pixels.rows, visible, width, settings, draws)
-    # Lines 2 to 15: stream the candidates.
-    stream = _stream_own(world, pixels, settings, uniforms.draw(63)[0])
-    for neighbor, u in zip(neighbors, draws, strict=True):
-        stream = _stream_neighbor(
-            world, pixels.points, visible, temporal, settings, stream, neighbor, u[2]
-        )
-    y = _sample_of(stream, temporal, pixels.past)
-    # Lines 16 to 20: divide by the confidences of those that could have made it.
-    total = normalization(world, pixels.points, visible, settings, stream, y)
-    kept = finalize(replace(stream.chosen, y=y), total)
-    if settings.visibility == "chosen":
-        kept = drop_hidden(world, pixels.points, kept)
-    return cap_confidence(kept, settings.spatial_cap)
-
-
-def _stream_own(
-    world: World, pixels: _Pixels, settings: Settings, u: Scalars
-) -> Stream:
+) -> Resampled:
+    entries = [past_entry(receivers, history, 0)] if history else []
     # The pixel's own temporal reservoir always takes part: without it the supports of
     # the others need not cover the pixel's domain.
-    rows, points, own, past = pixels.rows, pixels.points, pixels.own, pixels.past
-    x = points.viewpoints
-    slot = np.full(len(rows), OWN, np.int8)
-    p_hat = target(settings.target, world.materials, points, own.y)
-    new = reused_candidates(Reservoirs(slot, own.W, own.M), p_hat)
-    if past is None:
-        nobody, nothing = np.full(len(rows), NONE), np.zeros(len(rows))
-        return Stream([nobody, rows], [x, x], [nothing, own.M], new)
-    slot = np.full(len(rows), HISTORY, np.int8)
-    p_hat = target(settings.target, world.materials, points, past.y)
-    old = reused_candidates(Reservoirs(slot, past.W, past.M), p_hat)
-    return Stream([rows, rows], [x, x], [past.M, own.M], merge(old, new, u))
+    canonical = len(entries)
+    entries.append(own_entry(receivers, own, canonical))
+    decisions = [uniforms.draw(OWN)[0]] * len(entries)
+    # Lines 2 to 15: stream the candidates.
+    little = _little(receivers, history)
+    for entry, u in neighbors(receivers, around, uniforms, tries, len(entries), little):
+        entries.append(entry)
+        decisions.append(u)
+    cap = receivers.settings.spatial_cap
+    return resample(receivers, entries, decisions, canonical, cap)
 
 
-def _stream_neighbor(
-    world: World,
-    points: SurfacePoints,
-    visible: VisiblePoints,
-    temporal: Reservoirs,
-    settings: Settings,
-    stream: Stream,
-    neighbor: Indices,
-    u: Scalars,
-) -> Stream:
-    there = neighbor != NONE
-    donor = np.where(there, neighbor, 0)
-    r = take(temporal, donor)
-    # Lines 10 and 11: the sample seen from here, in the measure of here.
-    x = take(visible.surface.viewpoints, donor)
-    jacobian = reconnection_jacobian(
-        x.position, points.position, r.y.position, r.y.normal
+def _little(receivers: Receivers, history: History | None) -> Masks | None:
+    if not receivers.settings.boost_below:
+        return None
+    M = history.reservoirs.M if history else np.zeros(len(receivers.points))
+    little: Masks = receivers.settings.boost_below > M
+    return little
+
+
+def neighbors(
+    receivers: Receivers,
+    around: Neighborhood | None,
+    uniforms: Uniforms,
+    tries: int,
+    place: int,
+    little: Masks | None = None,
+) -> list[tuple[Entry, Scalars]]:
+    """Entries of the neighbours of pixels, each with the number that decides on it.
+
+    Parameters
+    ----------
+    receivers : Receivers
+        K pixels.
+    around : Neighborhood or None
+        Whose neighbours take part; ``None`` for nobody's.
+    uniforms : Uniforms
+        K rows, as for `spatial_pass`.
+    tries : int
+        Neighbours that are looked for.
+    place : int
+        Of the first, in the stream.
+    little : (K,) bool or None
+        Pixels that reuse spatial reservoirs of their neighbours, too.
+
+    Returns
+    -------
+    list of (Entry, (K,) float64)
+        One or two for each try.
+
+    Notes
+    -----
+    [Ouyang21, Alg. 4, lines 5 to 13, and Fig. 10].
+    """
+    if around is None:
+        return []
+    there = around.rows != NONE
+    draws = [uniforms.draw(s) for s in range(tries)]
+    rows = find_neighbors(
+        np.where(there, around.rows, 0),
+        around.donors.visible,
+        receivers.world.camera.width,
+        receivers.settings,
+        draws,
     )
-    p_hat = target(settings.target, world.materials, points, r.y)
-    slot = np.full(len(donor), len(stream.donors), np.int8)
-    M = np.where(there, r.M, 0.0)
-    candidate = reused_candidates(Reservoirs(slot, r.W, M), p_hat, jacobian)
-    # Lines 12 and 13: nothing comes from a sample that is hidden; M counts it.
-    if settings.visibility == "all":
-        seen = sees(world, points, r.y, candidate.w > 0)
-        candidate = replace(candidate, w=np.where(seen, candidate.w, 0.0))
-    # Line 14.
-    chosen = merge(stream.chosen, candidate, u)
-    return Stream([*stream.donors, neighbor], [*stream.x, x], [*stream.M, M], chosen)
-
-
-def _sample_of(
-    stream: Stream, temporal: Reservoirs, past: Reservoirs | None
-) -> Samples:
-    slot = stream.chosen.y
-    donor = np.stack(stream.donors)[slot, np.arange(len(slot))]
-    y: Samples = take(temporal.y, donor)
-    return y if past is None else where(slot == HISTORY, past.y, y)
+    found: list[tuple[Entry, Scalars]] = []
+    for row, u in zip(rows, draws, strict=True):
+        neighbor = np.where(there, row, NONE)
+        entry = other_entry(receivers, around.donors, neighbor, place + len(found))
+        found.append((entry, u[2]))
+        if around.spatial and little is not None:
+            before = neighbor
+            if around.home is not None:
+                before = np.where(neighbor != NONE, around.home[neighbor], NONE)
+            before = np.where(little, before, NONE)
+            entry = other_entry(receivers, around.spatial, before, place + len(found))
+            found.append((entry, u[3]))
+    return found

@@ -12,6 +12,7 @@ import numpy as np
 
 from reference.arrays import Masks, Scalars, Vec3s, divide_or_zero, saturate
 from reference.records import where
+from reference.resampling.suffix import Suffix
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,11 +28,14 @@ class Samples:
     radiance : (N, 3), W/(m² sr)
         L_o, that leaves x_s on that side, taken to be the same in all directions;
         0 for a null: a miss, or a path that found no light.
+    suffix : Suffix or None
+        What finds the radiance again; ``None`` where it need not be found again.
     """
 
     position: Vec3s
     normal: Vec3s
     radiance: Vec3s
+    suffix: Suffix | None = None
 
 
 @dataclass(frozen=True, slots=True)

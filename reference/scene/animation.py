@@ -6,7 +6,8 @@ the same object in the next frame, which is how a frame knows that it has nothin
 """
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -16,11 +17,31 @@ from reference.scene.camera import Camera
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh, Sphere
 
-Animation = Callable[[int], Scene]
-"""The scene of each frame, numbered from 0."""
-
 RIGID = 1e-9
 """How far a pose's rotation may be from orthonormal: rounding, and no scale."""
+
+Changes = Literal["nothing", "camera", "scene"]
+
+
+@dataclass(frozen=True, slots=True)
+class Animation:
+    """The scene of each frame.
+
+    Attributes
+    ----------
+    scene_at : callable
+        Scene of a frame, numbered from 0.
+    changes : 'nothing', 'camera' or 'scene'
+        What may differ between two frames: known beforehand, since samples must keep
+        more of their history in a scene whose light may change.
+    """
+
+    scene_at: Callable[[int], Scene]
+    changes: Changes
+
+    def __call__(self, frame: int) -> Scene:
+        """Scene of a frame."""
+        return self.scene_at(frame)
 
 
 def still(scene: Scene) -> Animation:
@@ -36,7 +57,7 @@ def still(scene: Scene) -> Animation:
     Animation
         The same scene in every frame.
     """
-    return lambda frame: scene
+    return Animation(lambda frame: scene, "nothing")
 
 
 def with_camera(animation: Animation, camera_at: Callable[[int], Camera]) -> Animation:
@@ -54,7 +75,10 @@ def with_camera(animation: Animation, camera_at: Callable[[int], Camera]) -> Ani
     Animation
         With that camera.
     """
-    return lambda frame: replace(animation(frame), camera=camera_at(frame))
+    changes: Changes = "scene" if animation.changes == "scene" else "camera"
+    return Animation(
+        lambda frame: replace(animation(frame), camera=camera_at(frame)), changes
+    )
 
 
 def with_shape(
@@ -99,7 +123,7 @@ def with_shape(
             ),
         )
 
-    return at
+    return Animation(at, "scene")
 
 
 def with_change(
@@ -121,7 +145,9 @@ def with_change(
     Animation
         As before until ``frame``, changed from there on.
     """
-    return lambda t: change(animation(t)) if t >= frame else animation(t)
+    return Animation(
+        lambda t: change(animation(t)) if t >= frame else animation(t), "scene"
+    )
 
 
 def check_rigid(where: str, move: Scalars) -> None:

@@ -300,6 +300,7 @@ ELSEWHERE = {
     "table.by_kind": "splits rows, in order",
     "gbuffer.visible_points": "traces rays: tests of the frame loop",
     "initial.initial_samples": "traces rays: tests of the frame loop",
+    "initial.shares_all": "of a scene",
 }
 """Functions of the modules that are not kernels, with the reason."""
 

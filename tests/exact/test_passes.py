@@ -16,13 +16,16 @@ import pytest
 from numpy.testing import assert_allclose
 
 from reference.passes import normalization as normalization_module
-from reference.passes import spatial as spatial_module
+from reference.passes import receivers as receivers_module
+from reference.passes import resample as resample_module
+from reference.passes import shifting as shifting_module
 from reference.passes import temporal as temporal_module
+from reference.passes.entries import Donors
 from reference.passes.gbuffer import visible_points
 from reference.passes.history import History
 from reference.passes.initial import InitialSamples
-from reference.passes.normalization import sees
-from reference.passes.spatial import spatial_pass
+from reference.passes.receivers import Receivers, sees
+from reference.passes.spatial import Neighborhood, spatial_pass
 from reference.passes.temporal import temporal_pass
 from reference.records import take
 from reference.resampling.reservoir import Reservoirs, Samples
@@ -32,6 +35,7 @@ from reference.scene.camera import Camera
 from reference.scene.materials.kinds import Conductor, Lambertian
 from reference.scene.scene import Scene
 from reference.scene.shapes import quad
+from reference.scene.surface import VisiblePoints
 from reference.settings import Settings
 from reference.world import World, build_world
 
@@ -89,7 +93,7 @@ class Stage:
     chance: np.ndarray
 
 
-def build(material):
+def build(material, place=PLACE, normal=NORMAL, hidden=HIDDEN, unlit=UNLIT):
     """A floor, the camera, and screens half-way between pixels and hidden cells."""
     camera = Camera((0.0, 2.0, 6.0), (0.0, 0.0, 0.0), fov_x=50.0, width=3, height=1)
     floor = quad("floor", (-9, 0, 9), (18, 0, 0), (0, 0, -18), material)
@@ -97,18 +101,18 @@ def build(material):
     centers = np.array([0.5, 1.5, 2.5]), np.full(3, 0.5)
     eyes = visible_points(bare, *centers).surface.position
     screens = []
-    for i, x in HIDDEN:
-        middle = (eyes[i] + PLACE[x]) / 2
+    for i, x in hidden:
+        middle = (eyes[i] + place[x]) / 2
         corner = tuple(middle - [0.03, 0.0, 0.03])
         name = f"screen {i} {x}"
         screens.append(quad(name, corner, (0.06, 0, 0), (0, 0, 0.06), material))
     world = build_world(Scene(name="screens", camera=camera, meshes=(floor, *screens)))
     visible = visible_points(world, *centers)
-    v = visible.surface.position[:, None] - PLACE[None, :NOTHING]
+    v = visible.surface.position[:, None] - place[None, :NOTHING]
     d = np.sqrt(np.sum(v * v, axis=-1))
-    mu = PATCH * abs(np.sum(v * NORMAL[:NOTHING], axis=-1)) / d**3
+    mu = PATCH * abs(np.sum(v * normal[:NOTHING], axis=-1)) / d**3
     holds = np.ones((PIXELS, NOTHING), bool)
-    for i, x in HIDDEN + UNLIT:
+    for i, x in hidden + unlit:
         holds[i, x] = False
     # Unequal probabilities, and something left for nothing.
     weight = holds * np.array([3, 1, 2, 2, 1, 3])
@@ -267,9 +271,11 @@ def contributions(stage, settings):
         samples(past_cells.ravel()), past_W.ravel(), np.full(lines * PIXELS, PAST)
     )
     visible = take(stage.visible, every)
-    history = History(visible.surface, before)
     rows, u = slice(0, lines * PIXELS), TabledUniforms(uniforms.reshape(64, 4, -1))
-    kept = spatial_pass(stage.world, rows, visible, r, history, settings, u)
+    history = History(Donors(stage.world, visible, before), rows, as_they_stand=True)
+    around = Neighborhood(Donors(stage.world, visible, r), np.arange(lines * PIXELS))
+    receivers = Receivers(stage.world, visible.surface, settings)
+    kept = spatial_pass(receivers, r, around, history, u).reservoirs
     assert_allclose(probability.sum(axis=0), 1, rtol=1e-13)
     found = np.zeros((PIXELS, NOTHING))
     cells, weights = cells_of(kept.y).reshape(-1, PIXELS), kept.W.reshape(-1, PIXELS)
@@ -316,13 +322,13 @@ def test_1_over_m_is_dark_by_the_share_that_could_not_have_made_it(stage, kind):
     assert_allclose(found, expected, rtol=500 * np.finfo(float).eps)
 
 
-def divided(*places, jacobian=spatial_module.reconnection_jacobian):
+def divided(*places, jacobian=shifting_module.reconnection_jacobian):
     """1/J, and 0 where there is no J."""
     J = jacobian(*places)
     return np.divide(1.0, J, out=np.zeros_like(J), where=J != 0)
 
 
-def swapped(x_from, x_to, *patch, jacobian=spatial_module.reconnection_jacobian):
+def swapped(x_from, x_to, *patch, jacobian=shifting_module.reconnection_jacobian):
     return jacobian(x_to, x_from, *patch)
 
 
@@ -339,10 +345,10 @@ def all_confidences(M_k, holds_k):
 
 
 PLANTED = [
-    (spatial_module, "reconnection_jacobian", divided),
-    (spatial_module, "reconnection_jacobian", swapped),
-    (spatial_module, "reconnection_jacobian", left_out),
-    (spatial_module, "sees", sees_everything),
+    (shifting_module, "reconnection_jacobian", divided),
+    (shifting_module, "reconnection_jacobian", swapped),
+    (shifting_module, "reconnection_jacobian", left_out),
+    (receivers_module, "sees", sees_everything),
     (normalization_module, "sees", sees_everything),
     (normalization_module, "one_over_z", all_confidences),
 ]
@@ -385,8 +391,13 @@ def temporal_chain(stage, i, kind, cap, frames=3):
         pdf = np.divide(1.0, fresh_W, out=np.zeros(count), where=fresh_W > 0)
         uniforms = TabledUniforms(np.broadcast_to(u, (1, 4, count)))
         drawn = InitialSamples(samples(new), pdf, np.zeros((count, 3)))
-        past = None if history is None else History(points, history)
-        history = temporal_pass(stage.world, points, drawn, past, kind, cap, uniforms)
+        settings = Settings(target=kind, temporal_cap=cap)
+        past = None
+        if history is not None:
+            donors = Donors(stage.world, VisiblePoints(points, np.ones(count)), history)
+            past = History(donors, slice(0, count), as_they_stand=True)
+        receivers = Receivers(stage.world, points, settings)
+        history = temporal_pass(receivers, drawn, past, uniforms).reservoirs
         # Impossible sides of a decision go no further.
         alive = np.flatnonzero(probability > 0)
         history, probability = take(history, alive), probability[alive]
@@ -421,19 +432,19 @@ def weight_capped(r, cap):
 
 
 def of_the_new_alone(M_k):
-    return M_k[1]
+    return M_k[-1]
 
 
 PLANTED_IN_TIME = [
-    ("initial_candidates", nulls_left_out),
-    ("cap_confidence", weight_capped),
-    ("one_over_m", of_the_new_alone),
+    (temporal_module, "initial_candidates", nulls_left_out),
+    (resample_module, "cap_confidence", weight_capped),
+    (normalization_module, "one_over_m", of_the_new_alone),
 ]
 
 
-@pytest.mark.parametrize(("name", "wrong"), PLANTED_IN_TIME)
-def test_control_planted_mistakes_are_refuted_in_time(monkeypatch, name, wrong):
+@pytest.mark.parametrize(("module", "name", "wrong"), PLANTED_IN_TIME)
+def test_control_planted_mistakes_are_refuted_in_time(monkeypatch, module, name, wrong):
     stage = build(PAINT)
     assert is_true_in_each_frame(stage, 1, "scattered", 2.0)
-    monkeypatch.setattr(temporal_module, name, wrong)
+    monkeypatch.setattr(module, name, wrong)
     assert not is_true_in_each_frame(stage, 1, "scattered", 2.0)

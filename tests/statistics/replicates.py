@@ -18,6 +18,7 @@ from scipy import stats
 
 from reference.passes.gbuffer import visible_points
 from reference.passes.initial import initial_samples
+from reference.passes.receivers import Receivers
 from reference.passes.shade import shade
 from reference.passes.temporal import temporal_pass
 from reference.path_tracer import camera_radiance
@@ -150,7 +151,8 @@ def initially_sampled(
         )
         source, glossy_samples = settings.source, settings.glossy_samples
         fresh = initial_samples(world, points, source, glossy_samples, bounces, *three)
-        kept = temporal_pass(world, points, fresh, None, settings.target, 1.0, last)
+        receivers = Receivers(world, points, settings)
+        kept = temporal_pass(receivers, fresh, None, last).reservoirs
         return shade(world, points, kept) + fresh.unshared
 
     return in_batches(world, samples, color, jitter)

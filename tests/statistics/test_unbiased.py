@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-import reference.passes.spatial
+import reference.passes.shifting
 from reference.resampling.shift import reconnection_jacobian
 from reference.scene.catalogue.registry import find_scene
 from reference.settings import BIASED, UNBIASED, Settings
@@ -109,7 +109,7 @@ def test_the_same_test_rejects_a_planted_bias(plan, monkeypatch):
     }
     if plan.control in planted:
         wrong = planted[plan.control]
-        monkeypatch.setattr(reference.passes.spatial, "reconnection_jacobian", wrong)
+        monkeypatch.setattr(reference.passes.shifting, "reconnection_jacobian", wrong)
         settings = UNBIASED
     reuse = what_reuse_changes(plan, settings, runs)
     bound = threshold(len(reuse.mean) - 1, FAMILY, runs)

@@ -1,0 +1,50 @@
+"""Boiling filter: reservoirs that outshine their surroundings are emptied."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from reference.arrays import Indices, divide_or_zero
+from reference.resampling.reservoir import Reservoirs
+from reference.resampling.target import luminance
+
+TILE = 16
+"""Pixels on a side of the tiles within which reservoirs are compared."""
+
+
+def boiling_filter(r: Reservoirs, width: int, strength: float) -> Reservoirs:
+    """Empty the reservoirs whose light is far above the mean of their tile.
+
+    Parameters
+    ----------
+    r : Reservoirs
+        Of a whole frame, N rows.
+    width : int, pixels
+        Of the frame.
+    strength : float
+        Above 0, to 1: a reservoir may reach 10 / strength - 9 times the mean.
+
+    Returns
+    -------
+    Reservoirs
+        W = 0 and M = 0 where luminance(L_o) · W is above that.
+
+    Notes
+    -----
+    Biased: it looks at the samples' values, and takes light away.  The mean is over the
+    reservoirs of the tile that hold a sample, itself among them.
+    """
+    light = luminance(r.y.radiance) * r.W
+    tile = _tiles(len(light), width)
+    total = np.bincount(tile, light)
+    count = np.bincount(tile, light > 0)
+    mean = divide_or_zero(total, count)[tile]
+    calm = light <= mean * (10.0 / strength - 9.0)
+    return replace(r, W=np.where(calm, r.W, 0.0), M=np.where(calm, r.M, 0.0))
+
+
+def _tiles(pixels: int, width: int) -> Indices:
+    y, x = np.divmod(np.arange(pixels), width)
+    across = -(-width // TILE)
+    tiles: Indices = y // TILE * across + x // TILE
+    return tiles

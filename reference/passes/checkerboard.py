@@ -1,0 +1,33 @@
+"""Checkerboard: half of the pixels draw a new sample in each frame."""
+
+from reference.arrays import Indices, Masks
+
+
+def samples_anew(rows: Indices, width: int, frame: int, has_history: Masks) -> Masks:
+    """Whether pixels draw a new sample in this frame.
+
+    Parameters
+    ----------
+    rows : (K,) int
+        Pixels, y · width + x.
+    width : int, pixels
+        Of the image.
+    frame : int
+        From 0.
+    has_history : (K,) bool
+        The pixel goes on from the last frame.
+
+    Returns
+    -------
+    (K,) bool
+        Where x + y + frame is even, and where there is no history to live on.
+
+    Notes
+    -----
+    Decided by place, geometry and time alone, never by a sample.  While nothing moves,
+    the history covers the pixel's whole domain and nothing is biased; in a scene that
+    changes, what only a new sample could have found is missing.
+    """
+    turn = (rows % width + rows // width + frame) % 2 == 0
+    anew: Masks = turn | ~has_history
+    return anew

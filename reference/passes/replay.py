@@ -1,0 +1,61 @@
+"""Radiance found again: the same path with the same random numbers at another time."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from reference.arrays import Indices, Masks, Scalars, Vec3s
+from reference.path_tracer import reflected_radiance
+from reference.resampling.suffix import Suffix
+from reference.rng import Uniforms
+from reference.world import World
+
+
+@dataclass(frozen=True, slots=True)
+class Replay:
+    """How the radiance of sample points follows from the numbers of their paths.
+
+    Attributes
+    ----------
+    bounces : int
+        Of indirect light at the visible points, at least 1.
+    uniforms : callable
+        Random numbers of the paths that have the given numbers.
+    tail : callable or None
+        Weight of what lies beyond the first bounce; ``None`` for 1.
+    """
+
+    bounces: int
+    uniforms: Callable[[Indices], Uniforms]
+    tail: Callable[[Indices], Scalars] | None = None
+
+    def radiance(self, world: World, suffix: Suffix, active: Masks) -> Vec3s:
+        """Radiance L_o that leaves sample points in a world.
+
+        Parameters
+        ----------
+        world : World
+            Of any frame.
+        suffix : Suffix
+            N sample points, where they are in that frame.
+        active : (N,) bool
+            Whose radiance is wanted.
+
+        Returns
+        -------
+        (N, 3) float64, W/(m² sr)
+            Bit for bit what it was, if nothing has changed; 0 where not wanted.
+
+        Notes
+        -----
+        [Ouyang21, section 4.3]: "the same random numbers".  As a map of the path's
+        random numbers it is the identity, whose Jacobian is 1.
+        """
+        primitive = np.where(active, suffix.surface.primitive, -1)
+        surface = replace(suffix.surface, primitive=primitive)
+        weight = self.tail(suffix.number) if self.tail else None
+        uniforms = self.uniforms(suffix.number)
+        return reflected_radiance(
+            world, surface, self.bounces - 1, uniforms, tail=weight
+        )

@@ -1,0 +1,44 @@
+"""Russian roulette by tiles: few pixels follow long paths, side by side."""
+
+import numpy as np
+
+from reference.arrays import Indices, Scalars
+from reference.rng import KeyedUniforms, Stream
+
+TILE_WIDTH, TILE_HEIGHT = 64, 32
+"""Pixels that live or die together, so that threads side by side do the same."""
+
+
+def tail_weight(
+    pixel: Indices, width: int, probability: float, frame: int | Indices, seed: int
+) -> Scalars:
+    """Weight of all that lies beyond the first bounce.
+
+    Parameters
+    ----------
+    pixel : (N,) int
+        y · width + x.
+    width : int, pixels
+        Of the image.
+    probability : float
+        Above 0, to 1: share of the tiles whose paths go on.
+    frame : int or (N,) int
+        When the path is, or was, drawn.
+    seed : int
+        Of the run.
+
+    Returns
+    -------
+    (N,) float64
+        1 / probability where the pixel's tile goes on in that frame, else 0.
+
+    Notes
+    -----
+    [Ouyang21, section 5].  Only the tail is reweighted: each tile estimates the first
+    bounce, which 1 / probability would count too often.
+    """
+    x, y = pixel % width, pixel // width
+    across = -(-width // TILE_WIDTH)
+    tile = (y // TILE_HEIGHT * across + x // TILE_WIDTH).astype(np.uint32)
+    u = KeyedUniforms(tile, frame, seed, Stream.ROULETTE).draw(0)[0]
+    return np.where(u < probability, 1.0 / probability, 0.0)

@@ -1,0 +1,65 @@
+"""Sample validation: whether stored samples are still what they were."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from reference.arrays import Masks, dot
+from reference.caster import STOP
+from reference.passes.replay import Replay
+from reference.path_tracer import follow
+from reference.resampling.reservoir import Reservoirs, Samples
+from reference.resampling.target import luminance
+from reference.scene.origins import contact
+from reference.scene.surface import SurfacePoints, direction_and_distance
+from reference.world import World
+
+
+def validated(
+    world: World, points: SurfacePoints, r: Reservoirs, replay: Replay, tolerance: float
+) -> Reservoirs:
+    """Empty the reservoirs whose sample is no longer what it was.
+
+    Parameters
+    ----------
+    world : World
+        Of this frame.
+    points : SurfacePoints
+        N visible points that own the reservoirs, where they are in this frame.
+    r : Reservoirs
+        As they were stored, with the suffix of each sample.
+    replay : Replay
+        Finds radiance again, with the same random numbers.
+    tolerance : float
+        Largest relative change of luminance, |a - b| / max(a, b).
+
+    Returns
+    -------
+    Reservoirs
+        W = 0 and M = 0 where the ray no longer meets the sample point, or the radiance
+        that leaves it has changed.  Nulls stay nulls, with their M.
+
+    Notes
+    -----
+    [Ouyang21, section 4.3].  Biased: whether M survives depends on the sample's value,
+    and of a scene that has changed in part the samples that survive were drawn for more
+    light than there is now.
+    """
+    y, full = r.y, r.W > 0
+    there = _is_met(world, points, y, full)
+    now = luminance(replay.radiance(world, y.suffix, there))
+    then = luminance(y.radiance)
+    same = np.abs(now - then) <= tolerance * np.maximum(now, then)
+    valid = ~full | (there & same)
+    return replace(r, W=np.where(valid, r.W, 0.0), M=np.where(valid, r.M, 0.0))
+
+
+def _is_met(world: World, points: SurfacePoints, y: Samples, active: Masks) -> Masks:
+    """Whether rays to sample points find them there, and nothing before them."""
+    omega, _ = direction_and_distance(points.position, y.position)
+    met = follow(world, points, omega, active, "validation")
+    # The plane of the sample point is met: a shape that has moved away or come between
+    # is further off than rays are from where they were aimed.
+    off = dot(y.normal, contact(world.geometry, met) - y.position)
+    found: Masks = met.hit & (np.abs(off) <= STOP * world.geometry.extent)
+    return found

@@ -1,0 +1,44 @@
+"""The rest of a sample's path: what finds its radiance again in another frame."""
+
+from dataclasses import dataclass
+
+from reference.arrays import Indices, Scalars
+from reference.scene.surface import SurfacePoints
+
+
+@dataclass(frozen=True, slots=True)
+class Suffix:
+    """How the radiance of N sample points was found.
+
+    Attributes
+    ----------
+    number : (N,) int64
+        Of the path: frame · pixels + pixel, both of when and where it was drawn.  It is
+        the key of its random numbers, and its age.
+    surface : SurfacePoints
+        The sample points as the rays met them, where the rest of the path begins.
+    """
+
+    number: Indices
+    surface: SurfacePoints
+
+
+def age(suffix: Suffix, frame: int, pixels: int) -> Scalars:
+    """Frames that samples have survived.
+
+    Parameters
+    ----------
+    suffix : Suffix
+        N rows.
+    frame : int
+        Of now.
+    pixels : int
+        Of a frame.
+
+    Returns
+    -------
+    (N,) float64
+        0 for samples of this frame.
+    """
+    ages: Scalars = frame - (suffix.number // pixels).astype(float)
+    return ages

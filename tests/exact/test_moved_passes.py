@@ -1,0 +1,247 @@
+"""The passes across two frames that differ, integrated exactly over injected samples.
+
+A pixel goes on from another pixel of the last frame.  Between the two frames half of
+the sample points have turned and moved with their shape, others hide, and the light has
+changed: some sample points that shone are dark, and some that were dark shine.  Every
+joint outcome of the old and the new sample, and of the decision between them, is a row.
+E[W 1{y = x}] must be the solid angle of x *now*, for every x that the pixel sees and
+that shines now: to rounding, without statistics.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from reference.passes import normalization as normalization_module
+from reference.passes.entries import Donors
+from reference.passes.history import History
+from reference.passes.initial import InitialSamples
+from reference.passes.passage import Passage
+from reference.passes.receivers import Receivers, sees
+from reference.passes.temporal import temporal_pass
+from reference.records import take
+from reference.resampling.reservoir import Reservoirs, Samples
+from reference.resampling.suffix import Suffix
+from reference.resampling.target import target
+from reference.rng import TabledUniforms
+from reference.scene.catalogue.rooms import pose
+from reference.scene.motion import Motion
+from reference.scene.surface import SurfacePoints
+from reference.settings import Settings
+from tests.exact.test_passes import (
+    COLOR,
+    NORMAL,
+    NOTHING,
+    PAINT,
+    PIXELS,
+    PLACE,
+    build,
+    side,
+)
+
+PAST = 4.0
+"""Confidence of what the last frame left."""
+
+MOVES = np.array([True, True, True, False, False, False, False])
+"""Cells that belong to the shape that moves: shape 1, the first screen."""
+
+MOVE = pose(25.0, (0.2, 0.1, -0.3))
+PLACE_THEN = np.where(MOVES[:, None], (PLACE - MOVE[:3, 3]) @ MOVE[:3, :3], PLACE)
+NORMAL_THEN = np.where(MOVES[:, None], NORMAL @ MOVE[:3, :3], NORMAL)
+
+HIDDEN_THEN = [(0, 4), (1, 3), (2, 0)]
+LIGHT_NOW = np.array([3.0, 1.0, 2.0, 0.0, 0.5, 4.0, 0.0])
+LIGHT_THEN = np.array([1.0, 0.0, 5.0, 2.0, 0.0, 4.0, 0.0])
+
+ROUNDING = 4500 * np.finfo(float).eps
+"""A carried point has 40 operations on numbers up to 3 m, at distances of at least
+0.9 m: 133 eps.  A Jacobian has three distances and, with cosines above 0.05, 20 for the
+angle: 23 · 133 eps, and some 100 for the rest, with a reserve of a half."""
+
+
+def unlit_in(place, normal):
+    """Pixels that are behind the patch of a cell."""
+    eyes = build(PAINT, hidden=[], unlit=[]).visible.surface.position
+    facing = np.sum((eyes[:, None] - place[:NOTHING]) * normal[:NOTHING], axis=-1)
+    return [(int(i), int(x)) for i, x in zip(*np.nonzero(facing < 0), strict=True)]
+
+
+class Lamp:
+    """Stands in for the replay: radiance by cell and world."""
+
+    def __init__(self, after):
+        self.after = after
+
+    def radiance(self, world, suffix, active):
+        """Radiance of the cells in one of the two frames."""
+        light = LIGHT_NOW if world is self.after else LIGHT_THEN
+        return np.where(active, light[suffix.number], 0.0)[:, None] * COLOR
+
+
+def cells(number, place, normal, light):
+    """Sample points by number, in one of the two frames."""
+    n = len(number)
+    zero = np.zeros((n, 3))
+    primitive = np.where(MOVES[number], 2, 0).astype(np.int32)
+    surface = SurfacePoints(
+        place[number], normal[number], None, zero, zero,
+        np.zeros(n, np.int32), primitive, np.ones(n, bool),
+    )  # fmt: skip
+    radiance = light[number][:, None] * COLOR
+    return Samples(place[number], normal[number], radiance, Suffix(number, surface))
+
+
+class TwoFrames:
+    """Both frames, and the way between."""
+
+    def __init__(self):
+        unlit = unlit_in(PLACE, NORMAL)
+        unlit_then = unlit_in(PLACE_THEN, NORMAL_THEN)
+        self.now = build(PAINT, unlit=unlit)
+        self.then = build(PAINT, PLACE_THEN, NORMAL_THEN, HIDDEN_THEN, unlit_then)
+        shapes = len(self.now.world.scene.meshes)
+        rotation = np.tile(np.eye(3), (shapes, 1, 1))
+        translation = np.zeros((shapes, 3))
+        rotation[1], translation[1] = MOVE[:3, :3], MOVE[:3, 3]
+        forth = Motion(rotation, translation)
+        after = self.now.world
+        self.passage = Passage(
+            self.then.world, after, forth, forth.reversed, Lamp(after)
+        )
+        self.holds_then = self.then.holds & (LIGHT_THEN[:NOTHING] > 0)
+
+    def truth(self, i):
+        """Solid angles of what pixel i can be lit by, now."""
+        lit = self.now.holds[i] & (LIGHT_NOW[:NOTHING] > 0)
+        return np.where(lit, self.now.mu[i], 0.0)
+
+
+@pytest.fixture(scope="module")
+def frames():
+    return TwoFrames()
+
+
+def contributions(frames, i, j, settings):
+    """E[W 1{y = x}] at pixel i, which goes on from pixel j of the last frame."""
+    now, then = frames.now, frames.then
+    old_support = [*np.flatnonzero(frames.holds_then[j]), NOTHING]
+    new_support = [*np.flatnonzero(now.holds[i]), NOTHING]
+    old, new, bit = (
+        g.ravel() for g in np.meshgrid(old_support, new_support, (0, 1), indexing="ij")
+    )
+    n = len(old)
+    points = take(now.visible.surface, np.full(n, i))
+
+    def law(chance, mu, holds, cell):
+        """Probability that a cell is drawn, and its W."""
+        p = np.append(np.where(holds, chance, 0.0), 0.0)
+        p[NOTHING] = 1 - p.sum()
+        measure = np.append(mu, 0.0)
+        return p[cell], np.divide(measure[cell], p[cell])
+
+    p_old, W_old = law(then.chance[j], then.mu[j], frames.holds_then[j], old)
+    p_new, W_new = law(now.chance[i], now.mu[i], now.holds[i], new)
+    old_now = cells(old, PLACE, NORMAL, LIGHT_NOW)
+    p_hat_old = target(settings.target, now.world.materials, points, old_now)
+    fresh = cells(new, PLACE, NORMAL, LIGHT_NOW)
+    p_hat_new = target(settings.target, now.world.materials, points, fresh)
+    # Weights as theory has them.
+    mu_now, mu_then = np.append(now.mu[i], 1.0), np.append(then.mu[j], 1.0)
+    w_old = p_hat_old * W_old * PAST * mu_now[old] / mu_then[old]
+    if settings.visibility == "all":
+        everyone = np.ones(n, bool)
+        w_old = np.where(sees(now.world, points, old_now, everyone), w_old, 0.0)
+    u, chance = side(bit, w_old, p_hat_new * W_new)
+    probability = p_old * p_new * chance
+
+    pdf = np.divide(1.0, W_new, out=np.zeros(n), where=W_new > 0)
+    initial = InitialSamples(fresh, pdf, np.zeros((n, 3)))
+    stored = Reservoirs(
+        cells(old, PLACE_THEN, NORMAL_THEN, LIGHT_THEN), W_old, np.full(n, PAST)
+    )
+    visible = take(then.visible, np.full(n, j))
+    donors = Donors(then.world, visible, stored, frames.passage)
+    history = History(donors, np.arange(n), as_they_stand=False)
+    receivers = Receivers(now.world, points, settings)
+    uniforms = TabledUniforms(np.broadcast_to(u, (1, 4, n)))
+    kept = temporal_pass(receivers, initial, history, uniforms).reservoirs
+    assert_allclose(probability.sum(), 1, rtol=1e-13)
+    assert (kept.M == PAST + 1).all()
+    found = [
+        np.sum((probability * kept.W)[kept.y.suffix.number == x])
+        for x in range(NOTHING)
+    ]
+    return np.array(found)
+
+
+def is_true(frames, settings):
+    """Whether it holds for every pixel and every pixel it may go on from."""
+    return all(
+        np.allclose(
+            contributions(frames, i, j, settings), frames.truth(i), ROUNDING, atol=0
+        )
+        for i in range(PIXELS)
+        for j in range(PIXELS)
+    )
+
+
+def test_the_two_frames_differ_in_all_respects(frames):
+    """Each kind of cell is there: lost, gained, dimmed, and both seen and moved."""
+    now = np.array([frames.truth(i) > 0 for i in range(PIXELS)])
+    assert (now & ~frames.holds_then).any()
+    assert (frames.holds_then & ~now).any()
+    assert (now & frames.holds_then & MOVES[:NOTHING]).any()
+    assert (now & frames.holds_then & ~MOVES[:NOTHING]).any()
+
+
+@pytest.mark.parametrize("kind", ["scattered", "outgoing"])
+@pytest.mark.parametrize("mis", ["1/Z", "balance"])
+@pytest.mark.parametrize("visibility", ["all", "chosen"])
+def test_the_temporal_pass_is_unbiased_across_the_change(frames, kind, mis, visibility):
+    settings = Settings(target=kind, mis=mis, visibility=visibility)
+    assert is_true(frames, settings)
+
+
+def test_1_over_m_is_biased_across_the_change(frames):
+    assert not is_true(frames, Settings(mis="1/M"))
+
+
+def unmoved(passage, y, x):
+    return x
+
+
+def as_it_is_now(passage, y, active):
+    return y
+
+
+def only_led_back(passage, y, active, depart=Passage.depart):
+    """Position and normal of then, radiance of now."""
+    return replace(depart(passage, y, active), radiance=y.radiance)
+
+
+PLANTED = {
+    "the Jacobian forgets that the sample moved": (Passage, "beside", unmoved),
+    "Z is asked of this frame": (Passage, "depart", as_it_is_now),
+    "Z is asked with the light of now": (Passage, "depart", only_led_back),
+    "samples stay behind": (Passage, "arrive", as_it_is_now),
+}
+
+
+@pytest.mark.parametrize("name", PLANTED)
+def test_control_planted_mistakes_are_refuted(frames, monkeypatch, name):
+    module, function, wrong = PLANTED[name]
+    assert is_true(frames, Settings())
+    monkeypatch.setattr(module, function, wrong)
+    assert not is_true(frames, Settings())
+
+
+def test_control_visibility_of_now_in_the_weights_is_refuted(frames, monkeypatch):
+    """Whoever asks this frame whether the last one saw the sample is found out."""
+
+    def of_now(world, x, y, active):
+        return sees(frames.now.world, x, y, active)
+
+    monkeypatch.setattr(normalization_module, "sees", of_now)
+    assert not is_true(frames, Settings())
