@@ -37,7 +37,8 @@ def normalization(
     Returns
     -------
     (K,) float64
-        Meaningless where nothing was kept, w = 0.
+        Meaningless where nothing was kept, w = 0; 1 where the weights were divided
+        before, in pairs.
 
     Notes
     -----
@@ -48,6 +49,8 @@ def normalization(
     mis, M_k = receivers.settings.mis, [entry.candidate.M for entry in entries]
     if mis == "1/M" or not any(entry.origin for entry in entries):
         return one_over_m(M_k)
+    if mis in ("pairwise", "defensive"):
+        return np.ones_like(chosen.w)
     kept = chosen.w > 0
     everyone = np.ones(len(kept), bool)
     holds, p = [], []

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from reference.arrays import Indices, Scalars
 from reference.passes.entries import Entry
 from reference.passes.normalization import drop_hidden, normalization
+from reference.passes.pairwise import in_pairs
 from reference.passes.receivers import Receivers
 from reference.passes.stream import kept_samples, stream
 from reference.resampling.reservoir import Reservoirs, cap_confidence, finalize
@@ -57,12 +58,16 @@ def resample(
     -----
     [Ouyang21, Alg. 4, lines 13 to 20], of which Algorithm 3 is the case of two entries.
     """
+    settings = receivers.settings
+    shifted = any(entry.origin for entry in entries)
+    if shifted and settings.mis in ("pairwise", "defensive"):
+        entries = in_pairs(receivers, entries, canonical)
     # Line 13: stream the candidates.
     chosen = stream(entries, decisions)
     y = kept_samples(entries, chosen.y)
     # Lines 16 to 20: divide by the confidences of those that could have made it.
     total = normalization(receivers, entries, chosen, y)
     kept = finalize(replace(chosen, y=y), total)
-    if receivers.settings.visibility == "chosen" and any(e.origin for e in entries):
+    if settings.visibility == "chosen" and shifted:
         kept = drop_hidden(receivers, kept)
     return Resampled(cap_confidence(kept, cap), chosen.y)

@@ -145,6 +145,16 @@ def balance_pass(code):
     yield from spatial_pass(code, mis="balance")
 
 
+def pairwise_pass(code):
+    """The same with weights in pairs."""
+    yield from spatial_pass(code, mis="pairwise")
+
+
+def defensive_pass(code):
+    """The same with weights in pairs, and a share for the canonical sample."""
+    yield from spatial_pass(code, mis="defensive")
+
+
 def pass_with_late_visibility(code):
     """The same where only the sample that was kept is tested for visibility."""
     yield from spatial_pass(code, visibility="chosen")

@@ -11,10 +11,16 @@ from types import ModuleType, SimpleNamespace
 
 import numpy as np
 
-from reference.resampling import mis, reservoir, shift
+from reference.resampling import mis, pairwise, reservoir, shift
 from tests.exact import claims, pipeline
 
-MODULES = {"reservoir": reservoir, "mis": mis, "shift": shift, "pipeline": pipeline}
+MODULES = {
+    "reservoir": reservoir,
+    "mis": mis,
+    "pairwise": pairwise,
+    "shift": shift,
+    "pipeline": pipeline,
+}
 
 PRODUCTION = SimpleNamespace(**MODULES)
 
@@ -259,15 +265,15 @@ MUTANTS = [
     Mutant(
         "Z forgets the pixel's own reservoir",
         "pipeline",
-        "holds.append(np.ones(len(z), bool))",
-        "holds.append(slot == 0)",
+        "list(held)",
+        "[slot == 0, *held[1:]]",
         ("spatial_pass",),
     ),
     Mutant(
         "Z forgets who made the sample",
         "pipeline",
-        "return code.mis.one_over_z(M, holds)",
-        "made = [h & (slot != s) for s, h in enumerate(holds)]\n"
+        "return code.mis.one_over_z(M, list(held))",
+        "made = [h & (slot != s) for s, h in enumerate(held)]\n"
         "        return code.mis.one_over_z(M, [made[0] | True, *made[1:]])",
         ("spatial_pass",),
     ),
@@ -288,15 +294,15 @@ MUTANTS = [
     Mutant(
         "a limit on the Jacobian that Z does not know",
         "pipeline",
-        " & (jacobian(code, j, i, z) <= limit))",
-        ")",
+        " & (jacobian(code, j, i, z) <= limit)",
+        "",
         ("pass_with_mirrored_limit",),
     ),
     Mutant(
         "a limit on the Jacobian that Z applies the other way round",
         "pipeline",
-        " & (jacobian(code, j, i, z) <= limit))",
-        " & (jacobian(code, i, j, z) <= limit))",
+        " & (jacobian(code, j, i, z) <= limit)",
+        " & (jacobian(code, i, j, z) <= limit)",
         ("pass_with_mirrored_limit",),
     ),
     Mutant(
@@ -333,6 +339,42 @@ MUTANTS = [
         "W = divide_or_zero(divide_or_zero(c.w, c.p_hat), normalization)",
         "W = divide_or_zero(c.w, c.p_hat)",
         ("several_candidates",),
+    ),
+    # Weights in pairs.
+    Mutant(
+        "the donors' confidences include the canonical one",
+        "pipeline",
+        "S = sum(M_k) + M_c * 0",
+        "S = sum(M)",
+        ("pairwise_pass", "defensive_pass"),
+    ),
+    Mutant(
+        "the canonical sample gets no share of its own",
+        "pairwise",
+        "divide_or_zero(one_over_m(shares) + M_c, S + M_c)",
+        "divide_or_zero(one_over_m(shares), S + M_c)",
+        ("defensive_pass",),
+    ),
+    Mutant(
+        "each donor stands for itself alone in its pair",
+        "pairwise",
+        "M_k * _share(S, p_k, M_c, p_c)",
+        "M_k * _share(M_k, p_k, M_c, p_c)",
+        ("pairwise_pass", "defensive_pass"),
+    ),
+    Mutant(
+        "pairs do not ask whether the donor could make the sample",
+        "pipeline",
+        "np.where(held, P_HAT[j][z]",
+        "np.where(held | True, P_HAT[j][z]",
+        ("pairwise_pass", "defensive_pass"),
+    ),
+    Mutant(
+        "what is left of a pair goes to the wrong side",
+        "pairwise",
+        "M * _share(M_c, p_c, S, p)",
+        "M * _share(S, p, M_c, p_c)",
+        ("pairwise_pass", "defensive_pass"),
     ),
     # The loop.
     Mutant(
@@ -375,6 +417,8 @@ CLAIMS = [
     claims.temporal_chain,
     claims.spatial_pass,
     claims.balance_pass,
+    claims.pairwise_pass,
+    claims.defensive_pass,
     claims.pass_with_late_visibility,
     claims.pass_with_mirrored_limit,
     claims.two_passes,

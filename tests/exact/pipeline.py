@@ -79,7 +79,7 @@ def spatial(
     mirrored in the weights.
     """
     k = code.reservoir
-    chosen, sources, M = None, [], []
+    candidates, sources, M = [], [], []
     for slot, (j, r) in enumerate(donors):
         y = Kept(r.y, np.full(len(r.y), slot))
         p_hat = P_HAT[i][r.y]
@@ -90,8 +90,14 @@ def spatial(
             if visibility == "all":
                 usable = usable & SEEN[i][r.y]
             c = k.Candidates(y, c.p_hat, np.where(usable, c.w, Fraction(0)), r.M)
-        chosen = c if chosen is None else k.merge(chosen, c, uniform())
+        candidates.append(c)
         sources, M = [*sources, j], [*M, r.M]
+    if mis in ("pairwise", "defensive"):
+        defensive = mis == "defensive"
+        candidates = in_pairs(code, i, candidates, sources, M, defensive, limit)
+    chosen = candidates[0]
+    for c in candidates[1:]:
+        chosen = k.merge(chosen, c, uniform())
     z = chosen.y.cell
     total = normalization(code, i, sources, M, z, chosen.y.slot, mis, limit)
     c = k.Candidates(z, chosen.p_hat, chosen.w, chosen.M)
@@ -105,20 +111,44 @@ def normalization(code, i, sources, M, z, slot, mis, limit):
     """Lines 16 to 20 of Algorithm 4: who else could have made z."""
     if mis == "1/M":
         return code.mis.one_over_m(M)
-    holds, p = [], []
-    for j in sources:
-        if j == i:
-            holds.append(np.ones(len(z), bool))
-            p.append(P_HAT[i][z])
-            continue
-        holds.append(HELD[j][z] & (jacobian(code, j, i, z) <= limit))
-        p.append(
-            np.where(holds[-1], P_HAT[j][z] * jacobian(code, i, j, z), Fraction(0))
-        )
+    if mis in ("pairwise", "defensive"):
+        return np.full(len(z), Fraction(1))
+    held, p = zip(*(target_from(code, i, j, z, limit) for j in sources), strict=True)
     if mis == "1/Z":
-        return code.mis.one_over_z(M, holds)
+        return code.mis.one_over_z(M, list(held))
     made = np.stack(p)[slot, np.arange(len(z))]
-    return code.mis.balance_heuristic(M, p, made)
+    return code.mis.balance_heuristic(M, list(p), made)
+
+
+def target_from(code, i, j, z, limit):
+    """Whether j could have made z, and its target in the measure of i."""
+    if j == i:
+        return np.ones(len(z), bool), P_HAT[i][z]
+    held = HELD[j][z] & (jacobian(code, j, i, z) <= limit)
+    p = np.where(held, P_HAT[j][z] * jacobian(code, i, j, z), Fraction(0))
+    return held, p
+
+
+def in_pairs(code, i, candidates, sources, M, defensive, limit):
+    """Candidates weighted with m in place of M; the first is the canonical one."""
+    own, (M_c, *M_k) = candidates[0], M
+    S = sum(M_k) + M_c * 0
+
+    def p_from(j, z):
+        return target_from(code, i, j, z, limit)[1]
+
+    def weighted(c, M, m):
+        return code.reservoir.Candidates(c.y, c.p_hat, c.w / M * m, c.M)
+
+    p_k = [p_from(j, own.y.cell) for j in sources[1:]]
+    m = code.pairwise.pairwise_canonical(M_k, p_k, M_c, P_HAT[i][own.y.cell], defensive)
+    found = [weighted(own, M_c, m)]
+    for c, j, M_j in zip(candidates[1:], sources[1:], M_k, strict=True):
+        y = c.y.cell
+        mine = M_j, p_from(j, y), M_c, P_HAT[i][y]
+        m = code.pairwise.pairwise_donor(*mine, S, defensive)
+        found.append(weighted(c, M_j, m))
+    return found
 
 
 def trust(r, M):

@@ -62,7 +62,7 @@ def test_chain_of_three_frames_with_any_cap(cap, i):
     assert list(claims.temporal_chain(PRODUCTION, cap, frames=3, i=i)) == []
 
 
-@pytest.mark.parametrize("mis", ["1/Z", "balance"])
+@pytest.mark.parametrize("mis", ["1/Z", "balance", "pairwise", "defensive"])
 @pytest.mark.parametrize("visibility", ["all", "chosen"])
 @pytest.mark.parametrize("limit", [Fraction(1, 2), Fraction(3)])
 def test_one_pass_with_every_option(mis, visibility, limit):
@@ -70,9 +70,11 @@ def test_one_pass_with_every_option(mis, visibility, limit):
     assert list(found) == []
 
 
-def test_two_passes_with_the_balance_heuristic():
-    assert list(claims.two_passes(PRODUCTION, "balance")) == []
+@pytest.mark.parametrize("mis", ["balance", "pairwise", "defensive"])
+def test_two_passes_with_other_weights(mis):
+    assert list(claims.two_passes(PRODUCTION, mis)) == []
 
 
-def test_loop_with_the_balance_heuristic():
-    assert list(claims.loop_of_two_frames(PRODUCTION, "balance")) == []
+@pytest.mark.parametrize("mis", ["balance", "pairwise", "defensive"])
+def test_loop_with_other_weights(mis):
+    assert list(claims.loop_of_two_frames(PRODUCTION, mis)) == []

@@ -123,6 +123,26 @@ def frames():
     return TwoFrames()
 
 
+def in_pairs(frames, i, j, settings, of_old, of_new):
+    """Weights with m for M, straight from theory: one donor, the past."""
+    now = frames.now
+    points = take(now.visible.surface, np.full(NOTHING + 1, i))
+    every = np.arange(NOTHING + 1)
+    here = cells(every, PLACE, NORMAL, LIGHT_NOW)
+    p_c = target(settings.target, now.world.materials, points, here)
+    donor = take(frames.then.visible.surface, np.full(NOTHING + 1, j))
+    there = cells(every, PLACE_THEN, NORMAL_THEN, LIGHT_THEN)
+    p_k = target(settings.target, now.world.materials, donor, there)
+    p_k = p_k * np.append(frames.holds_then[j] * frames.then.mu[j] / now.mu[i], 0.0)
+    theirs, mine = PAST * p_k, 1.0 * p_c
+    both = theirs + mine
+    share = np.divide(theirs, both, out=np.zeros_like(both), where=both > 0)
+    a, b = (PAST, 1.0) if settings.mis == "defensive" else (1.0, 0.0)
+    m_k, m_c = a * share / (a + b), (a * (1 - share) + b) / (a + b)
+    (old, w_old), (new, w_new) = of_old, of_new
+    return w_old / PAST * m_k[old], w_new * m_c[new]
+
+
 def contributions(frames, i, j, settings):
     """E[W 1{y = x}] at pixel i, which goes on from pixel j of the last frame."""
     now, then = frames.now, frames.then
@@ -153,7 +173,10 @@ def contributions(frames, i, j, settings):
     if settings.visibility == "all":
         everyone = np.ones(n, bool)
         w_old = np.where(sees(now.world, points, old_now, everyone), w_old, 0.0)
-    u, chance = side(bit, w_old, p_hat_new * W_new)
+    w_new = p_hat_new * W_new
+    if settings.mis in ("pairwise", "defensive"):
+        w_old, w_new = in_pairs(frames, i, j, settings, (old, w_old), (new, w_new))
+    u, chance = side(bit, w_old, w_new)
     probability = p_old * p_new * chance
 
     pdf = np.divide(1.0, W_new, out=np.zeros(n), where=W_new > 0)
@@ -197,7 +220,7 @@ def test_the_two_frames_differ_in_all_respects(frames):
 
 
 @pytest.mark.parametrize("kind", ["scattered", "outgoing"])
-@pytest.mark.parametrize("mis", ["1/Z", "balance"])
+@pytest.mark.parametrize("mis", ["1/Z", "balance", "pairwise", "defensive"])
 @pytest.mark.parametrize("visibility", ["all", "chosen"])
 def test_the_temporal_pass_is_unbiased_across_the_change(frames, kind, mis, visibility):
     settings = Settings(target=kind, mis=mis, visibility=visibility)

@@ -16,6 +16,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from reference.passes import normalization as normalization_module
+from reference.passes import pairwise as pairwise_module
 from reference.passes import receivers as receivers_module
 from reference.passes import resample as resample_module
 from reference.passes import shifting as shifting_module
@@ -28,6 +29,7 @@ from reference.passes.receivers import Receivers, sees
 from reference.passes.spatial import Neighborhood, spatial_pass
 from reference.passes.temporal import temporal_pass
 from reference.records import take
+from reference.resampling import pairwise as production
 from reference.resampling.reservoir import Reservoirs, Samples
 from reference.resampling.target import target
 from reference.rng import TabledUniforms
@@ -212,6 +214,36 @@ def toward(step):
     return (abs(step) / 3) ** 2, 0.0 if step > 0 else 0.5
 
 
+def in_pairs(stage, i, settings, weights, cells):
+    """Weights of past, own and neighbours with m in place of M, from theory."""
+    M = np.array([PAST, TRUST[i], *(TRUST[k] for k in NEIGHBORS[i])])
+    p_hat = targets(stage, settings.target)
+    donors = {0: i, 2: NEIGHBORS[i][0], 3: NEIGHBORS[i][1]}
+    S = PAST + TRUST[list(NEIGHBORS[i])].sum()
+    total = S + M[1] if settings.mis == "defensive" else S
+
+    def pair(slot, y):
+        """S p_k(y) and M_c p_c(y), in the measure of pixel i."""
+        k = donors[slot]
+        held, measure = np.append(stage.holds[k], False), np.append(stage.mu[k], 1.0)
+        p_k = np.where(held[y], p_hat[k][y], 0) * measure[y]
+        p_k = p_k / np.append(stage.mu[i], 1.0)[y]
+        return S * p_k, M[1] * p_hat[i][y]
+
+    def share(part, other):
+        both = part + other
+        return np.divide(part, both, out=np.zeros_like(both), where=both > 0)
+
+    found = list(weights)
+    for slot in donors:
+        m = M[slot] / total * share(*pair(slot, cells[slot]))
+        found[slot] = weights[slot] / M[slot] * m
+    left = [M[slot] / total * share(*pair(slot, cells[1])[::-1]) for slot in donors]
+    m = sum(left) + (M[1] / total if settings.mis == "defensive" else 0.0)
+    found[1] = weights[1] / M[1] * m
+    return found
+
+
 def contributions(stage, settings):
     """E[W 1{y = x}] of each pixel after one spatial pass, all lines at once."""
     table, supports = outcomes(stage)
@@ -250,6 +282,9 @@ def contributions(stage, settings):
             if settings.visibility == "all":
                 reused = reused * visibility[i][y]
             candidates.append(reused)
+        if settings.mis in ("pairwise", "defensive"):
+            cells = [past, own, *(temporal_cells[:, k] for k in NEIGHBORS[i])]
+            w, *candidates = in_pairs(stage, i, settings, [w, *candidates], cells)
         lanes = [(63, 0), (0, 2), (1, 2)]
         for bit, (dimension, lane), candidate in zip(
             table[:, PIXELS + 1 :].T, lanes, candidates, strict=True
@@ -306,7 +341,7 @@ def is_true(stage, settings):
 
 
 @pytest.mark.parametrize("kind", ["scattered", "outgoing"])
-@pytest.mark.parametrize("mis", ["1/Z", "balance"])
+@pytest.mark.parametrize("mis", ["1/Z", "balance", "pairwise", "defensive"])
 @pytest.mark.parametrize("visibility", ["all", "chosen"])
 def test_the_spatial_pass_is_unbiased(stage, kind, mis, visibility):
     settings = settings_for(target=kind, mis=mis, visibility=visibility)
@@ -352,6 +387,38 @@ PLANTED = [
     (normalization_module, "sees", sees_everything),
     (normalization_module, "one_over_z", all_confidences),
 ]
+
+
+def of_all_and_the_own(M_k, p_k, M_c, p_c, S, *how, weight=production.pairwise_donor):
+    """S with the canonical sample's confidence in it."""
+    return weight(M_k, p_k, M_c, p_c, S + M_c, *how)
+
+
+def without_its_own_share(
+    M_k, p_k, M_c, p_c, how, weight=production.pairwise_canonical
+):
+    m, S = weight(M_k, p_k, M_c, p_c, how), sum(M_k)
+    return m - M_c / (S + M_c)
+
+
+def as_if_all_could(M_k, p_k, M_c, p_c, how, weight=production.pairwise_canonical):
+    return weight(M_k, [p_c] * len(p_k), M_c, p_c, how)
+
+
+PLANTED_IN_PAIRS = [
+    ("defensive", "pairwise_donor", of_all_and_the_own),
+    ("pairwise", "pairwise_donor", of_all_and_the_own),
+    ("defensive", "pairwise_canonical", without_its_own_share),
+    ("pairwise", "pairwise_canonical", as_if_all_could),
+]
+
+
+@pytest.mark.parametrize(("mis", "name", "wrong"), PLANTED_IN_PAIRS)
+def test_control_planted_mistakes_in_pairs_are_refuted(monkeypatch, mis, name, wrong):
+    stage, settings = build(PAINT), settings_for(mis=mis)
+    assert is_true(stage, settings)
+    monkeypatch.setattr(pairwise_module, name, wrong)
+    assert not is_true(stage, settings)
 
 
 @pytest.mark.parametrize(("module", "name", "wrong"), PLANTED)
