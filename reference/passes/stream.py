@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from reference.arrays import Indices, Scalars
-from reference.passes.entries import Entry
+from reference.arrays import Indices, Masks, Scalars
+from reference.passes.entries import Donors, Entry
+from reference.passes.neighbors import NONE
 from reference.records import take, where
 from reference.resampling.reservoir import Candidates, Samples, merge
 
@@ -39,7 +40,7 @@ def kept_samples(entries: list[Entry], place: Indices) -> Samples:
     Parameters
     ----------
     entries : list of Entry
-        The stream; entries without samples of their own share their donors.
+        The stream.
     place : (K,) int
         In the stream.
 
@@ -49,14 +50,32 @@ def kept_samples(entries: list[Entry], place: Indices) -> Samples:
         K rows.
     """
     y: Samples | None = None
-    standing = [e.origin for e in entries if e.y is None and e.origin]
-    if standing:
-        nowhere = np.zeros_like(standing[0].rows)
-        rows = [nowhere if e.y or not e.origin else e.origin.rows for e in entries]
-        row = np.stack(rows)[place, np.arange(len(place))]
-        y = take(standing[0].donors.reservoirs.y, row)
-    for k, entry in enumerate(entries):
-        if entry.y:
-            y = entry.y if y is None else where(place == k, entry.y, y)
+    for part, here in [*_standing(entries, place), *_arrived(entries, place)]:
+        y = part if y is None else where(here, part, y)
     assert y is not None
     return y
+
+
+Part = tuple[Samples, Masks]
+"""Samples, and the rows that they are meant for."""
+
+
+def _standing(entries: list[Entry], place: Indices) -> list[Part]:
+    """One gather for all entries of the same donors, of samples as they stand there."""
+    rows: dict[int, Indices] = {}
+    donors: dict[int, Donors] = {}
+    for k, entry in enumerate(entries):
+        if entry.y is None and entry.origin:
+            key = id(entry.origin.donors)
+            donors[key] = entry.origin.donors
+            missing = np.full(len(place), NONE)
+            before = rows.get(key, missing)
+            rows[key] = np.where(place == k, entry.origin.rows, before)
+    return [
+        (take(donors[key].reservoirs.y, np.maximum(row, 0)), row != NONE)
+        for key, row in rows.items()
+    ]
+
+
+def _arrived(entries: list[Entry], place: Indices) -> list[Part]:
+    return [(e.y, place == k) for k, e in enumerate(entries) if e.y is not None]
