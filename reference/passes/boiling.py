@@ -4,12 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from reference.arrays import Indices, divide_or_zero
+from reference.arrays import Indices, divide_or_zero, saturate
 from reference.resampling.reservoir import Reservoirs
 from reference.resampling.target import luminance
 
 TILE = 16
 """Pixels on a side of the tiles within which reservoirs are compared."""
+
+ROUNDING = 1.0 + TILE * TILE * 2.0**-52
+"""The mean of that many equal numbers may round to below them."""
 
 
 def boiling_filter(r: Reservoirs, width: int, strength: float) -> Reservoirs:
@@ -34,12 +37,12 @@ def boiling_filter(r: Reservoirs, width: int, strength: float) -> Reservoirs:
     Biased: it looks at the samples' values, and takes light away.  The mean is over the
     reservoirs of the tile that hold a sample, itself among them.
     """
-    light = luminance(r.y.radiance) * r.W
-    tile = _tiles(len(light), width)
-    total = np.bincount(tile, light)
-    count = np.bincount(tile, light > 0)
-    mean = divide_or_zero(total, count)[tile]
-    calm = light <= mean * (10.0 / strength - 9.0)
+    with np.errstate(over="ignore"):
+        light = saturate(luminance(r.y.radiance) * r.W)
+        tile = _tiles(len(light), width)
+        count = np.bincount(tile, light > 0)[tile]
+        mean = np.bincount(tile, divide_or_zero(light, count))[tile]
+        calm = light * strength <= mean * (10.0 - 9.0 * strength) * ROUNDING
     return replace(r, W=np.where(calm, r.W, 0.0), M=np.where(calm, r.M, 0.0))
 
 

@@ -1,6 +1,6 @@
 """Algorithm 2: one new sample point a pixel."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -191,7 +191,11 @@ def initial_samples(
             tail=tail,
             tail_begins=1,
         )
-    suffix = None if numbers is None else Suffix(numbers, met)
+    suffix = None
+    if numbers is not None:
+        # What is not reused now is not reused in another frame either.
+        kept = replace(met, primitive=np.where(shared, met.primitive, -1))
+        suffix = Suffix(numbers, kept)
     shining = np.where(shared[:, None], radiance, 0.0)
     y = Samples(x_s, met.normal, shining, suffix)
     return InitialSamples(y, density, unshared)

@@ -56,11 +56,7 @@ def kept_samples(entries: list[Entry], place: Indices) -> Samples:
     return y
 
 
-Part = tuple[Samples, Masks]
-"""Samples, and the rows that they are meant for."""
-
-
-def _standing(entries: list[Entry], place: Indices) -> list[Part]:
+def _standing(entries: list[Entry], place: Indices) -> list[tuple[Samples, Masks]]:
     """One gather for all entries of the same donors, of samples as they stand there."""
     rows: dict[int, Indices] = {}
     donors: dict[int, Donors] = {}
@@ -77,5 +73,5 @@ def _standing(entries: list[Entry], place: Indices) -> list[Part]:
     ]
 
 
-def _arrived(entries: list[Entry], place: Indices) -> list[Part]:
+def _arrived(entries: list[Entry], place: Indices) -> list[tuple[Samples, Masks]]:
     return [(e.y, place == k) for k, e in enumerate(entries) if e.y is not None]

@@ -37,20 +37,24 @@ def validated(
     -------
     Reservoirs
         W = 0 and M = 0 where the ray no longer meets the sample point, or the radiance
-        that leaves it has changed.  Nulls stay nulls, with their M.
+        that leaves it has changed; nulls too, where there is light now.
 
     Notes
     -----
     [Ouyang21, section 4.3].  Biased: whether M survives depends on the sample's value,
     and of a scene that has changed in part the samples that survive were drawn for more
-    light than there is now.
+    light than there is now.  Of the nulls that M counts, only the one that was kept
+    last is asked.
     """
-    y, full = r.y, r.W > 0
-    there = _is_met(world, points, y, full)
-    now = luminance(replay.radiance(world, y.suffix, there))
+    y, suffix = r.y, r.y.suffix
+    assert suffix is not None
+    # A path that met nothing meets nothing: there is no point to look at.
+    met_something = suffix.surface.hit
+    there = _is_met(world, points, y, met_something)
+    now = luminance(replay.radiance(world, suffix, there))
     then = luminance(y.radiance)
     same = np.abs(now - then) <= tolerance * np.maximum(now, then)
-    valid = ~full | (there & same)
+    valid = ~met_something | (there & same)
     return replace(r, W=np.where(valid, r.W, 0.0), M=np.where(valid, r.M, 0.0))
 
 

@@ -13,7 +13,7 @@ def clamp_jacobian(jacobian: Scalars, limit: float) -> Scalars:
     jacobian : (N,), sr/sr
         Not negative.
     limit : float
-        At least 1.
+        At least 1; inf for none, a ``Fraction`` among rationals.
 
     Returns
     -------
@@ -37,7 +37,7 @@ def within_limit(jacobian: Scalars, limit: float) -> Masks:
     jacobian : (N,), sr/sr
         Not negative.
     limit : float
-        At least 1; inf for none.
+        At least 1; inf for none, a ``Fraction`` among rationals.
 
     Returns
     -------
@@ -49,5 +49,5 @@ def within_limit(jacobian: Scalars, limit: float) -> Masks:
     It looks at the sample: refusing a shift is biased unless the weights of others
     count its donor only where it would not have been refused.
     """
-    allowed: Masks = (jacobian > 0) & (jacobian <= limit) & (jacobian * limit >= 1)
+    allowed: Masks = (jacobian > 0) & (jacobian <= limit) & (jacobian >= 1 / limit)
     return allowed.astype(bool, copy=False)

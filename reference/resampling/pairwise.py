@@ -2,8 +2,8 @@
 
 The balance heuristic asks everybody about every sample.  Here a donor's sample asks
 two, the donor k and the receiver's own, canonical reservoir c; only the sample of c
-asks all.  With S = Σ M_k over the donors, and everything at one sample y, in the measure
-of the receiver,
+asks all.  With S = Σ M_k over the donors, and all at one sample y in the measure of the
+receiver,
 
     donor's share      a_k = S p_k / (S p_k + M_c p_c)
     canonical's share  1 - a_k
@@ -94,9 +94,9 @@ def pairwise_canonical(
     -----
     Of [Lin22], written out in the text of the module.  With the m_k of those that can
     make a sample it sums to 1, for every sample of the receiver's domain, as long as
-    M_c > 0: a donor outside of whose domain the sample lies leaves all of its M_k to the
-    canonical reservoir, which must be there to take it.  One ray a donor: whether it
-    sees the canonical sample.
+    M_c > 0: a donor outside of whose domain the sample lies leaves all of its M_k to
+    the canonical reservoir, which must be there to take it.  One ray a donor: whether
+    it sees the canonical sample.
     """
     one = M_c * 0 + 1
     if not M_k:

@@ -15,11 +15,12 @@ import pytest
 from numpy.testing import assert_allclose
 
 from reference.passes import normalization as normalization_module
-from reference.passes.entries import Donors
-from reference.passes.history import History
+from reference.passes.entries import Donors, other_entry, own_entry
+from reference.passes.history import History, past_entry
 from reference.passes.initial import InitialSamples
 from reference.passes.passage import Passage
 from reference.passes.receivers import Receivers, sees
+from reference.passes.resample import resample
 from reference.passes.temporal import temporal_pass
 from reference.records import take
 from reference.resampling.reservoir import Reservoirs, Samples
@@ -154,15 +155,8 @@ def contributions(frames, i, j, settings):
     n = len(old)
     points = take(now.visible.surface, np.full(n, i))
 
-    def law(chance, mu, holds, cell):
-        """Probability that a cell is drawn, and its W."""
-        p = np.append(np.where(holds, chance, 0.0), 0.0)
-        p[NOTHING] = 1 - p.sum()
-        measure = np.append(mu, 0.0)
-        return p[cell], np.divide(measure[cell], p[cell])
-
-    p_old, W_old = law(then.chance[j], then.mu[j], frames.holds_then[j], old)
-    p_new, W_new = law(now.chance[i], now.mu[i], now.holds[i], new)
+    p_old, W_old = law(then, j, frames.holds_then, old)
+    p_new, W_new = law(now, i, now.holds, new)
     old_now = cells(old, PLACE, NORMAL, LIGHT_NOW)
     p_hat_old = target(settings.target, now.world.materials, points, old_now)
     fresh = cells(new, PLACE, NORMAL, LIGHT_NOW)
@@ -197,6 +191,84 @@ def contributions(frames, i, j, settings):
         for x in range(NOTHING)
     ]
     return np.array(found)
+
+
+def law(stage, i, holds, cell):
+    """Probability that pixel i of a frame draws cells, and their W."""
+    p = np.append(np.where(holds[i], stage.chance[i], 0.0), 0.0)
+    p[NOTHING] = 1 - p.sum()
+    measure = np.append(stage.mu[i], 0.0)
+    return p[cell], np.divide(measure[cell], p[cell])
+
+
+def stream_contributions(frames, i, j, k, settings):
+    """The same after a stream of the past, the pixel's own, and a neighbour's k."""
+    now, then = frames.now, frames.then
+    supports = [frames.holds_then[j], now.holds[i], now.holds[k]]
+    cells_of = [[*np.flatnonzero(s), NOTHING] for s in supports]
+    past, own, theirs, first, second = (
+        g.ravel() for g in np.meshgrid(*cells_of, (0, 1), (0, 1), indexing="ij")
+    )
+    n = len(past)
+    points = take(now.visible.surface, np.full(n, i))
+    p_past, W_past = law(then, j, frames.holds_then, past)
+    p_own, W_own = law(now, i, now.holds, own)
+    p_theirs, W_theirs = law(now, k, now.holds, theirs)
+    mu, mu_past, mu_theirs = (
+        np.append(m, 1.0) for m in (now.mu[i], then.mu[j], now.mu[k])
+    )
+
+    def weight(cell, W, M, ratio):
+        y = cells(cell, PLACE, NORMAL, LIGHT_NOW)
+        w = target(settings.target, now.world.materials, points, y) * W * M * ratio
+        if settings.visibility == "all":
+            w = np.where(sees(now.world, points, y, np.ones(n, bool)), w, 0.0)
+        return w
+
+    w = [
+        weight(past, W_past, PAST, mu[past] / mu_past[past]),
+        weight(own, W_own, 1.0, 1.0),
+        weight(theirs, W_theirs, 2.0, mu[theirs] / mu_theirs[theirs]),
+    ]
+    u_own, chance_own = side(first, w[0], w[1])
+    u_theirs, chance_theirs = side(second, w[0] + w[1], w[2])
+    probability = p_past * p_own * p_theirs * chance_own * chance_theirs
+
+    every = np.arange(n)
+    receivers = Receivers(now.world, points, settings)
+    stored = Reservoirs(
+        cells(past, PLACE_THEN, NORMAL_THEN, LIGHT_THEN), W_past, np.full(n, PAST)
+    )
+    before = take(then.visible, np.full(n, j))
+    donors = Donors(then.world, before, stored, frames.passage)
+    mine = Reservoirs(cells(own, PLACE, NORMAL, LIGHT_NOW), W_own, np.ones(n))
+    lent = Reservoirs(
+        cells(theirs, PLACE, NORMAL, LIGHT_NOW), W_theirs, np.full(n, 2.0)
+    )
+    around = Donors(now.world, take(now.visible, np.full(n, k)), lent)
+    entries = [
+        past_entry(receivers, History(donors, every, as_they_stand=False), 0),
+        own_entry(receivers, mine, 1),
+        other_entry(receivers, around, every, 2),
+    ]
+    kept = resample(receivers, entries, [u_own, u_own, u_theirs], 1, 1e9).reservoirs
+    assert_allclose(probability.sum(), 1, rtol=1e-13)
+    number = kept.y.suffix.number
+    return np.array(
+        [np.sum((probability * kept.W)[number == x]) for x in range(NOTHING)]
+    )
+
+
+@pytest.mark.parametrize("kind", ["scattered", "outgoing"])
+@pytest.mark.parametrize("mis", ["1/Z", "balance"])
+@pytest.mark.parametrize("visibility", ["all", "chosen"])
+def test_a_stream_of_past_own_and_neighbour_is_unbiased(frames, kind, mis, visibility):
+    """As in the spatial pass: samples of the neighbour are asked of the last frame."""
+    settings = Settings(target=kind, mis=mis, visibility=visibility)
+    for i, j, k in np.ndindex(PIXELS, PIXELS, PIXELS):
+        if k != i:
+            found = stream_contributions(frames, i, j, k, settings)
+            assert_allclose(found, frames.truth(i), rtol=ROUNDING, atol=0)
 
 
 def is_true(frames, settings):

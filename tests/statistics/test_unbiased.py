@@ -54,9 +54,9 @@ PLANS = [
     Plan("sunlit-wall", 500, 6, 8000, 8000, "jacobian"),
     # Between points of one plate the Jacobian is 1 on average: it is planted too large.
     Plan("parallel-plates", 500, 6, 12000, 8000, "jacobian x 1.1"),
-    Plan("glossy-floor", 600, 6, 4000, 2500, "1/M"),
-    Plan("grazing-light", 600, 6, 16000, 8000, "jacobian"),
-    Plan("checker", 600, 6, 4000, 4000, "jacobian"),
+    Plan("glossy-floor", 1000, 6, 8000, 4000, "1/M"),
+    Plan("grazing-light", 700, 6, 20000, 10000, "jacobian"),
+    Plan("checker", 800, 6, 4000, 5000, "jacobian"),
     Plan("many-lights", 240, 6, 8000, 4000, "1/M"),
 ]
 
