@@ -69,7 +69,7 @@ def build_parser() -> argparse.ArgumentParser:
         Each command has set ``run``, a function of the parsed arguments.
     """
     # Imported here, where a Ctrl-C is caught: NumPy and Embree take a while to load.
-    from reference.commands import compare, demo, reference, render, scenes
+    from reference.commands import compare, demo, figures, reference, render, scenes
     from reference.version import project_version
 
     parser = Parser(
@@ -81,7 +81,7 @@ def build_parser() -> argparse.ArgumentParser:
         "--version", action="version", version=f"restir-gi-oracle {project_version()}"
     )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    for module in (scenes, render, reference, compare, demo):
+    for module in (scenes, render, reference, compare, demo, figures):
         summary = (module.__doc__ or "").partition("\n")[0].partition(": ")[2]
         child = commands.add_parser(
             module.NAME,

@@ -20,7 +20,8 @@ def metadata(
     method : str
         Its name.
     job : Job
-        What was rendered; all settings are told, also those left at their defaults.
+        What was rendered; all settings are told, also those left at their defaults,
+        and the frame of an animated scene at which the picture begins.
     rays : mapping of str to int
         Traced, by kind.
     seconds : float, s
@@ -37,6 +38,7 @@ def metadata(
         "light": job.light,
         "bounces": str(job.bounces),
         "seed": str(job.seed),
+        "frame": str(job.frame),
         **{name: str(count) for name, count in job.counts.items()},
         **{f"settings.{key}": text for key, text in as_text(job.settings).items()},
         "version": project_version(),

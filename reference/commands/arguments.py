@@ -6,9 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from reference.commands.values import MOST_SEED, size, whole
+from reference.commands.values import MOST_SAMPLES, MOST_SEED, size, whole
 from reference.methods import Job
 from reference.path_tracer import MAX_BOUNCES
+from reference.scene.animation import Animation
 from reference.schedule import Schedule
 from reference.world import World
 
@@ -19,7 +20,7 @@ Parser = argparse.ArgumentParser
 
 
 def add_scene(parser: Parser, **options: str) -> None:
-    """Add SCENE, and how it is read.
+    """Add SCENE, how it is read, and which frame of it is meant.
 
     Parameters
     ----------
@@ -40,6 +41,13 @@ def add_scene(parser: Parser, **options: str) -> None:
         help="replace what a scene file holds and is not modelled, and say so",
     )
     parser.add_argument("--size", type=size, metavar="WxH", help="pixels")
+    parser.add_argument(
+        "--frame",
+        type=whole(0, MOST_SAMPLES),
+        default=0,
+        metavar="T",
+        help="of an animated scene the frame to begin at (default 0)",
+    )
 
 
 def add_light(parser: Parser, seed: int = 0) -> None:
@@ -146,21 +154,24 @@ def job(
     counts: Mapping[str, int],
     settings: Any,
     aovs: tuple[str, ...],
+    animation: Animation,
 ) -> Job:
     """Put together what to render.
 
     Parameters
     ----------
     arguments : Namespace
-        With those of `add_light` and `add_schedule`.
+        With those of `add_scene`, `add_light` and `add_schedule`.
     world : World
-        The scene.
+        The scene of ``animation`` in frame 0.
     counts : mapping of str to int
         Frames and samples.
     settings : dataclass instance
         Of the method.
     aovs : tuple of str
         Further layers.
+    animation : Animation
+        From frame ``frame`` of the arguments on.
 
     Returns
     -------
@@ -181,6 +192,8 @@ def job(
         settings=settings,
         aovs=aovs,
         schedule=Schedule(band, threads),
+        animation=animation,
+        frame=arguments.frame,
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from reference.commands import arguments as options
 from reference.commands.console import emit, progress, show
-from reference.commands.opening import open_scene
+from reference.commands.opening import open_frames
 from reference.commands.reference import EVERY, TRUTH_SEED
 from reference.commands.targets import make_folder
 from reference.commands.values import MOST_SAMPLES, whole
@@ -23,7 +23,7 @@ from reference.methods.path import PATH
 from reference.scene.catalogue.registry import CATALOGUE
 from reference.scene.scene import Scene
 from reference.truth import accumulate_truth, checkpoint_beside, truth_image
-from reference.world import build_world
+from reference.world import build_world, next_world
 
 NAME = "demo"
 SCENE, SIZE = "door-ajar", (192, 144)
@@ -73,10 +73,16 @@ def run(arguments: argparse.Namespace) -> None:
         Bad input, or a file cannot be written.
     """
     out = arguments.out
-    scene = open_scene(arguments, _quick)
+    animation = open_frames(arguments, _quick)
     make_folder(out)
-    world = build_world(scene)
-    paths = options.job(arguments, world, {"spp": arguments.spp}, PATH.settings, ())
+    world = build_world(animation(0))
+    first = options.job(
+        arguments, world, {"spp": arguments.spp}, PATH.settings, (), animation
+    )
+    # Paths are traced in the frame that methods which reuse samples arrive at.
+    last = arguments.frames - 1
+    scene = animation(last)
+    paths = replace(first, world=next_world(world, scene), frame=arguments.frame + last)
     true_job = replace(paths, seed=TRUTH_SEED)
 
     checkpoint = checkpoint_beside(out / "truth.exr")
@@ -92,7 +98,7 @@ def run(arguments: argparse.Namespace) -> None:
             tick(len(restir), len(METHODS) + 1, "methods")
             method = method_named(name)
             job = replace(
-                paths, counts={"frames": arguments.frames}, settings=method.settings
+                first, counts={"frames": arguments.frames}, settings=method.settings
             )
             restir.append(runs_of_frames(method, job, arguments.runs))
         tick(len(restir), len(METHODS) + 1, "methods")

@@ -9,29 +9,32 @@ from reference.commands.console import remark
 from reference.commands.memory import refuse_what_does_not_fit
 from reference.commands.values import Size
 from reference.errors import UsageError
-from reference.scene.catalogue.registry import CATALOGUE, find_scene
+from reference.scene.animation import Animation, still
+from reference.scene.catalogue.registry import CATALOGUE, find_animation, find_scene
 from reference.scene.loaders.load import LOADERS, load_scene
 from reference.scene.scene import Scene
-from reference.scene.validation import validate
+from reference.scene.validation import validate, validate_frames
 
 
-def open_scene(
+def open_frames(
     arguments: argparse.Namespace, size: Callable[[Scene], Size] | None = None
-) -> Scene:
-    """Scene that the arguments name, ready to be built.
+) -> Animation:
+    """Scenes that the arguments name, ready to be built, frame by frame.
 
     Parameters
     ----------
     arguments : Namespace
-        With ``scene``, ``lenient``, ``size`` and ``json``.
+        With ``scene``, ``lenient``, ``size``, ``frame`` and ``json``.
     size : callable, optional
         Gives the size of the picture where no --size is given; else it is what the
         scene says.
 
     Returns
     -------
-    Scene
-        Validated.  What its notes say was said on stderr, unless ``json``.
+    Animation
+        Its frame 0 is frame ``frame`` of the arguments.  Each frame is validated when
+        it is asked for.  What the notes of the scene say was said on stderr, unless
+        ``json``.
 
     Raises
     ------
@@ -49,7 +52,10 @@ def open_scene(
     if not arguments.json:
         for note in scene.notes:
             remark(f"{scene.name}: {note}")
-    return scene
+    built_in = arguments.scene in CATALOGUE
+    frames = find_animation(arguments.scene, scene) if built_in else still(scene)
+    valid, start = validate_frames(frames), arguments.frame
+    return Animation(lambda frame: valid(start + frame), valid.changes)
 
 
 def _find(name: str, lenient: bool) -> Scene:

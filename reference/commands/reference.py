@@ -7,7 +7,7 @@ import numpy as np
 
 from reference.commands import arguments as options
 from reference.commands.console import emit, progress, show
-from reference.commands.opening import open_scene
+from reference.commands.opening import open_frames
 from reference.commands.targets import check_file
 from reference.commands.values import MOST_SAMPLES, seconds, whole
 from reference.display import auto_exposure, write_png
@@ -85,9 +85,10 @@ def run(arguments: argparse.Namespace) -> None:
     check_file(out)
     if arguments.png:
         check_file(out.with_suffix(".png"), ".png")
-    scene = open_scene(arguments)
+    animation = open_frames(arguments)
+    scene = animation(0)
     job = options.job(
-        arguments, build_world(scene), {"spp": arguments.spp}, settings, ()
+        arguments, build_world(scene), {"spp": arguments.spp}, settings, (), animation
     )
     checkpoint = checkpoint_beside(out)
     with progress(f"{scene.name}, truth") as tick:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from reference.commands import arguments as options
 from reference.commands.console import emit, progress, show
-from reference.commands.opening import open_scene
+from reference.commands.opening import open_frames
 from reference.commands.targets import check_file
 from reference.commands.values import MOST_SAMPLES, whole
 from reference.display import auto_exposure, write_png
@@ -77,10 +77,11 @@ def run(arguments: argparse.Namespace) -> None:
     check_file(out)
     if arguments.png:
         check_file(png, ".png")
-    scene = open_scene(arguments)
+    animation = open_frames(arguments)
 
+    scene = animation(0)
     world = build_world(scene)
-    job = options.job(arguments, world, counts, settings, aovs)
+    job = options.job(arguments, world, counts, settings, aovs, animation)
     start = time.perf_counter()
     with progress(f"{scene.name}, {method.name}") as tick:
         layers = drive(method, job, lambda p: tick(p.done, p.total, p.unit))

@@ -38,6 +38,7 @@ def run(arguments: argparse.Namespace) -> None:
                 "name": name,
                 "summary": CATALOGUE[name].summary,
                 "answer": CATALOGUE[name].answer,
+                "animated": CATALOGUE[name].animate is not None,
                 "requires": [
                     {"name": r.name, "why": r.why, "left_out": r.left_out}
                     for r in needs
@@ -51,6 +52,7 @@ def run(arguments: argparse.Namespace) -> None:
     for name, needs in found.items():
         entry = CATALOGUE[name]
         answer = f"\nknown: {entry.answer}" if entry.answer else ""
+        moves = "\nanimated: --frame T begins at frame T" if entry.animate else ""
         required = ", ".join(need.name for need in needs)
-        table.add_row(name, entry.summary + answer, required)
+        table.add_row(name, entry.summary + answer + moves, required)
     show(table)

@@ -31,6 +31,7 @@ from typing import Any
 
 from reference.arrays import Scalars
 from reference.path_tracer import Light
+from reference.scene.animation import Animation
 from reference.schedule import Schedule
 from reference.world import World
 
@@ -73,6 +74,12 @@ class Job:
         Names out of the method's ``aovs``, to be returned beside ``"color"``.
     schedule : Schedule
         Bands and threads; must not change a bit of the result.
+    animation : Animation, optional
+        Scenes of all frames, validated, of which frame 0 is that of ``world``; by
+        default the scene stands still.  A method of F frames shows frame F - 1.
+    frame : int
+        What frame 0 is called on the command line and in the header: its number in the
+        animated scene.
     """
 
     world: World
@@ -83,6 +90,8 @@ class Job:
     settings: Any
     aovs: tuple[str, ...]
     schedule: Schedule
+    animation: Animation | None = None
+    frame: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -1,7 +1,7 @@
 """Methods ``restir-gi-unbiased`` and ``restir-gi-biased``: ReSTIR GI, two settings."""
 
 from collections.abc import Generator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from itertools import islice
 from math import isfinite
 from typing import Literal
@@ -22,6 +22,7 @@ from reference.methods.path import mean_of_paths
 from reference.restir_gi import Frame, render_frames
 from reference.rng import Stream
 from reference.settings import Settings
+from reference.world import World, next_world
 
 LEAST_AND_MOST = {
     "temporal_cap": (1, float("inf")),
@@ -32,6 +33,13 @@ LEAST_AND_MOST = {
     "min_radius": (0, 2**14),
     "max_angle": (0, 180),
     "max_depth": (0, float("inf")),
+    "validate_every": (0, 2**27 - 1),
+    "validation_tolerance": (0, 1),
+    "boost_below": (0, float("inf")),
+    "roulette": (2**-10, 1),
+    "jacobian_limit": (1, float("inf")),
+    "max_age": (1, float("inf")),
+    "boiling_filter": (0, 1),
 }
 
 
@@ -42,7 +50,8 @@ class RestirSettings(Settings):
     Attributes
     ----------
     image : 'last' or 'mean'
-        The last frame, as a renderer shows it, or the mean of all frames.
+        The last frame, as a renderer shows it, or the mean of all frames; of their
+        indirect light, since everything else is that of the last frame.
     """
 
     image: Literal["last", "mean"] = "last"
@@ -78,7 +87,7 @@ def render(job: Job) -> Rendering:
     Returns
     -------
     Layers
-        The colour, and the layers asked for.
+        The colour, and the layers asked for, all of the last frame.
     """
     has_direct = job.light != "indirect" or "direct" in job.aovs
     has_indirect = job.light != "direct" or "indirect" in job.aovs
@@ -98,24 +107,33 @@ def render(job: Job) -> Rendering:
         indirect = found.mean if job.settings.image == "mean" else found.last.color
         layers |= {"mean": found.mean} if "mean" in job.aovs else {}
         layers |= reservoir_layers(found.last.spatial, job.aovs)
+    shown = found.last.world if frames else _last_world(job)
     if has_direct:
         moments = yield from mean_of_paths(
-            job, "direct", "center", Stream.DIRECT, frames, total
+            replace(job, world=shown), "direct", "center", Stream.DIRECT, frames, total
         )
         direct = moments.mean
     parts = {"indirect": indirect, "direct": direct, "full": indirect + direct}
     layers |= {name: parts[name] for name in ("indirect", "direct") if name in job.aovs}
-    layers |= gbuffer_layers(job.world, job.schedule, job.aovs)
+    layers |= gbuffer_layers(shown, job.schedule, job.aovs)
     return {"color": parts[job.light], **layers}
 
 
 def _frames(job: Job, frames: int, total: int) -> Generator[Progress, None, _Indirect]:
-    run = render_frames(job.world, job.settings, job.bounces, job.seed, job.schedule)
+    run = render_frames(
+        job.world, job.settings, job.bounces, job.seed, job.schedule, job.animation
+    )
     mean = _black(job)
     for frame in islice(run, frames):
         mean = mean + (frame.color - mean) / (frame.number + 1.0)
         yield Progress(frame.number + 1, total, "frames")
     return _Indirect(frame, mean)
+
+
+def _last_world(job: Job) -> World:
+    if job.animation is None:
+        return job.world
+    return next_world(job.world, job.animation(job.counts["frames"] - 1))
 
 
 def _black(job: Job) -> Vec3s:

@@ -2,12 +2,15 @@
 
 import numpy as np
 
+from reference.errors import UsageError
+from reference.scene.animation import Animation
 from reference.scene.checks.camera import check_camera, check_place
 from reference.scene.checks.enclosure import check_enclosure
-from reference.scene.checks.lights import check_lights
+from reference.scene.checks.lights import check_lights, check_lit, is_lit
 from reference.scene.checks.shapes import check_mesh, check_sphere, without_flat_faces
 from reference.scene.checks.values import refuse
 from reference.scene.geometry import world_corners
+from reference.scene.motion import motion_between
 from reference.scene.scene import Scene
 
 SMALLEST = 1e-50
@@ -21,13 +24,15 @@ which rays start.
 """
 
 
-def validate(scene: Scene) -> Scene:
+def validate(scene: Scene, may_be_dark: bool = False) -> Scene:
     """Scene that can be rendered: every number has a meaning, and light can be seen.
 
     Parameters
     ----------
     scene : Scene
         As an author or a loader gives it.
+    may_be_dark : bool
+        Let pass a scene in which no light shines: in an animation lights may go out.
 
     Returns
     -------
@@ -50,11 +55,67 @@ def validate(scene: Scene) -> Scene:
     scene = without_flat_faces(scene)
     extent = check_extent(scene)
     check_lights(scene)
+    if not may_be_dark:
+        check_lit(scene)
     where = f"{scene.name}: camera"
     check_camera(where, scene.camera)
     check_place(where, scene, extent)
-    check_enclosure(where, scene)
+    if is_lit(scene):
+        check_enclosure(where, scene)
     return scene
+
+
+def validate_frames(animation: Animation) -> Animation:
+    """Animation whose every frame is validated before it is handed out.
+
+    Parameters
+    ----------
+    animation : Animation
+        Of a scene that :func:`validate` has passed.
+
+    Returns
+    -------
+    Animation
+        The very scenes of ``animation``.  A scene that stays the same object is
+        validated once, and one that stands still not again.
+
+    Raises
+    ------
+    UsageError
+        When a frame is asked for: what is wrong with it, and which frame it is.
+
+    Notes
+    -----
+    Only frame 0 must be lit.  All frames must have its triangles, moved rigidly, and
+    its size of picture.
+    """
+    if animation.changes == "nothing":
+        return animation
+    first = animation(0)
+    passed: list[Scene] = []
+
+    def at(frame: int) -> Scene:
+        scene = animation(frame)
+        if not any(scene is one for one in passed):
+            try:
+                _check_frame(first, scene, may_be_dark=frame > 0)
+            except UsageError as error:
+                raise UsageError(f"frame {frame} of {error}") from None
+            passed[:] = [scene]
+        return scene
+
+    return Animation(at, animation.changes)
+
+
+def _check_frame(first: Scene, scene: Scene, may_be_dark: bool) -> None:
+    if validate(scene, may_be_dark) is not scene:
+        right = "validate the scene before it is animated"
+        refuse(scene.name, "it has triangles without area", right)
+    motion_between(first, scene)
+    was, now = first.camera, scene.camera
+    if (was.width, was.height) != (now.width, now.height):
+        wrong = f"its image is {now.width}x{now.height} pixels"
+        refuse(scene.name, wrong, f"use {was.width}x{was.height}, as in frame 0")
 
 
 def check_extent(scene: Scene) -> float:

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from reference.errors import UsageError
-from reference.scene.catalogue.registry import CATALOGUE, find_scene
+from reference.scene.catalogue.animations import CHANGE
+from reference.scene.catalogue.registry import CATALOGUE, find_animation, find_scene
 from reference.scene.catalogue.rooms import WHITE
 from reference.scene.geometry import world_corners
 from reference.scene.materials.kinds import Coated
@@ -25,14 +26,22 @@ NAMES = [
     "parallel-plates",
     "checker",
     "many-lights",
+    "moving-camera",
+    "moving-block",
+    "moving-light",
+    "light-switch",
+    "sunlight-turns",
 ]
 KNOWN = {"sunlit-wall", "sphere-furnace", "half-lit-sphere", "parallel-plates"}
+
+ANIMATED = set(NAMES[10:])
 
 every_scene = pytest.mark.parametrize("name", NAMES)
 
 
-def test_the_catalogue_has_the_ten_scenes():
+def test_the_catalogue_has_the_fifteen_scenes():
     assert list(CATALOGUE) == NAMES
+    assert {name for name, entry in CATALOGUE.items() if entry.animate} == ANIMATED
     assert {name for name, entry in CATALOGUE.items() if entry.answer} == KNOWN
 
 
@@ -46,6 +55,7 @@ def test_an_entry_is_named_as_its_scene_and_says_what_it_shows(name):
         assert "\n" not in text
         assert len(text) <= 88
     assert inspect.getdoc(entry.build)
+    assert entry.animate is None or inspect.getdoc(entry.animate)
 
 
 @every_scene
@@ -174,3 +184,40 @@ def test_spheres_are_seen_from_inside():
         seen = what_is_seen(world_of(find_scene(name), 16))
         assert seen.front.all()
         assert seen.hit.all()
+
+
+def direct_before_and_after(name):
+    """What is seen, and its direct light before and after the change."""
+    worlds = [world_of(find_animation(name)(t), 48) for t in (CHANGE - 1, CHANGE)]
+    return what_is_seen(worlds[0]), *(path_traced(w, "direct") for w in worlds)
+
+
+def test_the_light_goes_out_for_good():
+    _, before, after = direct_before_and_after("light-switch")
+    assert before.any()
+    assert not after.any()
+    dark = world_of(find_animation("light-switch")(CHANGE + 100), 16)
+    assert not path_traced(dark, "full", bounces=2, samples=4).any()
+
+
+def test_the_sun_turns_from_the_far_wall_to_the_floor():
+    seen, before, after = direct_before_and_after("sunlight-turns")
+    was, now = before.any(axis=1), after.any(axis=1)
+    # Each patch is a hundredth of the picture, or more, and they share nothing.
+    assert was.mean() > 0.01
+    assert now.mean() > 0.01
+    # The reveals of the window, 0.1 m thick, may be lit all the time.
+    inside = seen.position[:, 0] > -1.9
+    assert not (was & now & inside).any()
+    y, z = seen.position[:, 1], seen.position[:, 2]
+    assert (z[was & inside] < -1.99).mean() > 0.5
+    assert (y[now & inside] < 0.01).mean() > 0.95
+
+
+def test_the_room_is_lit_through_the_window_alone():
+    scene = find_scene("sunlight-turns")
+    pane = quad("pane", (-2, 0.8, 0.5), (0, 0, -1.2), (0, 1.4, 0), WHITE)
+    for frame in (0, CHANGE):
+        shut = find_animation("sunlight-turns", scene)(frame)
+        shut = world_of(replace(shut, meshes=(*shut.meshes, pane)), 32)
+        assert not path_traced(shut, "full", bounces=3, samples=16).any()

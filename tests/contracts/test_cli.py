@@ -4,7 +4,7 @@ import json
 import re
 import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Literal
@@ -22,6 +22,7 @@ from reference.methods import (
     method_names,
 )
 from reference.options import as_text, known, with_values
+from reference.scene.animation import still, with_change
 from reference.scene.camera import view_depth
 from reference.scene.catalogue.registry import CATALOGUE, find_scene
 from reference.scene.origins import STEP
@@ -105,6 +106,7 @@ def test_nobody_reads_the_output():
 def test_scenes_lists_the_catalogue(restir):
     text = restir("scenes")
     assert all(name in text for name in CATALOGUE)
+    assert text.count("animated:") == 5
 
 
 def test_scenes_for_a_program(restir):
@@ -112,6 +114,7 @@ def test_scenes_for_a_program(restir):
     assert [scene["name"] for scene in scenes] == list(CATALOGUE)
     for scene in scenes:
         assert scene["summary"]
+        assert scene["animated"] == (CATALOGUE[scene["name"]].animate is not None)
         assert all(need["name"] and need["why"] for need in scene["requires"])
 
 
@@ -131,6 +134,7 @@ def test_a_picture_says_where_it_comes_from(render, method):
         "light": "indirect",
         "bounces": "2",
         "seed": "7",
+        "frame": "0",
         few(method)[0].lstrip("-"): "3",
     }
     assert expected.items() <= image.metadata.items()
@@ -276,6 +280,123 @@ def test_a_scene_from_a_file(restir, tmp_path):
     assert read_exr(out).width == 8
 
 
+# ---------------------------------------------------------------- animated scenes
+
+SMALL = ("--size", "12x8")
+RESTIR = BUILT_IN[1:]
+
+
+@pytest.mark.parametrize("method", RESTIR)
+def test_the_picture_is_of_the_last_frame(render, method):
+    """What is seen through the pixels; so the truth is that of frame T + F - 1."""
+    scene = ("moving-camera", *SMALL)
+    aovs = ("--aov", "depth,normal,albedo,position")
+    for light in ("indirect", "direct"):
+        arguments = ("--frame", 5, "--frames", 3, "--spp", 1, "--light", light, *aovs)
+        image = render(method, *arguments, scene=scene)
+        path = render("path", "--spp", 1, "--frame", 7, *aovs, scene=scene)
+        for name in ("depth", "normal", "albedo", "position"):
+            np.testing.assert_array_equal(image.layers[name], path.layers[name])
+    assert image.metadata["frame"] == "5"
+    assert path.metadata["frame"] == "7"
+    early = render("path", "--spp", 1, "--frame", 5, *aovs, scene=scene)
+    assert (path.layers["depth"] != early.layers["depth"]).any()
+
+
+@pytest.mark.parametrize("name", ["moving-light", "moving-block", "light-switch"])
+def test_direct_light_is_that_of_the_last_frame(render, name):
+    scene, direct = (name, *SMALL), ("--spp", 4, "--light", "direct")
+    method = "restir-gi-unbiased"
+    last = render(method, "--frame", 16, "--frames", 1, *direct, scene=scene)
+    moved = render(method, "--frame", 14, "--frames", 3, *direct, scene=scene)
+    np.testing.assert_array_equal(moved.color, last.color)
+    full = ("--spp", 4, "--light", "full", "--aov", "direct")
+    whole = render(method, "--frame", 14, "--frames", 3, *full, scene=scene)
+    np.testing.assert_array_equal(whole.layers["direct"], last.color)
+    first = render(method, "--frame", 14, "--frames", 1, *direct, scene=scene)
+    assert (first.color != last.color).any()
+
+
+@pytest.mark.parametrize("method", RESTIR)
+def test_the_frames_of_a_run_are_those_of_the_animation(render, method):
+    """Where the light goes out: light of the past is what only the biased one keeps."""
+    scene, full = ("light-switch", *SMALL), ("--light", "full", "--spp", 2)
+    frames = ("--frame", 14, "--frames")
+    assert render(method, *frames, 2, *full, scene=scene).color.any()
+    after = render(method, *frames, 3, *full, scene=scene)
+    assert after.color.any() == (method == "restir-gi-biased")
+    dark = render(method, "--frame", 16, "--frames", 3, *full, scene=scene)
+    assert not dark.color.any()
+
+
+@pytest.mark.parametrize("name", ["moving-camera", "moving-block", "moving-light"])
+def test_rays_are_counted_over_all_frames(render, name):
+    """A G-buffer for each, whether the geometry is made anew or not."""
+    image = render("restir-gi-unbiased", "--frames", 3, scene=(name, *SMALL))
+    assert image.metadata["rays.primary"] == str(3 * 12 * 8)
+
+
+@pytest.mark.parametrize("method", BUILT_IN)
+def test_a_scene_that_stands_still_is_the_same_at_every_frame(render, method):
+    now, later = (render(method, *few(method), "--frame", t) for t in (0, 40))
+    np.testing.assert_array_equal(now.color, later.color)
+    assert later.metadata["frame"] == "40"
+
+
+@pytest.mark.parametrize("method", RESTIR)
+def test_a_scene_that_moves_has_other_pictures(render, method):
+    scene = ("moving-block", *SMALL)
+    now, later = (
+        render(method, "--frames", 2, "--frame", t, scene=scene) for t in (0, 20)
+    )
+    assert (now.color != later.color).any()
+
+
+def test_truths_of_other_frames_have_other_checkpoints(restir, tmp_path, capsys):
+    """Refused for another scene, not for another name of the same one."""
+
+    def truth(name, frame, spp):
+        out = tmp_path / f"{name}.exr"
+        arguments = ("--spp", spp, "--frame", frame, "--out", out, "--keep")
+        return ["reference", name, *SMALL, *arguments]
+
+    restir(*truth("moving-block", 3, 2))
+    assert main([str(a) for a in truth("moving-block", 4, 3)]) == 2
+    line = capsys.readouterr().err
+    assert "scene" in line
+    assert line.count("\n") == 1
+    restir(*truth("moving-block", 3, 3))
+    restir(*truth("light-switch", 3, 2))
+    restir(*truth("light-switch", 4, 3))
+    image = read_exr(tmp_path / "light-switch.exr")
+    assert (image.metadata["frame"], image.metadata["spp"]) == ("4", "3")
+
+
+def test_a_bad_frame_is_told_by_its_number(monkeypatch, tmp_path, capsys):
+    def animate(scene):
+        bad = replace(scene, camera=replace(scene.camera, fov_x=-1.0))
+        return with_change(still(scene), 6, lambda _: bad)
+
+    entry = replace(CATALOGUE["cornell-box"], animate=animate)
+    monkeypatch.setitem(CATALOGUE, "cornell-box", entry)
+    out = tmp_path / "x.exr"
+    command = ["render", *ROOM, "--method", "restir-gi-biased", "--frames", "3"]
+    assert main([*command, "--frame", "5", "--out", str(out)]) == 2
+    line = capsys.readouterr().err
+    assert "frame 6 of cornell-box: camera: fov_x is -1" in line
+    assert line.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("frame", ["-1", "x", "1.5", str(2**27)])
+def test_a_frame_is_a_whole_number(capsys, frame):
+    command = ["render", *ROOM, "--method", "path", "--out", "x.exr"]
+    assert main([*command, f"--frame={frame}"]) == 2
+    line = capsys.readouterr().err
+    assert "--frame" in line
+    assert line.count("\n") == 1
+
+
 # ---------------------------------------------------------------- methods of others
 
 
@@ -378,3 +499,20 @@ def test_the_demonstration_of_another_scene(restir, tmp_path):
     results = json.loads(restir("demo", *ROOM, "--out", tmp_path, *quick))
     assert results["scene"] == "cornell-box"
     assert [m["name"] for m in results["methods"]] == list(BUILT_IN)
+
+
+def test_the_demonstration_of_an_animated_scene(restir, tmp_path):
+    """All pictures are of the last frame."""
+    quick = ("--spp", 4, "--frames", 3, "--runs", 2, "--frame", 4)
+    restir("demo", "moving-camera", *SMALL, "--out", tmp_path, *quick)
+    frames = {
+        name: read_exr(tmp_path / f"{name}.exr").metadata["frame"]
+        for name in ("truth", *BUILT_IN)
+    }
+    assert frames == {"truth": "6", "path": "6", **dict.fromkeys(RESTIR, "4")}
+    last = tmp_path / "last.exr"
+    seed = read_exr(tmp_path / "truth.exr").metadata["seed"]
+    restir("reference", "moving-camera", *SMALL, "--frame", 6, "--spp", 4,
+           "--seed", seed, "--out", last)  # fmt: skip
+    truth = read_exr(tmp_path / "truth.exr").color
+    np.testing.assert_array_equal(truth, read_exr(last).color)

@@ -1,11 +1,12 @@
 """The built-in scenes by name."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 
 from reference.errors import UsageError
-from reference.scene.catalogue import rooms, spheres, walls
+from reference.scene.animation import Animation, still
+from reference.scene.catalogue import animations, rooms, spheres, walls
 from reference.scene.scene import Scene
 
 
@@ -24,12 +25,23 @@ class Entry:
     answer : str or None
         What is known of its picture in closed form, see
         :mod:`reference.scene.catalogue.answers`.
+    animate : callable or None
+        Frames of the scene, which is their frame 0; ``None`` where it stands still.
     """
 
     name: str
     build: Callable[[], Scene]
     summary: str
     answer: str | None = None
+    animate: Callable[[Scene], Animation] | None = None
+
+
+def _cornell_box(name: str) -> Callable[[], Scene]:
+    def build() -> Scene:
+        """The Cornell box, by the name of its animation."""
+        return replace(rooms.cornell_box(), name=name)
+
+    return build
 
 
 _ENTRIES = (
@@ -87,6 +99,36 @@ _ENTRIES = (
         rooms.many_lights,
         "a hall under 30,000 small coloured lamps",
     ),
+    Entry(
+        "moving-camera",
+        _cornell_box("moving-camera"),
+        "the Cornell box from a camera that flies and turns",
+        animate=animations.moving_camera,
+    ),
+    Entry(
+        "moving-block",
+        _cornell_box("moving-block"),
+        "the Cornell box whose short block slides and turns",
+        animate=animations.moving_block,
+    ),
+    Entry(
+        "moving-light",
+        _cornell_box("moving-light"),
+        "the Cornell box whose light travels under the ceiling",
+        animate=animations.moving_light,
+    ),
+    Entry(
+        "light-switch",
+        _cornell_box("light-switch"),
+        "the Cornell box whose light goes out at frame 16",
+        animate=animations.light_switch,
+    ),
+    Entry(
+        "sunlight-turns",
+        animations.sunlit_room,
+        "the sun turns suddenly at frame 16, as in Figure 11 of the paper",
+        animate=animations.sunlight_turns,
+    ),
 )
 
 CATALOGUE: dict[str, Entry] = {entry.name: entry for entry in _ENTRIES}
@@ -104,15 +146,45 @@ def find_scene(name: str) -> Scene:
     Returns
     -------
     Scene
-        Freshly built.
+        Freshly built; frame 0 of one that is animated.
 
     Raises
     ------
     UsageError
         No scene has that name; the message says which do, the closest one first.
     """
+    return _entry(name).build()
+
+
+def find_animation(name: str, scene: Scene | None = None) -> Animation:
+    """Frames of the built-in scene of a name.
+
+    Parameters
+    ----------
+    name : str
+        As in the catalogue.
+    scene : Scene, optional
+        That scene with another size of picture, say; by default as `find_scene` gives
+        it.
+
+    Returns
+    -------
+    Animation
+        The same scene in every frame, where it stands still.
+
+    Raises
+    ------
+    UsageError
+        No scene has that name.
+    """
+    entry = _entry(name)
+    scene = scene or entry.build()
+    return entry.animate(scene) if entry.animate else still(scene)
+
+
+def _entry(name: str) -> Entry:
     if name in CATALOGUE:
-        return CATALOGUE[name].build()
+        return CATALOGUE[name]
     close = get_close_matches(name, CATALOGUE, n=1)
     hint = f"did you mean {close[0]}? " if close else ""
     every = ", ".join(CATALOGUE)

@@ -1,4 +1,4 @@
-"""Lights: nothing negative, and at least one that shines."""
+"""Lights: nothing negative, and one that shines where a scene must be lit."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ UNIT = 1e-6
 
 
 def check_lights(scene: Scene) -> None:
-    """Require lights that send light, and at least one of them.
+    """Require lights whose every number has a meaning; none need shine.
 
     Parameters
     ----------
@@ -36,6 +36,21 @@ def check_lights(scene: Scene) -> None:
         need_numbers(where, "irradiance", sun.irradiance, 0, count=3)
     if scene.environment is not None:
         check_environment(f"{scene.name}: environment", scene.environment)
+
+
+def check_lit(scene: Scene) -> None:
+    """Require a light that shines.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its numbers checked.
+
+    Raises
+    ------
+    UsageError
+        Nothing emits.
+    """
     if not is_lit(scene):
         right = "give a mesh or a sphere an emission, or add a lamp, a sun or a sky"
         refuse(scene.name, "nothing in the scene emits light", right)

@@ -1,0 +1,117 @@
+"""``restir figures``: the figures of the ReSTIR GI paper, measured and drawn anew."""
+
+import argparse
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from reference.commands import arguments as options
+from reference.commands.console import emit, progress, show
+from reference.commands.memory import refuse_what_does_not_fit
+from reference.commands.targets import make_folder
+from reference.commands.values import whole
+from reference.errors import UsageError
+from reference.figures.record import Plan
+from reference.figures.registry import FIGURES, Entry, find_figure
+from reference.figures.table import as_plain, table
+from reference.files import write_file
+from reference.schedule import Schedule
+from reference.version import project_version
+
+NAME = "figures"
+SIZE = 128
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the arguments.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        Of this command.
+    """
+    parser.add_argument(
+        "figures",
+        metavar="NAME",
+        nargs="*",
+        help=f"{', '.join(FIGURES)} (default: all of them)",
+    )
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder")
+    parser.add_argument(
+        "--size",
+        type=whole(16, 4096),
+        default=SIZE,
+        metavar="N",
+        help=f"pixels of a side of each picture (default {SIZE})",
+    )
+    defaults = ", ".join(f"{entry.name} {entry.runs}" for entry in FIGURES.values())
+    parser.add_argument(
+        "--runs",
+        type=whole(2, 1000),
+        metavar="N",
+        help=f"runs of each method, with different seeds (default: {defaults})",
+    )
+    parser.add_argument(
+        "--threads",
+        type=whole(1, 1024),
+        default=1,
+        metavar="N",
+        help="bands worked on at once (default 1: small pictures gain little by more)",
+    )
+    options.add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Make the figures and write each as soon as it is there.
+
+    Parameters
+    ----------
+    arguments : Namespace
+        Parsed.
+
+    Raises
+    ------
+    UsageError
+        No such figure, too few runs for one, or a file cannot be written.
+    """
+    entries = [
+        find_figure(name) for name in dict.fromkeys(arguments.figures or FIGURES)
+    ]
+    plans = [_plan(arguments, entry) for entry in entries]
+    refuse_what_does_not_fit(arguments.size, arguments.size)
+    make_folder(arguments.out)
+    results: list[dict[str, Any]] = []
+    for entry, plan in zip(entries, plans, strict=True):
+        with progress(f"figure {entry.name}") as tick:
+            figure = entry.make(replace(plan, tick=tick))
+        picture = arguments.out / f"{entry.name}.png"
+        numbers = {
+            **as_plain(figure),
+            "picture": picture.name,
+            "size": plan.size,
+            "runs": plan.runs,
+            "version": project_version(),
+        }
+        write_file(picture, figure.png())
+        write_file(picture.with_suffix(".json"), json.dumps(numbers, indent=2).encode())
+        results.append(numbers)
+        if not arguments.json:
+            show(figure.title)
+            show(table(figure))
+            for remark in figure.remarks:
+                show(remark)
+            show(f"Look at {picture}.")
+    if arguments.json:
+        emit({"figures": results})
+
+
+def _plan(arguments: argparse.Namespace, entry: Entry) -> Plan:
+    runs = arguments.runs or entry.runs
+    if runs < entry.least_runs:
+        raise UsageError(
+            f"--runs {runs}: figure {entry.name} needs at least {entry.least_runs}"
+        )
+    pixels = arguments.size**2
+    band = min(options.BAND, -(-pixels // arguments.threads))
+    return Plan(arguments.size, runs, Schedule(band, arguments.threads))

@@ -1,0 +1,203 @@
+"""Variants of ReSTIR GI side by side, and path tracing between their frames.
+
+All that a figure compares runs in one process and takes turns frame by frame, so that
+whatever else the machine does meanwhile slows all of them alike.  The path-traced
+samples in between are the truth in the end.
+"""
+
+import time
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from reference import metrics
+from reference.accumulate import path_samples
+from reference.arrays import Masks, Vec3s
+from reference.demo.runs import CONVERGED, Runs
+from reference.figures.batches import merge
+from reference.figures.bootstrap import Numbers
+from reference.figures.record import Plan
+from reference.methods import Job, Method, Rendering
+from reference.moments import Moments, add_samples, no_samples
+from reference.world import World
+
+FRAMES = 32  # as in Figure 13
+PATH_SEED = 1_000_003  # another than that of any run
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Contender:
+    """A variant of ReSTIR GI.
+
+    Attributes
+    ----------
+    name : str
+        In the tables.
+    method : Method
+        One that yields once a frame, with the settings of the variant.
+    bounces : int
+        Bounces of indirect light.
+    """
+
+    name: str
+    method: Method
+    bounces: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Contest:
+    """What a contest leaves behind.
+
+    Attributes
+    ----------
+    world : World
+        The scene.
+    bounces : int
+        Bounces of the truth.
+    batches : list of Moments
+        Path-traced samples drawn beside each run.
+    truth : Moments
+        Of all of them.
+    path_seconds : float
+        A path-traced sample of all pixels takes: the median.
+    runs : dict of str to Runs
+        Of each contender; seconds are the median of the last frames.
+    """
+
+    world: World
+    bounces: int
+    batches: list[Moments]
+    truth: Moments
+    path_seconds: float
+    runs: dict[str, Runs]
+
+    def path_variances(self) -> Numbers:
+        """Mean squared error of one path-traced sample, an estimate a batch."""
+        return np.array([np.mean(b.squares) / (b.count - 1.0) for b in self.batches])
+
+    def errors(self, name: str, pixels: Masks | None = None) -> Numbers:
+        """Mean squared error of each run, without the share of the truth's own.
+
+        Parameters
+        ----------
+        name : str
+            Of the contender.
+        pixels : (N,) bool, optional
+            Which count.
+
+        Returns
+        -------
+        (runs,) float64
+            They may fall below 0 where the truth is noisier than the pictures.
+        """
+        some = slice(None) if pixels is None else pixels
+        truth, variance = self.truth.mean[some], self.truth.standard_error()[some] ** 2
+        colors = self.runs[name].colors
+        return np.array([metrics.mse(c[some], truth, variance) for c in colors])
+
+
+@dataclass(slots=True, eq=False)
+class _Running:
+    """A run of a contender on its way, with a clock."""
+
+    contender: Contender
+    steps: Rendering
+    times: list[float]
+
+    def advance(self) -> None:
+        start = time.perf_counter()
+        next(self.steps)
+        self.times.append(time.perf_counter() - start)
+
+    def color(self) -> Vec3s:
+        try:
+            step = next(self.steps)
+        except StopIteration as end:
+            color: Vec3s = end.value["color"]
+            return color
+        raise ValueError(f"{self.contender.name} has one more step, {step}")
+
+
+def compete(
+    world: World,
+    contenders: Sequence[Contender],
+    bounces: int,
+    plan: Plan,
+    paths: int = 1,
+) -> Contest:
+    """Run all contenders by turns, with path tracing between their frames.
+
+    Parameters
+    ----------
+    world : World
+        The scene.
+    contenders : sequence of Contender
+        Each runs `FRAMES` frames a run.
+    bounces : int
+        Bounces of path tracing.
+    plan : Plan
+        Runs, bands and threads.
+    paths : int
+        Path-traced samples a frame.
+
+    Returns
+    -------
+    Contest
+        Run i of every contender has seed i.
+    """
+    batches, path_times = [], []
+    frame_times: dict[str, list[float]] = {c.name: [] for c in contenders}
+    colors: dict[str, list[Vec3s]] = {c.name: [] for c in contenders}
+    for run in range(plan.runs):
+        plan.tick(run, plan.runs, "runs")
+        running = [
+            _Running(c, c.method.render(_job(world, c, run, plan)), [])
+            for c in contenders
+        ]
+        samples = path_samples(
+            world,
+            plan.schedule,
+            light="indirect",
+            bounces=bounces,
+            seed=PATH_SEED + run,
+        )
+        moments = no_samples(samples.rows)
+        for _ in range(FRAMES):
+            for one in running:
+                one.advance()
+            start = time.perf_counter()
+            until = moments.count + paths
+            moments = add_samples(moments, samples.radiance, until, plan.schedule)
+            path_times.append((time.perf_counter() - start) / paths)
+        batches.append(moments)
+        for one in running:
+            frame_times[one.contender.name] += one.times[-CONVERGED:]
+            colors[one.contender.name].append(one.color())
+    plan.tick(plan.runs, plan.runs, "runs")
+    runs = {
+        c.name: Runs(
+            c.method,
+            _job(world, c, 0, plan),
+            colors[c.name],
+            float(np.median(frame_times[c.name])),
+            Counter(),
+        )
+        for c in contenders
+    }
+    seconds = float(np.median(path_times))
+    return Contest(world, bounces, batches, merge(batches), seconds, runs)
+
+
+def _job(world: World, contender: Contender, seed: int, plan: Plan) -> Job:
+    return Job(
+        world=world,
+        light="indirect",
+        bounces=contender.bounces,
+        seed=seed,
+        counts={"frames": FRAMES, "spp": 1},
+        settings=contender.method.settings,
+        aovs=(),
+        schedule=plan.schedule,
+    )

@@ -1,0 +1,60 @@
+"""Scenes of the size of a figure, and their path-traced light."""
+
+from dataclasses import replace
+
+from reference.accumulate import path_samples
+from reference.arrays import Vec3s
+from reference.figures.record import Plan
+from reference.moments import add_samples, no_samples
+from reference.path_tracer import Light
+from reference.scene.catalogue.registry import find_scene
+from reference.scene.validation import validate
+from reference.world import World, build_world
+
+
+def sized_world(name: str, size: int) -> World:
+    """Built-in scene with a square picture, ready for rays.
+
+    Parameters
+    ----------
+    name : str
+        Of the catalogue.
+    size : int, pixels
+        Width and height.
+
+    Returns
+    -------
+    World
+        Validated.
+    """
+    scene = find_scene(name)
+    camera = replace(scene.camera, width=size, height=size)
+    return build_world(validate(replace(scene, camera=camera)))
+
+
+def path_traced(
+    world: World, light: Light, bounces: int, samples: int, plan: Plan
+) -> Vec3s:
+    """Path-traced picture that is no part of any truth.
+
+    Parameters
+    ----------
+    world : World
+        The scene.
+    light : 'indirect', 'direct' or 'full'
+        Which paths count.
+    bounces : int
+        Bounces of indirect light.
+    samples : int
+        A pixel.
+    plan : Plan
+        Bands and threads.
+
+    Returns
+    -------
+    (N, 3) float64, W/(m² sr)
+        Their mean.
+    """
+    drawn = path_samples(world, plan.schedule, light=light, bounces=bounces, seed=0)
+    none = no_samples(drawn.rows)
+    return add_samples(none, drawn.radiance, samples, plan.schedule).mean

@@ -1,0 +1,110 @@
+"""What makes a figure, and what a figure is: a picture and the numbers beside it."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from io import BytesIO
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from reference.display import Bytes
+from reference.schedule import Schedule
+
+if TYPE_CHECKING:  # matplotlib takes half a second to load
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """How much is spent on a figure.
+
+    Attributes
+    ----------
+    size : int, pixels
+        Width and height of each picture, at least 16.
+    runs : int
+        Runs of each method, with different seeds; at least 2.
+    schedule : Schedule
+        Bands and threads.
+    tick : callable
+        Told how much is done, of how much, and its unit.
+    """
+
+    size: int
+    runs: int
+    schedule: Schedule
+    tick: Callable[[int, int, str], None] = lambda done, total, unit: None
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """A number with its 95 % confidence interval.
+
+    Attributes
+    ----------
+    value : float
+        Estimate.
+    low, high : float
+        Ends.
+    """
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
+class Deviation:
+    """A relative deviation from the truth, with its standard error.
+
+    Attributes
+    ----------
+    value : float
+        Share of the truth, 0 for none.
+    error : float
+        Standard error of it.
+    """
+
+    value: float
+    error: float
+
+
+Cell = str | int | float | Interval | Deviation
+Row = Mapping[str, Cell]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PaperFigure:
+    """A figure of the paper, made again.
+
+    Attributes
+    ----------
+    name : str
+        As on the command line.
+    title : str
+        What it shows, and its number in the paper.
+    picture : matplotlib.figure.Figure
+        Known to no window and to no global state.
+    rows : tuple of mapping of str to Cell
+        The numbers; all rows have the same columns.
+    remarks : tuple of str
+        How the numbers came about, and the paper's own.
+    """
+
+    name: str
+    title: str
+    picture: "Figure"
+    rows: tuple[Row, ...]
+    remarks: tuple[str, ...]
+
+    def pixels(self) -> Bytes:
+        """Drawn (H, W, 3) uint8, for notebooks and galleries."""
+        from PIL import Image
+
+        return np.asarray(Image.open(BytesIO(self.png())).convert("RGB"))
+
+    def png(self) -> bytes:
+        """Contents of a PNG file."""
+        buffer = BytesIO()
+        self.picture.savefig(buffer, format="png")
+        return buffer.getvalue()
