@@ -2,14 +2,14 @@
 
 from collections.abc import Mapping
 
-from reference.methods import Job
+from reference.methods import Job, Method
 from reference.options import as_text
 from reference.scene.scene import Scene
 from reference.version import project_version
 
 
 def metadata(
-    scene: Scene, method: str, job: Job, rays: Mapping[str, int], seconds: float
+    scene: Scene, method: Method, job: Job, rays: Mapping[str, int], seconds: float
 ) -> dict[str, str]:
     """Texts for the header of a picture.
 
@@ -17,8 +17,8 @@ def metadata(
     ----------
     scene : Scene
         Of which ``job.world`` was built.
-    method : str
-        Its name.
+    method : Method
+        How; its name, and what biases its picture.
     job : Job
         What was rendered; all settings are told, also those left at their defaults,
         and the frame of an animated scene at which the picture begins.
@@ -30,11 +30,11 @@ def metadata(
     Returns
     -------
     dict of str to str
-        All but the last two fix the pixels to the last bit.
+        Scene, method, settings and version fix the pixels to the last bit.
     """
     words = {
         "scene": scene.name,
-        "method": method,
+        "method": method.name,
         "light": job.light,
         "bounces": str(job.bounces),
         "seed": str(job.seed),
@@ -45,6 +45,8 @@ def metadata(
         "seconds": f"{seconds:.3f}",
         **{f"rays.{kind}": str(count) for kind, count in sorted(rays.items())},
     }
+    if named := method.biases(job):
+        words["biases"] = "; ".join(named)
     if scene.notes:
         words["scene.notes"] = " ".join(scene.notes)
     return words

@@ -88,7 +88,7 @@ def run(arguments: argparse.Namespace) -> None:
     checkpoint = checkpoint_beside(out / "truth.exr")
     with progress(f"{scene.name}, truth") as tick:
         state = accumulate_truth(scene, true_job, checkpoint, EVERY, tick)
-    words = metadata(scene, "path", true_job, state.rays, state.seconds)
+    words = metadata(scene, PATH, true_job, state.rays, state.seconds)
     truth = truth_image(state, true_job, words)
     write_exr(out / "truth.exr", truth)
 

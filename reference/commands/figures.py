@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "figures",
         metavar="NAME",
         nargs="*",
-        help=f"{', '.join(FIGURES)} (default: all of them)",
+        help=f"{', '.join(FIGURES)}, or numbers of the paper (default: all of them)",
     )
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder")
     parser.add_argument(
@@ -75,9 +75,8 @@ def run(arguments: argparse.Namespace) -> None:
     UsageError
         No such figure, too few runs for one, or a file cannot be written.
     """
-    entries = [
-        find_figure(name) for name in dict.fromkeys(arguments.figures or FIGURES)
-    ]
+    wanted = [find_figure(name) for name in arguments.figures or FIGURES]
+    entries = list(dict.fromkeys(wanted))
     plans = [_plan(arguments, entry) for entry in entries]
     refuse_what_does_not_fit(arguments.size, arguments.size)
     make_folder(arguments.out)

@@ -14,7 +14,7 @@ from reference.display import auto_exposure, write_png
 from reference.exr import write_exr
 from reference.images import Image
 from reference.metadata import metadata
-from reference.methods.path import PathSettings
+from reference.methods.path import PATH, PathSettings
 from reference.options import with_values
 from reference.truth import accumulate_truth, checkpoint_beside, truth_image
 from reference.world import build_world
@@ -93,7 +93,7 @@ def run(arguments: argparse.Namespace) -> None:
     checkpoint = checkpoint_beside(out)
     with progress(f"{scene.name}, truth") as tick:
         state = accumulate_truth(scene, job, checkpoint, arguments.checkpoint, tick)
-    words = metadata(scene, "path", job, state.rays, state.seconds)
+    words = metadata(scene, PATH, job, state.rays, state.seconds)
     image = truth_image(state, job, words)
     write_exr(out, image)
     if arguments.png:

@@ -86,7 +86,7 @@ def run(arguments: argparse.Namespace) -> None:
     with progress(f"{scene.name}, {method.name}") as tick:
         layers = drive(method, job, lambda p: tick(p.done, p.total, p.unit))
     seconds = time.perf_counter() - start
-    words = metadata(scene, method.name, job, world.caster.counts, seconds)
+    words = metadata(scene, method, job, world.caster.counts, seconds)
     write_exr(out, _image(method, layers, world, words))
     if arguments.png:
         color = to_image(layers["color"], world.camera.width, world.camera.height)
@@ -155,3 +155,5 @@ def _report(
         )
         return
     show(f"{out}: {words['method']} on {words['scene']}, {words['seconds']} s")
+    if "biases" in words:
+        show(f"Biased here by {words['biases']}")

@@ -55,7 +55,7 @@ def write_gallery(
     shown, captions = [], []
     for runs, score in contenders:
         name = runs.method.name
-        words = metadata(scene, name, runs.job, runs.rays, score.seconds)
+        words = metadata(scene, runs.method, runs.job, runs.rays, score.seconds)
         color = to_image(runs.colors[0], truth.width, truth.height)
         image = Image({"color": color}, words)
         write_exr(out / f"{name}.exr", image)

@@ -94,6 +94,10 @@ class Job:
     frame: int = 0
 
 
+def _none(job: Job) -> tuple[str, ...]:
+    return ()
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Method:
     """A way to make a picture.
@@ -113,6 +117,8 @@ class Method:
         Names that ``--aov`` takes, and what they are.
     render : callable
         Takes a `Job` and generates; `Rendering`.
+    biases : callable
+        Takes a `Job` and names what biases its picture; by default nothing does.
     """
 
     name: str
@@ -121,6 +127,7 @@ class Method:
     settings: Any
     aovs: Mapping[str, str]
     render: Callable[[Job], Rendering]
+    biases: Callable[[Job], tuple[str, ...]] = _none
 
 
 def drive(method: Method, job: Job, tick: Callable[[Progress], None]) -> Layers:

@@ -10,6 +10,7 @@ import numpy as np
 
 from reference import settings
 from reference.arrays import Scalars, Vec3s
+from reference.biases import biases
 from reference.errors import UsageError
 from reference.methods.aovs import (
     GBUFFER,
@@ -119,6 +120,25 @@ def render(job: Job) -> Rendering:
     return {"color": parts[job.light], **layers}
 
 
+def named_biases(job: Job) -> tuple[str, ...]:
+    """What biases the indirect light of a picture.
+
+    Parameters
+    ----------
+    job : Job
+        What is rendered.
+
+    Returns
+    -------
+    tuple of str
+        See :func:`reference.biases.biases`.
+    """
+    if job.light == "direct" or job.bounces == 0:
+        return ()
+    changes = job.animation.changes if job.animation else "nothing"
+    return biases(job.settings, job.world.scene, changes)
+
+
 def _frames(job: Job, frames: int, total: int) -> Generator[Progress, None, _Indirect]:
     run = render_frames(
         job.world, job.settings, job.bounces, job.seed, job.schedule, job.animation
@@ -154,6 +174,7 @@ def _method(name: str, summary: str, defaults: Settings) -> Method:
             **GBUFFER,
         },
         render=render,
+        biases=named_biases,
     )
 
 

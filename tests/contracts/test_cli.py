@@ -190,6 +190,14 @@ def test_without_a_bounce_there_is_no_indirect_light(render, method):
     np.testing.assert_array_equal(full.color, direct.color)
 
 
+def test_the_header_names_what_biases_the_picture(render):
+    image = render("restir-gi-biased", "--frames", 2)
+    assert image.metadata["biases"].startswith("mis=1/M: ")
+    assert "biases" not in render("restir-gi-unbiased", "--frames", 2).metadata
+    light = render("restir-gi-biased", "--light", "direct", "--spp", 1)
+    assert "biases" not in light.metadata
+
+
 def test_layers_of_the_reservoirs(render):
     names = "M,W,radiance,sample_position,sample_normal,mean"
     image = render("restir-gi-unbiased", "--frames", 3, "--aov", names)

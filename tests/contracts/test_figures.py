@@ -124,7 +124,7 @@ def test_the_folder_is_needed(restir):
 
 def planted(*names):
     """Registry of figures that take no time."""
-    return {name: Entry(name, lambda plan, n=name: drawn(n), 2) for name in names}
+    return {name: Entry(name, lambda plan, n=name: drawn(n), 2, ()) for name in names}
 
 
 def drawn(name):
@@ -139,6 +139,10 @@ def drawn(name):
 
 def test_names_are_those_of_the_entries():
     assert all(find_figure(name).name == name for name in FIGURES)
+    assert find_figure("13") is find_figure("1") is FIGURES["equal-time"]
+    assert {n for e in FIGURES.values() for n in e.numbers} == {
+        "1", "7", "8", "9", "11", "13", "14",
+    }  # fmt: skip
     assert all(entry.runs >= entry.least_runs >= 2 for entry in FIGURES.values())
 
 
