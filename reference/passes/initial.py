@@ -23,7 +23,7 @@ from reference.scene.materials.bsdf_sampling import (
     sample_delta,
 )
 from reference.scene.materials.parameters import Kind, MaterialTable, lit_cosine
-from reference.scene.materials.table import pdf, scattering
+from reference.scene.materials.table import can_scatter, pdf, scattering
 from reference.scene.origins import contact
 from reference.scene.surface import SurfacePoints, direction_and_distance
 from reference.settings import GlossySamples, Source
@@ -69,10 +69,11 @@ def source_pdf(
     Returns
     -------
     (N,) float64, 1/sr
-        0 below the horizon: such a draw is a null.
+        0 below the horizon, and for black points that draw by their BSDF: such a draw
+        is a null.
     """
     if source == "bsdf":
-        return pdf(table, points, omega)
+        return np.where(can_scatter(table, points), pdf(table, points, omega), 0.0)
     cosine = lit_cosine(table, points, omega)
     if source == "cosine":
         return pdf_cosine_hemisphere(cosine)

@@ -127,7 +127,9 @@ def _unshadowed(receivers: Receivers, origin: Origin, y: Samples) -> Scalars:
         # that whether the target is positive is a question of geometry.
         toward = y.position - x.position
         holds = dot(y.normal, toward) < 0
-        holds &= surface.color[donor, 0] > 0
+        # A black point draws samples as others do, and Equation 10 does not mind it.
+        if settings.target == "scattered" or settings.source == "bsdf":
+            holds &= surface.color[donor, 0] > 0
         holds &= dot(take(surface.normal, donor), toward) > 0
         if surface.smooth is not None:
             holds &= dot(take(surface.smooth, donor), toward) > 0

@@ -350,6 +350,18 @@ def test_the_spatial_pass_is_unbiased(stage, kind, mis, visibility, as_they_stan
     assert is_true(stage, settings, as_they_stand)
 
 
+@pytest.mark.parametrize("mis", ["1/Z", "balance", "pairwise", "defensive"])
+@pytest.mark.parametrize("material", [PAINT, METAL], ids=["paint", "metal"])
+def test_a_black_donor_counts_where_the_target_does_not_mind_it(material, mis):
+    """A black pixel has drawn its sample as all others: Equation 10 lets it be lent."""
+    stage = build(material)
+    surface = stage.visible.surface
+    color = np.where(np.arange(PIXELS)[:, None] == 1, 0.0, surface.color)
+    visible = replace(stage.visible, surface=replace(surface, color=color))
+    stage = replace(stage, visible=visible)
+    assert is_true(stage, settings_for(target="outgoing", mis=mis))
+
+
 @pytest.mark.parametrize("kind", ["scattered", "outgoing"])
 def test_1_over_m_is_dark_by_the_share_that_could_not_have_made_it(stage, kind):
     """mu(x) Σ M_k [k holds x] / Σ M_k, the past counted with its pixel."""
