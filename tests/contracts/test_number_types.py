@@ -13,7 +13,9 @@ import pytest
 
 from reference.arrays import cross, divide_or_zero, dot, length, normalize, sqrt
 from reference.frames import turn
+from reference.resampling.jacobian_limits import clamp_jacobian
 from reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
+from reference.resampling.pairwise import pairwise_canonical, pairwise_donor
 from reference.resampling.reservoir import (
     Candidates,
     Reservoirs,
@@ -95,6 +97,19 @@ KERNELS = {
     "no cap": lambda a: cap_confidence(finalize(merged(a), a(M)), float("inf")),
     "one_over_m": lambda a: one_over_m([a(M), a(W)]),
     "one_over_z": lambda a: one_over_z([a(M), a(W)], HOLDS),
+    "pairwise_donor": lambda a: pairwise_donor(
+        a(M), a(U), a(W), a(PDF), a(M) + a(M), False
+    ),
+    "defensive donor": lambda a: pairwise_donor(
+        a(M), a(U), a(W), a(PDF), a(M) + a(M), True
+    ),
+    "pairwise_canonical": lambda a: pairwise_canonical(
+        [a(M), a(W)], [a(U), a(PDF)], a(M), a(P_HAT), False
+    ),
+    "defensive canonical": lambda a: pairwise_canonical(
+        [a(M), a(W)], [a(U), a(PDF)], a(M), a(P_HAT), True
+    ),
+    "clamp_jacobian": lambda a: clamp_jacobian(a(P_HAT), a([2])[0]),
     "balance_heuristic": lambda a: balance_heuristic([a(M), a(W)], [a(U)] * 2, a(PDF)),
     "reconnection_jacobian": lambda a: reconnection_jacobian(
         a(EYE), a(OTHER), a(PATCH), a(NORMAL)

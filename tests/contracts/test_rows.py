@@ -16,9 +16,25 @@ from numpy.testing import assert_array_equal
 
 import reference
 from reference import arrays, frames, sampling
-from reference.passes import gbuffer, initial, neighbors
+from reference.passes import (
+    checkerboard,
+    gbuffer,
+    initial,
+    neighbors,
+    roulette,
+    shifting,
+    taps,
+)
 from reference.records import take
-from reference.resampling import mis, reservoir, shift, target
+from reference.resampling import (
+    jacobian_limits,
+    mis,
+    pairwise,
+    reservoir,
+    shift,
+    suffix,
+    target,
+)
 from reference.resampling.packing import (
     log_luv,
     octahedral,
@@ -144,6 +160,7 @@ def search(rows, u, v):
     return neighbors.find_neighbors(rows, VISIBLE, WIDTH, settings, [u, v, u])
 
 
+LIMITED = Settings(jacobian_limit=2.0)
 METAL = (Kind.ROUGH_CONDUCTOR, Kind.SMOOTH_CONDUCTOR)
 ROUGH_METAL, GLASS = (Kind.ROUGH_CONDUCTOR,), (Kind.DIELECTRIC,)
 COATS = (Kind.ROUGH_COATED, Kind.SMOOTH_COATED)
@@ -200,6 +217,26 @@ KERNELS = {
     reservoir.merge: (reservoir.merge, (CANDIDATES, OTHERS, U[0])),
     reservoir.reused_candidates: (reservoir.reused_candidates, (CLOSED, COS, ALPHA)),
     shift.reconnection_jacobian: (shift.reconnection_jacobian, (A, B, C, OMEGA)),
+    jacobian_limits.clamp_jacobian: (
+        lambda J: jacobian_limits.clamp_jacobian(J, 2.0),
+        (4 * COS * LIVE,),
+    ),
+    jacobian_limits.within_limit: (
+        lambda J: jacobian_limits.within_limit(J, 2.0),
+        (4 * COS * LIVE,),
+    ),
+    pairwise.pairwise_canonical: (
+        lambda M, p, q, u: pairwise.pairwise_canonical([M, u], [p, q], M, q, True),
+        (CLOSED.M, COS * LIVE, ALPHA, U[0]),
+    ),
+    pairwise.pairwise_donor: (
+        lambda M, p, q, u: pairwise.pairwise_donor(M, p, u, q, M + u, False),
+        (CLOSED.M, COS * LIVE, ALPHA, U[0]),
+    ),
+    suffix.age: (
+        lambda number, points: suffix.age(suffix.Suffix(number, points), 99, 7),
+        (np.arange(N), POINTS),
+    ),
     target.luminance: (target.luminance, (COLOR,)),
     target.reflected: (
         lambda p, y: target.reflected(TABLE, p, y),
@@ -285,6 +322,24 @@ KERNELS = {
         (POINTS, WI),
     ),
     neighbors.find_neighbors: (search, (np.arange(N), U, V)),
+    checkerboard.samples_anew: (
+        lambda rows, there: checkerboard.samples_anew(rows, WIDTH, 3, there),
+        (np.arange(N), MASK),
+    ),
+    roulette.tail_weight: (
+        lambda rows, frame: roulette.tail_weight(rows, WIDTH, 0.5, frame, 3),
+        (np.arange(N), np.arange(N) % 5),
+    ),
+    shifting.mirrored: (
+        lambda x, z, y: shifting.mirrored(LIMITED, x, z, y),
+        (A, C, SAMPLES),
+    ),
+    shifting.shift: (lambda x, z, y: shifting.shift(LIMITED, x, z, y), (A, C, SAMPLES)),
+    taps.nearby: (lambda x, y, u: taps.nearby(x, y, u, 4.0), (COS, ALPHA, U)),
+    taps.permuted: (
+        lambda rows: taps.permuted(rows, WIDTH, N // WIDTH, 3),
+        (np.arange(N),),
+    ),
 }
 
 ELSEWHERE = {
@@ -316,6 +371,7 @@ MODULES = [
     shift,
     target,
 ]
+MODULES += [checkerboard, jacobian_limits, pairwise, roulette, shifting, suffix, taps]
 MODULES += [coat, coated, conductor, dielectric, fresnel, lambertian, microfacet]
 MODULES += [bsdf_sampling, parameters, table]
 MODULES += [log_luv, octahedral, paper, restir_pt, rounding, rtxdi]
