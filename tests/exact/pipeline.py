@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from reference.arrays import divide_or_zero
 from tests.exact.domain import (
     CELL,
     EYE,
@@ -138,7 +139,7 @@ def in_pairs(code, i, candidates, sources, M, defensive, limit):
         return target_from(code, i, j, z, limit)[1]
 
     def weighted(c, M, m):
-        return code.reservoir.Candidates(c.y, c.p_hat, c.w / M * m, c.M)
+        return code.reservoir.Candidates(c.y, c.p_hat, divide_or_zero(c.w, M) * m, c.M)
 
     p_k = [p_from(j, own.y.cell) for j in sources[1:]]
     m = code.pairwise.pairwise_canonical(M_k, p_k, M_c, P_HAT[i][own.y.cell], defensive)
