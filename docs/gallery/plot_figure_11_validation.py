@@ -12,20 +12,21 @@ Measured at full size, by ``restir figures validation`` (128 x 128, 8 runs):
 after the change       without validation    every 6 frames      unbiased form
 =====================  ====================  ==================  ==================
 mean, at once          +3.3 % ± 0.9 %        +3.8 % ± 1.0 %      +3.3 % ± 4.1 %
-mean, 2 frames later   +3.4 % ± 0.9 %        -87.5 % ± 0.5 %     +3.2 % ± 3.9 %
-mean, 12 frames later  +3.2 % ± 0.7 %        -68.8 % ± 0.4 %     +2.3 % ± 2.7 %
-mean, 31 frames later  +1.5 % ± 0.5 %        -37.3 % ± 0.4 %     +0.9 % ± 1.5 %
+mean, 2 frames later   +3.4 % ± 0.9 %        -87.2 % ± 0.5 %     +3.2 % ± 3.9 %
+mean, 12 frames later  +3.2 % ± 0.7 %        -62.6 % ± 0.4 %     +2.3 % ± 2.7 %
+mean, 31 frames later  +1.5 % ± 0.5 %        -29.8 % ± 0.5 %     +0.9 % ± 1.5 %
 tiles, at once         1.24                  1.23                0.25
-tiles, 12 later        0.93                  1.06                0.18
-tiles, 31 later        0.49                  0.57                0.09
+tiles, 12 later        0.93                  0.97                0.18
+tiles, 31 later        0.49                  0.46                0.09
 =====================  ====================  ==================  ==================
 
 The mean is that of the whole picture over the truth's, less 1; tiles are the root mean
 square deviation of 8 x 8 pixels. Old and new light are about equal in the mean of this
 scene, so that stale samples show in the tiles alone. Validation takes the stale light
-away at once; but reservoirs that hold nothing keep their M, which still counts what was
-not found under the old light, and the picture stays too dark for as long as it takes
-to outgrow it. The paper reports the opposite: too much light for a while.
+away at once; but M still counts the nulls that were found under the old light, of which
+only the last is traced again, and the picture stays too dark for as long as it takes to
+outgrow them. The paper reports the opposite for its scene: too much light for a while,
+which is what happens where few samples are nulls.
 
 The picture below is made while this page is built, smaller and from fewer runs: its
 numbers have wider intervals, and those above are the ones to quote.
