@@ -1,6 +1,6 @@
 """What a frame costs beside its rays: time ratios, threads, frame sizes, memory.
 
-    python tests/benchmarks/bench_cost.py [rays] [threads] [size] [memory]
+    python tests/benchmarks/bench_cost.py [rays] [threads] [size] [memory] [motion]
 
 Prints ratios of medians of interleaved repeats; seconds belong to a machine.
 """
@@ -18,14 +18,16 @@ import numpy as np
 
 from reference.passes.gbuffer import visible_points
 from reference.restir_gi import Frame, next_frame, render_frames
+from reference.scene.animation import Animation
 from reference.scene.camera import pixel_centers
+from reference.scene.catalogue.registry import find_animation, find_scene
 from reference.scene.catalogue.rooms import cornell_box
 from reference.scene.materials.kinds import Lambertian
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh
 from reference.schedule import Schedule
 from reference.settings import BIASED, UNBIASED, Settings
-from reference.world import World, build_world
+from reference.world import World, build_world, next_world
 
 WARM = 31  # the frame after the 32 of the paper; every pixel then tries few neighbours
 REPEATS = 7
@@ -155,6 +157,40 @@ def sizes() -> Iterator[str]:
     yield f"a pixel at 1920x1080 takes {ratio:.2f} x one at 256x256"
 
 
+def motion() -> Iterator[str]:
+    """What a frame pays for what may move, and for what does move."""
+    still = sized(cornell_box(), 256, 256)
+    names = ("moving-camera", "moving-block", "moving-light")
+    steps: dict[str, Callable[[], Frame]] = {
+        "nothing can move": warmed(build_world(still), UNBIASED, Schedule())[1]
+    }
+    for name in names:
+        animation = find_animation(name, sized(find_scene(name), 256, 256))
+        for moves in (False, True):
+            label = f"{name}, in motion" if moves else f"{name}, at rest"
+            steps[label] = one_more(animation, moves)
+    times = interleaved(*steps.values())
+    for label, seconds in zip(steps, times, strict=True):
+        yield f"{label:25} {seconds / times[0]:5.2f} x the time of a frame"
+
+
+def one_more(animation: Animation, moves: bool) -> Callable[[], Frame]:
+    """The frame after the steady state of an animation, or of its first frame."""
+    first = animation(0)
+    run = animation if moves else Animation(lambda _: first, animation.changes)
+    world = build_world(run(0))
+    frames = render_frames(world, UNBIASED, 1, 0, Schedule(), run)
+    last = next(f for f in frames if f.number == WARM)
+    now = next_world(last.world, run(WARM + 1))
+    x, y = pixel_centers(now.camera.width, now.camera.height)
+    visible = visible_points(now, x, y) if moves else last.visible
+
+    def step() -> Frame:
+        return next_frame(now, UNBIASED, 1, 0, Schedule(), visible, last, run.changes)
+
+    return step
+
+
 def memory() -> Iterator[str]:
     # In processes of their own: the peak of a process never falls.
     peak = {}
@@ -183,6 +219,7 @@ PARTS = {
     "threads": threads,
     "size": sizes,
     "memory": memory,
+    "motion": motion,
 }
 
 if __name__ == "__main__":
