@@ -78,7 +78,7 @@ MUTANTS = [
     Mutant(
         "m and M both multiply",
         "pipeline",
-        "c.w / M * m",
+        "divide_or_zero(c.w, M) * m",
         "c.w * m",
         BOTH,
     ),
