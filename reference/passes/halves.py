@@ -150,8 +150,8 @@ def _who_draws(moment: Moment, past: Past | None, r: slice) -> Masks | None:
     """Who adds a new sample; ``None`` for everyone."""
     if past is None:
         return None
-    if moment.validates:  # the rays of this frame go into old samples
-        return np.zeros(r.stop - r.start, bool)
+    if moment.validates:  # the rays of this frame go into old samples, where there are
+        return ~past.is_there(r)
     if not moment.settings.checkerboard:
         return None
     rows, width = np.arange(r.start, r.stop), moment.world.camera.width

@@ -94,7 +94,7 @@ class Moment:
 
     @property
     def validates(self) -> bool:
-        """In this frame samples are traced again, and none are drawn."""
+        """In this frame samples are traced again, and none drawn where there is one."""
         every = self.settings.validate_every
         asked = self.settings.motion == "as-stored" and self.changes == "scene"
         return asked and every > 0 and self.number % every == every - 1

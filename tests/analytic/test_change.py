@@ -77,6 +77,17 @@ def test_a_scene_that_stays_keeps_all_its_samples(every):
         assert (frame.temporal.M == M).all()
 
 
+def test_pixels_that_begin_anew_draw_in_a_validating_frame_too():
+    """Where the camera jumps there is nothing to validate, and would be nothing."""
+    scene = find_scene("cornell-box")
+    aside = replace(scene.camera, position=(0.6, 1.5, 3.4))
+    jump = [scene, replace(scene, camera=aside)]
+    animation = small(Animation(lambda t: jump[min(t, 1)], "scene"))
+    settings = replace(BIASED, validate_every=1)
+    _, last = frames_of(animation, settings, 2)
+    assert (last.temporal.M == 1).all()
+
+
 def test_control_other_random_numbers_empty_the_reservoirs(monkeypatch):
     """Were the path drawn anew, its radiance would differ, and M with it."""
     from reference.passes.moment import Moment
