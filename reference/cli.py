@@ -1,6 +1,7 @@
 """The command line: arguments in, exit code out, and never a traceback for bad input.
 
-Exit codes: 0 success; 2 a wrong request or unreadable input, told in one line on
+Exit codes: 0 success; 1 and 3 of ``restir check``: the backend is wrong, or it is
+undecided; 2 a wrong request or unreadable input, told in one line on
 stderr; 130 after Ctrl-C and 143 after SIGTERM; 141 where nobody reads the output.
 """
 
@@ -69,7 +70,16 @@ def build_parser() -> argparse.ArgumentParser:
         Each command has set ``run``, a function of the parsed arguments.
     """
     # Imported here, where a Ctrl-C is caught: NumPy and Embree take a while to load.
-    from reference.commands import compare, demo, figures, reference, render, scenes
+    from reference.commands import (
+        check,
+        compare,
+        demo,
+        figures,
+        golden,
+        reference,
+        render,
+        scenes,
+    )
     from reference.version import project_version
 
     parser = Parser(
@@ -81,7 +91,8 @@ def build_parser() -> argparse.ArgumentParser:
         "--version", action="version", version=f"restir-gi-oracle {project_version()}"
     )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    for module in (scenes, render, reference, compare, demo, figures):
+    modules = (scenes, render, reference, compare, demo, golden, check, figures)
+    for module in modules:
         summary = (module.__doc__ or "").partition("\n")[0].partition(": ")[2]
         child = commands.add_parser(
             module.NAME,
@@ -110,8 +121,7 @@ def _run(argv: Sequence[str] | None) -> int:
     except SystemExit as stop:  # --help and --version
         return int(stop.code or 0)
     with terminable():
-        arguments.run(arguments)
-    return 0
+        return arguments.run(arguments) or 0
 
 
 def _tell(message: str, code: int) -> int:

@@ -41,7 +41,7 @@ def open_frames(
     UsageError
         No such scene, or it cannot be read or rendered.
     """
-    scene = _find(arguments.scene, arguments.lenient)
+    scene = find_scene_or_file(arguments.scene, arguments.lenient)
     camera = scene.camera
     width, height = size(scene) if size else (camera.width, camera.height)
     if arguments.size:
@@ -58,7 +58,26 @@ def open_frames(
     return Animation(lambda frame: valid(start + frame), valid.changes)
 
 
-def _find(name: str, lenient: bool) -> Scene:
+def find_scene_or_file(name: str, lenient: bool = False) -> Scene:
+    """Scene that a word on the command line names.
+
+    Parameters
+    ----------
+    name : str
+        Built-in, or a file.
+    lenient : bool
+        Replace what the file holds and the project does not model.
+
+    Returns
+    -------
+    Scene
+        Not validated.
+
+    Raises
+    ------
+    UsageError
+        There is none, or it cannot be read.
+    """
     path = Path(name)
     is_file = path.suffix.lower() in LOADERS or path.exists()
     if is_file and name not in CATALOGUE:

@@ -28,7 +28,7 @@ def luminance(color: Vec3s) -> Scalars:
     (N,)
         In the unit of ``color``.
     """
-    return dot(color, np.array(luminance_weights()))
+    return dot(color, np.array(luminance_weights(), color.dtype))
 
 
 def reflected(table: MaterialTable, receiver: SurfacePoints, y: Samples) -> Vec3s:

@@ -1,0 +1,83 @@
+"""``restir golden``: inputs and expected outputs of every pass, for other backends."""
+
+import argparse
+from pathlib import Path
+
+from reference.commands.arguments import add_json
+from reference.commands.console import emit, progress, show
+from reference.commands.opening import find_scene_or_file
+from reference.commands.values import whole
+from reference.oracle.contract.registry import CONTRACT
+from reference.oracle.frames import frame_cases
+from reference.oracle.golden import write_golden
+from reference.oracle.rungs.kernels import kernel_probes
+from reference.oracle.rungs.lattice import lattice_probes
+from reference.oracle.rungs.replayed import replayed
+from reference.oracle.stage import stage
+
+NAME = "golden"
+SIZE = 64
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the arguments.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        Of this command.
+    """
+    parser.add_argument(
+        "scene", metavar="SCENE", help="built-in scene or file, of paint alone"
+    )
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="DIR", help="new folder"
+    )
+    parser.add_argument(
+        "--size",
+        type=whole(8, 1024),
+        default=SIZE,
+        metavar="N",
+        help=f"pixels of a side of the frame (default {SIZE})",
+    )
+    parser.add_argument(
+        "--seed",
+        type=whole(0, 2**27 - 1),
+        default=0,
+        metavar="S",
+        help="of the random numbers (default 0)",
+    )
+    parser.add_argument(
+        "--precision",
+        choices=("float32", "float64"),
+        default="float32",
+        help="of all reals (default float32)",
+    )
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Write the folder.
+
+    Parameters
+    ----------
+    arguments : Namespace
+        Parsed.
+
+    Raises
+    ------
+    UsageError
+        No such scene, or the folder cannot be written.
+    """
+    precision, out = arguments.precision, arguments.out
+    scene = find_scene_or_file(arguments.scene)
+    at = stage(scene, arguments.size, arguments.seed)
+    probes = [*kernel_probes(precision), *lattice_probes(precision)]
+    probes += [replayed("L3", case) for case in frame_cases(at, precision)]
+    about = {"scene": scene.name, "size": arguments.size, "seed": arguments.seed}
+    with progress("golden") as tick:
+        write_golden(out, CONTRACT, precision, probes, about, tick)
+    if arguments.json:
+        emit({"out": str(out), "cases": [p.case.name for p in probes], **about})
+        return
+    show(f"{out} holds {len(probes)} cases; its index is {out / 'cases.txt'}")

@@ -1,0 +1,50 @@
+"""Outputs that a backend wrote beside golden inputs, at some other time or place."""
+
+from pathlib import Path
+
+from reference.oracle.cases import Case, Outcome
+from reference.oracle.contract.fields import Passes, Precision
+from reference.oracle.exr_frames import read_frames
+from reference.oracle.raw import read_outputs
+
+
+class FilesBackend:
+    """Files in a golden folder, or in another one with the same names.
+
+    Parameters
+    ----------
+    folder : Path
+        Holds ``CASE/out/*.raw``, ``CASE/out.npz`` or ``CASE/out/out.exr``.
+    precision : 'float32' or 'float64'
+        In which they were calculated.
+    """
+
+    def __init__(self, folder: Path, precision: Precision) -> None:
+        self._folder = folder
+        self.precision: Precision = precision
+
+    def run(self, passes: Passes, cases: list[Case]) -> list[Outcome]:
+        """Read the outputs of cases.
+
+        Parameters
+        ----------
+        passes : mapping of str to Pass
+            The contract.
+        cases : list of Case
+            Calls.
+
+        Returns
+        -------
+        list of Outcome
+            ``None`` where nothing was written.
+        """
+        return [self._read(passes, case) for case in cases]
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+    def _read(self, passes: Passes, case: Case) -> Outcome:
+        frames = self._folder / case.name / "out" / "out.exr"
+        if frames.exists():
+            return read_frames(frames, passes, case)
+        return read_outputs(self._folder, passes, self.precision, case)

@@ -1,0 +1,163 @@
+"""A Python backend in a process of its own, started again when it dies."""
+
+import os
+import queue
+import subprocess
+import sys
+import tempfile
+import threading
+from contextlib import suppress
+from pathlib import Path
+from typing import IO
+
+from reference.errors import UsageError
+from reference.oracle.backends.backend import Limits, bind, how_it_ended, last_line
+from reference.oracle.cases import Case, Failure, Outcome
+from reference.oracle.contract.fields import Passes, Precision
+from reference.oracle.raw import read_outputs, write_cases
+
+
+class PythonBackend:
+    """A Python object with one method a pass, in another process.
+
+    Parameters
+    ----------
+    spec : str
+        As :func:`reference.oracle.backends.find.find_object` takes it.
+    limits : Limits
+        Of time and memory.
+
+    Raises
+    ------
+    UsageError
+        It cannot be loaded.
+    """
+
+    def __init__(self, spec: str, limits: Limits) -> None:
+        self._spec, self._limits = spec, limits
+        self._folder = tempfile.TemporaryDirectory(prefix="restir-cases-")
+        self._errors: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115
+        self._batches = 0
+        try:
+            self.precision: Precision = self._start()
+        except UsageError:
+            self._errors.close()
+            self._folder.cleanup()
+            raise
+
+    def run(self, passes: Passes, cases: list[Case]) -> list[Outcome]:
+        """Outcome of each case.
+
+        Parameters
+        ----------
+        passes : mapping of str to Pass
+            The contract.
+        cases : list of Case
+            Calls.
+
+        Returns
+        -------
+        list of Outcome
+            In the same order.  After a death or a time-out a new process goes on with
+            the next case.
+        """
+        outcomes: list[Outcome] = []
+        while len(outcomes) < len(cases):
+            outcomes += self._batch(passes, cases[len(outcomes) :])
+        return outcomes
+
+    def close(self) -> None:
+        """Stop the process and remove its files."""
+        self._stop()
+        self._errors.close()
+        self._folder.cleanup()
+
+    def _batch(self, passes: Passes, cases: list[Case]) -> list[Outcome]:
+        """Outcomes of the first cases: all of them, or up to one that was fatal."""
+        if self._process.poll() is not None:
+            self._start()
+        folder = Path(self._folder.name) / str(self._batches)
+        self._batches += 1
+        write_cases(folder, passes, self.precision, cases)
+        self._tell(str(folder))
+        found: list[Outcome] = []
+        for case in cases:
+            answer = self._answer()
+            if answer == "begin":
+                answer = self._answer()
+            word, _, reason = answer.partition(" ")
+            if word == "end":
+                found.append(read_outputs(folder, passes, self.precision, case))
+            elif word == "absent":
+                found.append(None)
+            elif word == "failed":
+                found.append(Failure(f"{case.name}: {reason}"))
+            else:
+                found.append(Failure(f"{case.name}: the backend {answer}"))
+                self._stop()
+                return found
+        self._answer()  # done
+        return found
+
+    def _tell(self, line: str) -> None:
+        assert self._process.stdin is not None
+        with suppress(OSError):  # if it has died, its silence will tell
+            self._process.stdin.write(f"{line}\n".encode())
+            self._process.stdin.flush()
+
+    def _start(self) -> Precision:
+        self._errors.seek(0)
+        self._errors.truncate()
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "reference.oracle.backends.worker", self._spec],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=self._errors,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+            preexec_fn=lambda: bind(self._limits.memory),
+            start_new_session=True,
+        )
+        self._lines: queue.Queue[str | None] = queue.Queue()
+        self._listener = threading.Thread(
+            target=_listen, args=(self._process, self._lines), daemon=True
+        )
+        self._listener.start()
+        word, _, rest = self._answer().partition(" ")
+        if word != "ready" or rest not in ("float32", "float64"):
+            self._stop()
+            what = rest if word == "failed" else f"{word} {rest}"
+            raise UsageError(f"backend {self._spec}: {what}")
+        precision: Precision = "float64" if rest == "float64" else "float32"
+        return precision
+
+    def _answer(self) -> str:
+        """Next line of the worker, or how it ended."""
+        try:
+            line = self._lines.get(timeout=self._limits.seconds)
+        except queue.Empty:
+            return f"gave no answer within {self._limits.seconds:g} s"
+        if line is not None:
+            return line
+        code = self._process.wait()
+        self._errors.seek(0)
+        words = last_line(self._errors.read().decode(errors="replace"))
+        return how_it_ended(code, words)
+
+    def _stop(self) -> None:
+        if self._process.poll() is None:
+            self._process.kill()
+        self._process.wait()
+        assert self._process.stdin is not None
+        with suppress(OSError):
+            self._process.stdin.close()
+        self._listener.join()
+
+
+def _listen(
+    process: "subprocess.Popen[bytes]", lines: "queue.Queue[str | None]"
+) -> None:
+    assert process.stdout is not None
+    with process.stdout:
+        for line in process.stdout:
+            lines.put(line.decode(errors="replace").rstrip("\n"))
+    lines.put(None)

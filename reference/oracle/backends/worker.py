@@ -1,0 +1,70 @@
+"""The other side of a process boundary: runs a Python backend on folders of cases.
+
+Started by :mod:`reference.oracle.backends.process`.  On stdin comes the path of a
+folder a line; on the real stdout go ``ready PRECISION``, then for each case ``begin``,
+and ``end``, ``absent`` or ``failed`` with a reason, then ``done``.  What the backend
+prints itself goes to stderr.
+"""
+
+import os
+import sys
+from pathlib import Path
+from typing import Any, TextIO
+
+import numpy as np
+
+from reference.oracle.backends.find import find_object
+from reference.oracle.cases import Case
+from reference.oracle.raw import read_cases
+
+
+def main(spec: str) -> None:
+    """Serve until stdin ends.
+
+    Parameters
+    ----------
+    spec : str
+        Of the backend.
+    """
+    channel = os.fdopen(os.dup(1), "w", buffering=1)
+    os.dup2(2, 1)  # a backend's prints must not be taken for answers
+    try:
+        backend = find_object(spec)
+        precision = getattr(backend, "precision", "float32")
+    except Exception as error:
+        _say(channel, f"failed cannot be loaded: {_words(error)}")
+        return
+    _say(channel, f"ready {precision}")
+    for line in sys.stdin:
+        folder = Path(line.rstrip("\n"))
+        for case in read_cases(folder)[1]:
+            _say(channel, "begin")
+            _say(channel, _run(backend, folder, case))
+        _say(channel, "done")
+
+
+def _run(backend: Any, folder: Path, case: Case) -> str:
+    method = getattr(backend, case.pass_name, None)
+    if method is None:
+        return "absent"
+    try:
+        outputs = method(**case.inputs, **case.settings)
+        arrays = {name: np.asarray(array) for name, array in dict(outputs).items()}
+        np.savez(folder / case.name / "out.npz", allow_pickle=False, **arrays)
+    except Exception as error:
+        return f"failed {_words(error)}"
+    return "end"
+
+
+def _words(error: BaseException) -> str:
+    text = " ".join(str(error).split())[:300]
+    return f"{type(error).__name__}: {text}" if text else type(error).__name__
+
+
+def _say(channel: TextIO, text: str) -> None:
+    channel.write(text + "\n")
+    channel.flush()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -1,0 +1,111 @@
+"""Records of the passes as buffers of the contract."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.arrays import Indices
+from reference.oracle.cases import Buffers
+from reference.oracle.contract.fields import Precision, dtype_of
+from reference.oracle.stage import Stage
+from reference.records import take
+from reference.resampling.reservoir import Reservoirs, Samples
+
+
+def given(inputs: Buffers, precision: Precision) -> dict[str, NDArray[Any]]:
+    """Buffers in the types of the contract.
+
+    Parameters
+    ----------
+    inputs : mapping of str to array
+        Reals, integers or words.
+    precision : 'float32' or 'float64'
+        Of the reals.
+
+    Returns
+    -------
+    dict of str to array
+        In C order.
+    """
+    types = {"f": dtype_of("real", precision), "i": dtype_of("index", precision)}
+    types["u"] = dtype_of("bits", precision)
+    return {
+        name: np.ascontiguousarray(array.astype(types[array.dtype.kind]))
+        for name, array in inputs.items()
+    }
+
+
+def prefixed(prefix: str, buffers: Buffers) -> dict[str, NDArray[Any]]:
+    """The same buffers under longer names.
+
+    Parameters
+    ----------
+    prefix : str
+        Put before each name, with an underscore.
+    buffers : mapping of str to array
+        Any.
+
+    Returns
+    -------
+    dict of str to array
+        The same arrays.
+    """
+    return {f"{prefix}_{name}": array for name, array in buffers.items()}
+
+
+def receivers(at: Stage, rows: Indices | None = None) -> dict[str, NDArray[Any]]:
+    """Visible points as buffers.
+
+    Parameters
+    ----------
+    at : Stage
+        A frame.
+    rows : (N,) int, optional
+        Which; by default all in order.
+
+    Returns
+    -------
+    dict of str to array
+        Three buffers.
+    """
+    surface = at.last.visible.surface
+    if rows is not None:
+        surface = take(surface, rows)
+    return {
+        "visible_position": surface.position,
+        "visible_normal": surface.normal,
+        "albedo": surface.color,
+    }
+
+
+def samples(y: Samples) -> dict[str, NDArray[Any]]:
+    """Sample points as buffers.
+
+    Parameters
+    ----------
+    y : Samples
+        N rows.
+
+    Returns
+    -------
+    dict of str to array
+        Three buffers.
+    """
+    return {"position": y.position, "normal": y.normal, "radiance": y.radiance}
+
+
+def reservoirs(r: Reservoirs) -> dict[str, NDArray[Any]]:
+    """Reservoirs as buffers.
+
+    Parameters
+    ----------
+    r : Reservoirs
+        N rows.
+
+    Returns
+    -------
+    dict of str to array
+        Five buffers.
+    """
+    return samples(r.y) | {"W": r.W, "M": r.M}

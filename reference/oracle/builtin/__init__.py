@@ -1,0 +1,1 @@
+"""The project's own passes as a backend, in single or double precision."""

@@ -1,0 +1,33 @@
+"""The production kernels and passes behind the contract's interface."""
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from reference.oracle.builtin.kernels import KERNELS
+from reference.oracle.builtin.passes import PASSES
+from reference.oracle.contract.fields import Precision
+
+
+@dataclass(frozen=True, slots=True)
+class BuiltIn:
+    """The project's own passes, one method for each pass of the contract.
+
+    Attributes
+    ----------
+    precision : 'float32' or 'float64'
+        Of all reals.
+    """
+
+    precision: Precision = "float32"
+
+    def __getattr__(self, pass_name: str) -> Any:
+        """A pass, as a function of its buffers and settings."""
+        try:
+            return partial({**KERNELS, **PASSES}[pass_name], self.precision)
+        except KeyError as error:
+            raise AttributeError(pass_name) from error
+
+
+FLOAT32 = BuiltIn("float32")
+FLOAT64 = BuiltIn("float64")

@@ -1,0 +1,155 @@
+"""Buffers of the contract as records of the passes."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.arrays import Masks, Scalars
+from reference.oracle.builtin.world import Known, surface_of, world_of
+from reference.oracle.contract.fields import Precision, dtype_of
+from reference.passes.receivers import Receivers
+from reference.resampling.reservoir import Reservoirs, Samples
+from reference.resampling.target import target
+from reference.settings import UNBIASED
+
+Array = NDArray[Any]
+Arrays = Mapping[str, Array]
+
+
+def as_real(precision: Precision, values: Array) -> Array:
+    """Reals of the backend's precision.
+
+    Parameters
+    ----------
+    precision : 'float32' or 'float64'
+        Of the backend.
+    values : array
+        Reals.
+
+    Returns
+    -------
+    array
+        In C order.
+    """
+    return np.ascontiguousarray(values.astype(dtype_of("real", precision)))
+
+
+def bit(words: Array, place: int) -> Masks:
+    """One bit of each word.
+
+    Parameters
+    ----------
+    words : (N,) uint32
+        Words.
+    place : int
+        From 0.
+
+    Returns
+    -------
+    (N,) bool
+        Whether it is set.
+    """
+    found: Masks = (words >> np.uint32(place)) & np.uint32(1) != 0
+    return found
+
+
+def samples_of(buffers: Arrays, prefix: str = "") -> Samples:
+    """Sample points among buffers.
+
+    Parameters
+    ----------
+    buffers : mapping of str to array
+        With ``position``, ``normal`` and ``radiance``.
+    prefix : str
+        Before each name.
+
+    Returns
+    -------
+    Samples
+        N rows.
+    """
+    return Samples(
+        buffers[f"{prefix}position"],
+        buffers[f"{prefix}normal"],
+        buffers[f"{prefix}radiance"],
+    )
+
+
+def receivers_of(
+    buffers: Arrays, kind: Any, mis: Any, cap: float, known: Sequence[Known] = ()
+) -> Receivers:
+    """Pixels among buffers.
+
+    Parameters
+    ----------
+    buffers : mapping of str to array
+        With the visible points.
+    kind : 'scattered' or 'outgoing'
+        Target.
+    mis : '1/M' or '1/Z'
+        Weight.
+    cap : float
+        Limit of M.
+    known : sequence of Known
+        Visibility.
+
+    Returns
+    -------
+    Receivers
+        N rows.
+    """
+    points = surface_of(
+        buffers["visible_position"], buffers["visible_normal"], buffers["albedo"]
+    )
+    settings = replace(
+        UNBIASED, target=kind, mis=mis, temporal_cap=cap, spatial_cap=cap
+    )
+    return Receivers(world_of(known), points, settings)
+
+
+def target_of(kind: Any, buffers: Arrays) -> Scalars:
+    """Target of sample points at visible points.
+
+    Parameters
+    ----------
+    kind : 'scattered' or 'outgoing'
+        Which.
+    buffers : mapping of str to array
+        With both.
+
+    Returns
+    -------
+    (N,)
+        In the precision of the buffers.
+    """
+    receivers = receivers_of(buffers, kind, "1/Z", 1.0)
+    y = samples_of(buffers)
+    return target(kind, receivers.world.materials, receivers.points, y)
+
+
+def reservoirs_out(precision: Precision, r: Reservoirs) -> dict[str, Array]:
+    """Reservoirs as the buffers of an output.
+
+    Parameters
+    ----------
+    precision : 'float32' or 'float64'
+        Of the backend.
+    r : Reservoirs
+        N rows.
+
+    Returns
+    -------
+    dict of str to array
+        Five buffers.
+    """
+    found = {
+        "position": r.y.position,
+        "normal": r.y.normal,
+        "radiance": r.y.radiance,
+        "W": r.W,
+        "M": r.M,
+    }
+    return {name: as_real(precision, values) for name, values in found.items()}

@@ -1,0 +1,178 @@
+"""A world made of buffers: paint, and visibility that was written down."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.arrays import Indices, Masks, Vec3s
+from reference.records import take
+from reference.scene.materials.kinds import Lambertian
+from reference.scene.materials.parameters import MaterialTable, tabulate
+from reference.scene.surface import SurfacePoints, Viewpoints
+from reference.world import World
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Known:
+    """Who sees which samples, as far as it was asked and answered before.
+
+    Attributes
+    ----------
+    viewer : (Q,) int
+        Number of the visible point, as ``primitive`` of its surface point says it.
+    position : (Q, 3)
+        Sample point.
+    seen : (Q,) bool
+        The answer.
+    """
+
+    viewer: Indices
+    position: Vec3s
+    seen: Masks
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class WrittenVisibility:
+    """In place of a ray caster: looks answers up.
+
+    Attributes
+    ----------
+    known : Known
+        All that may be asked, sorted by `_keys`.
+    keys : (Q,) uint64
+        Of the questions, rising.
+    """
+
+    known: Known
+    keys: NDArray[np.uint64]
+
+    def visible(
+        self,
+        points: SurfacePoints | Viewpoints,
+        x_to: Vec3s,
+        n_to: Vec3s,
+        active: Masks,
+        kind: str,
+    ) -> Masks:
+        """Whether surface points see other points.
+
+        Parameters
+        ----------
+        points : SurfacePoints or Viewpoints
+            N points, whose ``primitive`` is the viewer's number.
+        x_to, n_to : (N, 3)
+            Points looked at, and normals, which are not used.
+        active : (N,) bool
+            Who looks.
+        kind : str
+            Not used.
+
+        Returns
+        -------
+        (N,) bool
+            False where nobody looks.
+
+        Raises
+        ------
+        KeyError
+            A question to which no answer was written down.
+        """
+        asked = np.flatnonzero(active)
+        viewer, position = points.primitive[asked], x_to[asked]
+        place = np.searchsorted(self.keys, _keys(viewer, position))
+        place = np.minimum(place, max(len(self.keys) - 1, 0))
+        if len(asked):
+            same = (self.known.position[place] == position).all(axis=1)
+            if not (same & (self.known.viewer[place] == viewer)).all():
+                raise KeyError("visibility that is not among the buffers")
+        seen: Masks = np.zeros(len(active), bool)
+        seen[asked] = self.known.seen[place]
+        return seen
+
+
+def _keys(viewer: Indices, position: Vec3s) -> NDArray[np.uint64]:
+    """Hashes of viewers and points; what they find is compared in full."""
+    key = viewer.astype(np.int64).astype(np.uint64)
+    for column in range(3):
+        word = np.ascontiguousarray(position[:, column].astype(float) + 0.0)
+        key = (key ^ word.view(np.uint64)) * np.uint64(0x9E3779B97F4A7C15)
+        key ^= key >> np.uint64(29)
+    return key
+
+
+def paint_table() -> MaterialTable:
+    """Materials of the contract: paint of any colour.
+
+    Returns
+    -------
+    MaterialTable
+        One row.
+    """
+    return tabulate([Lambertian((0.5, 0.5, 0.5))])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Buffers:
+    """What the passes ask of a world."""
+
+    materials: MaterialTable
+    caster: WrittenVisibility
+    geometry: None = None
+    emitters: None = None
+
+
+def world_of(known: Sequence[Known] = ()) -> World:
+    """A world that answers from buffers.
+
+    Parameters
+    ----------
+    known : sequence of Known
+        Visibility.
+
+    Returns
+    -------
+    World
+        As far as the passes look at it.
+    """
+    nothing = Known(np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros(0, bool))
+    parts = [nothing, *known]
+    joined = Known(
+        np.concatenate([part.viewer for part in parts]),
+        np.concatenate([part.position for part in parts]),
+        np.concatenate([part.seen for part in parts]),
+    )
+    # Black points may be among the buffers: their target is asked, not their material.
+    table = replace(paint_table(), plain=False)
+    keys = _keys(joined.viewer, joined.position)
+    order = np.argsort(keys, kind="stable")
+    written = WrittenVisibility(take(joined, order), keys[order])
+    return cast(World, _Buffers(table, written))
+
+
+def surface_of(position: Vec3s, normal: Vec3s, albedo: Vec3s) -> SurfacePoints:
+    """Visible points of painted surfaces.
+
+    Parameters
+    ----------
+    position, normal, albedo : (N, 3)
+        Buffers.
+
+    Returns
+    -------
+    SurfacePoints
+        Numbered by row.
+    """
+    rows = len(position)
+    return SurfacePoints(
+        position=position,
+        normal=normal,
+        smooth=None,
+        wo=normal,
+        color=albedo,
+        material=np.zeros(rows, np.int32),
+        primitive=np.arange(rows, dtype=np.int32),
+        front=np.ones(rows, bool),
+    )

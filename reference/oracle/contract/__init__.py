@@ -1,0 +1,1 @@
+"""What a backend is asked for: passes, their buffers and their settings."""

@@ -1,0 +1,41 @@
+"""Groups of buffers that several passes share."""
+
+from reference.oracle.contract.fields import Field, real, vector
+
+RECEIVER = (
+    vector("visible_position", "visible point x, m"),
+    vector("visible_normal", "unit normal at x, on the side that is seen"),
+    vector("albedo", "reflectance of the visible point, which is Lambertian"),
+)
+
+SAMPLE = (
+    vector("position", "sample point x_s, m"),
+    vector("normal", "unit normal at x_s, on the side that was seen"),
+    vector("radiance", "radiance L_o that leaves x_s, W/(m² sr); 0 for a null"),
+)
+
+RESERVOIR = (
+    *SAMPLE,
+    real("W", "unbiased contribution weight, sr; 0 for an empty row"),
+    real("M", "confidence weight; nulls count"),
+)
+
+
+def prefixed(prefix: str, fields: tuple[Field, ...]) -> tuple[Field, ...]:
+    """The same buffers under longer names.
+
+    Parameters
+    ----------
+    prefix : str
+        Put before each name, with an underscore.
+    fields : tuple of Field
+        A group.
+
+    Returns
+    -------
+    tuple of Field
+        In the same order.
+    """
+    return tuple(
+        Field(f"{prefix}_{f.name}", f.columns, f.kind, f.meaning) for f in fields
+    )

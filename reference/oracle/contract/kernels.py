@@ -1,0 +1,133 @@
+"""Kernels of the contract: one formula a row."""
+
+from reference.oracle.contract.fields import Pass, Setting, bits, real, vector
+from reference.oracle.contract.groups import RECEIVER, SAMPLE
+
+SOURCE = Setting(
+    "source", "uniform | cosine", "density of the directions on the hemisphere"
+)
+TARGET = Setting(
+    "target", "scattered | outgoing", "Equation 9, or Equation 10 of the paper"
+)
+
+RANDOM = Pass(
+    name="random",
+    summary="PCG4D: four random words from a key of four words",
+    formula=(
+        "v = v · 1664525 + 1013904223 in each lane, modulo 2³²;\n"
+        "x += y·w, y += z·x, z += x·y, w += y·z, one after the other;\n"
+        "v ^= v >> 16 in each lane; the four sums once more;\n"
+        "u = (v >> 8) · 2⁻²⁴"
+    ),
+    inputs=(
+        bits("key", "pixel y · width + x, frame, seed, stream · 64 + dimension", 4),
+    ),
+    outputs=(
+        bits("words", "the permuted key", 4),
+        real("u", "numbers in [0, 1), multiples of 2⁻²⁴", 4),
+    ),
+    source="[Jarzynski20, Listing 5]",
+)
+
+DIRECTION = Pass(
+    name="direction",
+    summary="A direction on the hemisphere about a normal, and its density",
+    formula=(
+        "uniform: cos θ = u₀, pdf = 1 / 2π;  cosine: cos θ = √(1 − u₀), "
+        "pdf = cos θ / π;\n"
+        "azimuth 2π u₁ about the normal, in any frame that depends on the normal alone"
+    ),
+    inputs=(
+        vector("visible_normal", "unit normal"),
+        real("u", "two numbers in [0, 1)", 2),
+    ),
+    outputs=(
+        vector("direction", "unit vector"),
+        real("pdf", "source density p_q, 1/sr"),
+    ),
+    settings=(SOURCE,),
+    source="[Ouyang21, Alg. 2, line 3]",
+)
+
+TARGET_FUNCTION = Pass(
+    name="target",
+    summary="Target p̂ of a sample point at a visible point",
+    formula=(
+        "ω = (x_s − x) / |x_s − x|, luminance Y = 0.2126 R + 0.7152 G + 0.0722 B;\n"
+        "scattered: p̂ = Y(albedo / π · L_o) · cos θ;  outgoing: p̂ = Y(L_o);\n"
+        "both 0 where n·ω ≤ 0, or n_s·ω ≥ 0"
+    ),
+    inputs=(*RECEIVER, *SAMPLE),
+    outputs=(real("p_hat", "target, without visibility"),),
+    settings=(TARGET,),
+    source="[Ouyang21, Eq. 9 and 10]",
+)
+
+JACOBIAN = Pass(
+    name="jacobian",
+    summary="Ratio of the solid angles of one patch, of the reconnection shift",
+    formula="J = (|cos φ_to| / |cos φ_from|) · (d_from² / d_to²), angles at x_s",
+    inputs=(
+        vector("x_from", "visible point that made the sample, m"),
+        vector("x_to", "visible point that reuses it, m"),
+        vector("position", "sample point x_s, m"),
+        vector("normal", "unit normal at x_s"),
+    ),
+    outputs=(real("jacobian", "factor on W; 0 where cos φ_from, d_from or d_to is 0"),),
+    source="[Ouyang21, Eq. 11]",
+)
+
+MERGE = Pass(
+    name="merge",
+    summary="Whether the second of two candidates is kept",
+    formula="second where u (w_a + w_b) < w_b; w = w_a + w_b; M = M_a + M_b",
+    inputs=(
+        real("w_a", "sum of resampling weights of the first"),
+        real("M_a", "its confidence"),
+        real("w_b", "the same of the second"),
+        real("M_b", "its confidence"),
+        real("u", "number in [0, 1)"),
+    ),
+    outputs=(
+        bits("second", "1 where the second sample is kept, else 0"),
+        real("w", "sum of both"),
+        real("M", "sum of both"),
+    ),
+    source="[Ouyang21, Alg. 1, lines 6 to 10]",
+)
+
+FINALIZE = Pass(
+    name="finalize",
+    summary="Closing a reservoir",
+    formula="W = w / (Z · p̂), and 0 where p̂ or Z is 0",
+    inputs=(
+        real("w", "sum of resampling weights"),
+        real("p_hat", "target of the kept sample"),
+        real("Z", "what the sum is divided by: M, or Z"),
+    ),
+    outputs=(real("W", "unbiased contribution weight, sr; finite"),),
+    source="[Ouyang21, Eq. 7]",
+)
+
+SIMILAR = Pass(
+    name="similar",
+    summary="Whether two visible points may share samples",
+    formula=(
+        "n_a·n_b ≥ cos(max_angle), |z_a − z_b| ≤ max_depth · max(z_a, z_b), "
+        "both depths above 0"
+    ),
+    inputs=(
+        vector("normal_a", "unit normal"),
+        real("depth_a", "view depth, m; 0 where nothing is seen"),
+        vector("normal_b", "unit normal"),
+        real("depth_b", "view depth, m"),
+    ),
+    outputs=(bits("similar", "1 or 0"),),
+    settings=(
+        Setting("max_angle", "degrees", "between the normals"),
+        Setting("max_depth", "number", "relative difference of the depths"),
+    ),
+    source="[Ouyang21, section 4.2]",
+)
+
+KERNELS = (RANDOM, DIRECTION, TARGET_FUNCTION, JACOBIAN, MERGE, FINALIZE, SIMILAR)

@@ -1,0 +1,137 @@
+"""Passes of the contract: the algorithms of the paper, on whole frames."""
+
+from reference.oracle.contract.fields import Pass, Setting, bits, index, real
+from reference.oracle.contract.groups import RECEIVER, RESERVOIR, SAMPLE, prefixed
+from reference.oracle.contract.kernels import TARGET
+
+CAP = Setting("cap", "number, at least 1", "limit of M, when the reservoir is closed")
+MIS = Setting("mis", "1/M | 1/Z", "what the sum of weights is divided by")
+
+INITIAL = Pass(
+    name="initial",
+    summary="Algorithm 2: a new sample becomes a reservoir",
+    formula="w = p̂ / pdf, W = w / p̂, M = 1 for nulls too; W = 0 where w is",
+    inputs=(*RECEIVER, *SAMPLE, real("pdf", "source density of the sample, 1/sr")),
+    outputs=(
+        real("p_hat", "target of the sample"),
+        real("W", "contribution weight, sr"),
+        real("M", "confidence"),
+    ),
+    settings=(TARGET,),
+    source="[Ouyang21, Alg. 2]",
+)
+
+TEMPORAL = Pass(
+    name="temporal",
+    summary="Algorithm 3: the new sample meets the pixel's past; nothing moves",
+    formula=(
+        "the past with w₀ = p̂(y₀) W₀ M₀, then the new sample with w₁ = p̂(y₁) / pdf;\n"
+        "the new one is kept where u (w₀ + w₁) < w₁;\n"
+        "W = (w₀ + w₁) / (p̂(y) (M₀ + 1)), M = min(M₀ + 1, cap)"
+    ),
+    inputs=(
+        *RECEIVER,
+        *prefixed("past", RESERVOIR),
+        *prefixed("new", SAMPLE),
+        real("new_pdf", "source density of the new sample, 1/sr"),
+        real("u", "number in [0, 1)"),
+    ),
+    outputs=RESERVOIR,
+    settings=(TARGET, CAP),
+    source="[Ouyang21, Alg. 3], with w rebuilt after the cap",
+)
+
+MOVED = Pass(
+    name="moved",
+    summary="Algorithm 3 where the past was seen from another point",
+    formula=(
+        "the past with w₀ = p̂(y₀) W₀ M₀ J(x_past → x), 0 where x does not see y₀;\n"
+        "then the new sample with w₁ = p̂(y₁) / pdf; kept where u (w₀ + w₁) < w₁;\n"
+        "Z = M₀ [x_past holds y] + 1, W = (w₀ + w₁) / (p̂(y) Z)"
+    ),
+    inputs=(
+        *RECEIVER,
+        *prefixed("past", RECEIVER),
+        *prefixed("past", RESERVOIR),
+        *prefixed("new", SAMPLE),
+        real("new_pdf", "source density of the new sample, 1/sr"),
+        bits(
+            "visible",
+            "who sees which sample: column 0 is x, 1 is x_past; bit 0 the new sample,"
+            " bit 1 the past's",
+            2,
+        ),
+        real("u", "number in [0, 1)"),
+    ),
+    outputs=RESERVOIR,
+    settings=(TARGET, CAP, MIS),
+    source="[Ouyang21, Alg. 3 and Eq. 11]",
+)
+
+NEIGHBORS = Pass(
+    name="neighbors",
+    summary="Which pixels lend their samples",
+    formula=(
+        "r = max(radius · width, min_radius); for each k: offset = r √u₀ (cos 2πu₁, "
+        "sin 2πu₁), each component rounded to the nearest whole, ties to even;\n"
+        "usable where the pixel lies in the image and is similar; else the neighbour is"
+        " −1 and r = max(r / 2, min_radius); the pixel itself is −1, and usable"
+    ),
+    inputs=(
+        RECEIVER[1],
+        real("depth", "view depth, m; 0 where nothing is seen"),
+        real("u", "two numbers in [0, 1) for each neighbour", "K", 2),
+    ),
+    outputs=(index("neighbors", "row of the neighbour, or −1", "K"),),
+    settings=(
+        Setting("width", "pixels", "of the image; row = y · width + x"),
+        Setting("radius", "number", "share of the width"),
+        Setting("min_radius", "pixels", "least radius"),
+        Setting("max_angle", "degrees", "between the normals"),
+        Setting("max_depth", "number", "relative difference of the depths"),
+    ),
+    source="[Ouyang21, section 5]",
+)
+
+SPATIAL = Pass(
+    name="spatial",
+    summary="Algorithm 4: pixels resample what their neighbours keep",
+    formula=(
+        "in this order: the pixel's spatial past, its own reservoir, neighbour 0 … K−1,"
+        " with w = p̂(y) W M J; J = 1 for the first two;\n"
+        "w = 0 where the receiver does not see a neighbour's sample; neighbour −1 has "
+        "w = 0 and M = 0;\n"
+        "the candidate is kept where u (w_before + w) < w;\n"
+        "1/M: Z = Σ M;  1/Z: Z = Σ M over those that hold the kept sample: it is lit "
+        "and above their horizon, p̂ > 0, and they see it; past and own always do;\n"
+        "W = Σ w / (p̂(y) Z), M = min(Σ M, cap)"
+    ),
+    inputs=(
+        *RECEIVER,
+        *RESERVOIR,
+        *prefixed("past", RESERVOIR),
+        index("neighbors", "row of each neighbour, or −1", "K"),
+        bits(
+            "visible",
+            "who sees which sample: column 0 is the pixel, 1 + k neighbour k; bit 0 is"
+            " the pixel's own sample, 1 + k neighbour k's, 1 + K the past's",
+            "K+1",
+        ),
+        real("u_own", "number in [0, 1) that decides on the pixel's own reservoir"),
+        real("u_neighbors", "that decide on the neighbours", "K"),
+    ),
+    outputs=RESERVOIR,
+    settings=(TARGET, CAP, MIS),
+    source="[Ouyang21, Alg. 4], where the weight is multiplied by the Jacobian",
+)
+
+SHADE = Pass(
+    name="shade",
+    summary="The estimate of the pixel's indirect light",
+    formula="color = albedo / π · cos θ · L_o · W, 0 where the sample is not lit",
+    inputs=(*RECEIVER, *SAMPLE, RESERVOIR[3]),
+    outputs=(real("color", "indirect radiance towards the camera, W/(m² sr)", 3),),
+    source="[Ouyang21, Eq. 8]",
+)
+
+FRAME_PASSES = (INITIAL, TEMPORAL, MOVED, NEIGHBORS, SPATIAL, SHADE)

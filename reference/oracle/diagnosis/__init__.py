@@ -1,0 +1,1 @@
+"""Diagnosis: which known mistake reproduces a backend's numbers."""

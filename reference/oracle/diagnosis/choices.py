@@ -1,0 +1,86 @@
+"""Known mistakes with decisions and with the search for neighbours."""
+
+from reference.oracle.diagnosis.hypothesis import REUSE, SPATIAL, mistake
+from reference.oracle.replay.bounded import Bounded, constant
+from reference.oracle.replay.verbs import choose
+
+U_RIGHT = "kept where u (w_before + w) < w"
+
+
+def _old_sum(u: Bounded, w_before: Bounded, w: Bounded) -> Bounded:
+    return w - u * w_before
+
+
+def _always(u: Bounded, w_before: Bounded, w: Bounded) -> Bounded:
+    return w
+
+
+def _not_strict(u: Bounded, w_before: Bounded, w: Bounded) -> Bounded:
+    found = w - u * (w_before + w)
+    return choose(found.value == 0, constant(1.0, found), found)
+
+
+def _other_side(u: Bounded, w_before: Bounded, w: Bounded) -> Bounded:
+    return w - (constant(1.0, u) - u) * (w_before + w)
+
+
+CHOICES = (
+    mistake(
+        "accepts-by-the-old-sum",
+        "a candidate is compared with the sum before it",
+        "kept where u w_before < w",
+        U_RIGHT,
+        ("merge", *REUSE),
+        preference=_old_sum,
+    ),
+    mistake(
+        "always-accepts",
+        "every candidate with a weight is kept",
+        "kept where w > 0",
+        U_RIGHT,
+        ("merge", *REUSE),
+        preference=_always,
+    ),
+    mistake(
+        "accepts-on-equality",
+        "the comparison is not strict, so that a weight of 0 may be kept",
+        "kept where u (w_before + w) ≤ w",
+        U_RIGHT,
+        ("merge",),
+        preference=_not_strict,
+    ),
+    mistake(
+        "keeps-the-other-side",
+        "u is used as 1 − u: right in law, and other numbers",
+        "kept where (1 − u) (w_before + w) < w",
+        U_RIGHT,
+        ("merge", *REUSE),
+        preference=_other_side,
+    ),
+    mistake(
+        "one-number-for-all-neighbors",
+        "one random number decides on all neighbours",
+        "u = u_neighbors[0]",
+        "u = u_neighbors[k]",
+        SPATIAL,
+        "RTXDI e7c576e",
+        shared_decision=True,
+    ),
+    mistake(
+        "depth-relative-to-own",
+        "the depth test is relative to the pixel's own depth",
+        "|z_a − z_b| ≤ max_depth · z_a",
+        "|z_a − z_b| ≤ max_depth · max(z_a, z_b)",
+        ("similar", "neighbors"),
+        "gradient-restir",
+        depth_test="own",
+    ),
+    mistake(
+        "radius-not-halved",
+        "the search radius is not halved after a failure",
+        "r = r",
+        "r = max(r / 2, min_radius)",
+        ("neighbors",),
+        narrows=False,
+    ),
+)

@@ -1,0 +1,42 @@
+"""The known mistakes as a page of the documentation."""
+
+from collections.abc import Iterable
+
+from reference.oracle.diagnosis.hypothesis import Hypothesis
+
+INTRODUCTION = """\
+# Known mistakes
+
+<!-- Written by reference.oracle.diagnosis.describe; a test compares. -->
+
+When a pass is wrong, it is replayed under each mistake of this page. One that
+reproduces *every* answer that the backend gave for the pass, to rounding, is named;
+if several do, all of them are, since the cases do not tell them apart; if none does,
+that is said. "Seen" says where it has happened, as far as a paper, a change or a
+discussion tells.
+"""
+
+
+def describe(hypotheses: Iterable[Hypothesis]) -> str:
+    """Page of the known mistakes.
+
+    Parameters
+    ----------
+    hypotheses : iterable of Hypothesis
+        In the order of the page.
+
+    Returns
+    -------
+    str
+        Markdown, an anchor each.
+    """
+    return INTRODUCTION + "".join(_paragraph(h) for h in hypotheses)
+
+
+def _paragraph(h: Hypothesis) -> str:
+    seen = f"\nSeen: {'; '.join(h.seen)}.\n" if h.seen else ""
+    passes = ", ".join(f"`{name}`" for name in h.passes)
+    return (
+        f"\n({h.name})=\n## {h.name}\n\n{h.mistake[0].upper()}{h.mistake[1:]}.\n\n"
+        f"- wrong: {h.wrong}\n- right: {h.right}\n- shows in: {passes}\n{seen}"
+    )

@@ -1,0 +1,78 @@
+"""Which of the known mistakes reproduces what a backend gave."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from reference.oracle.contract.fields import Precision
+from reference.oracle.diagnosis.choices import CHOICES
+from reference.oracle.diagnosis.confidences import CONFIDENCES
+from reference.oracle.diagnosis.hypothesis import Hypothesis
+from reference.oracle.diagnosis.jacobians import JACOBIANS
+from reference.oracle.diagnosis.shading import SHADING
+from reference.oracle.diagnosis.targets import TARGETS
+from reference.oracle.diagnosis.weights import WEIGHTS
+from reference.oracle.replay.judges import JUDGES
+from reference.oracle.rungs.probe import Answer
+
+HYPOTHESES: tuple[Hypothesis, ...] = (
+    *JACOBIANS,
+    *WEIGHTS,
+    *CONFIDENCES,
+    *CHOICES,
+    *TARGETS,
+    *SHADING,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnosis:
+    """What explains the answers of a pass.
+
+    Attributes
+    ----------
+    pass_name : str
+        Which pass.
+    matches : tuple of Hypothesis
+        Those that reproduce every answer of the pass, to rounding; several where the
+        cases do not tell them apart, none where it is no known mistake.
+    """
+
+    pass_name: str
+    matches: tuple[Hypothesis, ...]
+
+
+def diagnose(
+    pass_name: str, answers: Iterable[Answer], precision: Precision
+) -> Diagnosis:
+    """Replay a pass that is wrong under every hypothesis.
+
+    Parameters
+    ----------
+    pass_name : str
+        Which pass.
+    answers : iterable of Answer
+        All that the backend gave for it, right and wrong.
+    precision : 'float32' or 'float64'
+        Of the backend.
+
+    Returns
+    -------
+    Diagnosis
+        A hypothesis is named if it explains *all* answers.  So what it explains by
+        accident in one case it must explain in the others, and a second mistake beside
+        the first leaves none.
+    """
+    judge = JUDGES[pass_name]
+    given = [a for a in answers if a.outputs is not None]
+    shows = any(a.finding is not None and not a.finding.passed for a in given)
+    matches = tuple(
+        h
+        for h in HYPOTHESES
+        if shows
+        and pass_name in h.passes
+        and all(
+            judge(a.probe.case, a.outputs or {}, h.rules, precision).passed
+            for a in given
+        )
+    )
+    return Diagnosis(pass_name, matches)

@@ -1,0 +1,70 @@
+"""A known mistake, as rules that a replay can calculate with."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from reference.oracle.replay.rules import CONTRACT_RULES, Rules
+
+TEMPORAL, SPATIAL = ("temporal", "moved"), ("spatial",)
+REUSE = (*TEMPORAL, *SPATIAL)
+SHIFTED = ("moved", "spatial")
+
+
+@dataclass(frozen=True, slots=True)
+class Hypothesis:
+    """One mistake.
+
+    Attributes
+    ----------
+    name : str
+        Also the anchor of its paragraph in the documentation.
+    mistake : str
+        What was done, in one line.
+    wrong, right : str
+        The formula as it was, and as it should be.
+    passes : tuple of str
+        Where it can show.
+    rules : Rules
+        The contract with the mistake in it.
+    seen : tuple of str
+        Where it has happened: papers, projects, changes.
+    """
+
+    name: str
+    mistake: str
+    wrong: str
+    right: str
+    passes: tuple[str, ...]
+    rules: Rules
+    seen: tuple[str, ...] = ()
+
+
+def mistake(
+    name: str,
+    what: str,
+    wrong: str,
+    right: str,
+    passes: tuple[str, ...],
+    *seen: str,
+    **rules: Any,
+) -> Hypothesis:
+    """A hypothesis, from what differs from the contract.
+
+    Parameters
+    ----------
+    name, what, wrong, right : str
+        Name and mistake, and both formulas.
+    passes : tuple of str
+        Where it can show.
+    *seen : str
+        Where it has happened.
+    **rules : Any
+        Fields of `Rules`.
+
+    Returns
+    -------
+    Hypothesis
+        The mistake.
+    """
+    changed = replace(CONTRACT_RULES, **rules)
+    return Hypothesis(name, what, wrong, right, passes, changed, seen)

@@ -1,0 +1,207 @@
+"""Known mistakes with the Jacobian of the shift."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from reference.arrays import Scalars
+from reference.oracle.diagnosis.hypothesis import Hypothesis
+from reference.oracle.replay.bounded import Bounded, constant
+from reference.oracle.replay.formulas import jacobian
+from reference.oracle.replay.geometry import cosine_at
+from reference.oracle.replay.points import Point, Receiver
+from reference.oracle.replay.rules import CONTRACT_RULES
+from reference.oracle.replay.verbs import choose, inner, square_root
+
+SHIFTS = ("jacobian", "moved", "spatial")
+RIGHT = "J = (|cos φ_to| / |cos φ_from|) · (d_from² / d_to²), angles at the sample"
+
+
+def _squares(x_from: Receiver, x_to: Receiver, y: Point) -> tuple[Bounded, Bounded]:
+    v_from, v_to = x_from.position - y.position, x_to.position - y.position
+    return inner(v_from, v_from), inner(v_to, v_to)
+
+
+def _inverse(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
+    return jacobian(x_to, x_from, y)
+
+
+def _one(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
+    return constant(1.0, y.position[:, 0])
+
+
+def _not_squared(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
+    d_from, d_to = _squares(x_from, x_to, y)
+    return jacobian(x_from, x_to, y) * square_root(d_to / d_from)
+
+
+def _without_cosines(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
+    d_from, d_to = _squares(x_from, x_to, y)
+    return d_from / d_to
+
+
+def _without_distances(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
+    d_from, d_to = _squares(x_from, x_to, y)
+    return jacobian(x_from, x_to, y) * (d_to / d_from)
+
+
+def _cosines_upside_down(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
+    d_from, d_to = _squares(x_from, x_to, y)
+    ratio = d_from / d_to
+    return ratio * ratio / jacobian(x_from, x_to, y)
+
+
+def _receivers_cosines(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
+    d_from, d_to = _squares(x_from, x_to, y)
+    return abs(cosine_at(x_to, y)) / abs(cosine_at(x_from, y)) * (d_from / d_to)
+
+
+def _root(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
+    return square_root(jacobian(x_from, x_to, y))
+
+
+def _within(J: Bounded, least: float, most: float) -> Bounded:
+    value: Scalars = np.clip(J.value, least, most)
+    return Bounded(value, J.error, J.rounding)
+
+
+def _clamped_3(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
+    return _within(jacobian(x_from, x_to, y), 1 / 3, 3.0)
+
+
+def _clamped_2(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
+    return _within(jacobian(x_from, x_to, y), 1 / 2, 2.0)
+
+
+def _clamped_8(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
+    return _within(jacobian(x_from, x_to, y), 0.0, 8.0)
+
+
+def _clamped_10(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
+    return _within(jacobian(x_from, x_to, y), 0.0, 10.0)
+
+
+def _rejected_10(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
+    J = jacobian(x_from, x_to, y)
+    none = constant(0.0, J)
+    return choose((J.value >= 0.1) & (J.value <= 10), J, none)
+
+
+def _rejected_2(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
+    J = jacobian(x_from, x_to, y)
+    return choose(J.value <= 2, J, constant(0.0, J))
+
+
+_TABLE = (
+    (
+        "jacobian-inverted",
+        "the weight is divided by the Jacobian, or donor and receiver change places",
+        "w = p̂ W M / J",
+        _inverse,
+        ("the paper's Algorithm 4, line 11", "bevy-hikari #21", "C2-Renderer fcd7c28"),
+    ),
+    (
+        "jacobian-omitted",
+        "the Jacobian is left out",
+        "J = 1",
+        _one,
+        ("global-restir", "ReSTIR-BPT 7bf47ea"),
+    ),
+    (
+        "jacobian-unsquared",
+        "the distances are not squared",
+        "J = (|cos φ_to| / |cos φ_from|) · (d_from / d_to)",
+        _not_squared,
+        ("a note on ReSTIR GI in wide use",),
+    ),
+    (
+        "jacobian-without-cosines",
+        "the cosines are left out",
+        "J = d_from² / d_to²",
+        _without_cosines,
+        ("RestirPT-WebGPU U8-4",),
+    ),
+    (
+        "jacobian-without-distances",
+        "the distances are left out",
+        "J = |cos φ_to| / |cos φ_from|",
+        _without_distances,
+        (),
+    ),
+    (
+        "jacobian-cosines-upside-down",
+        "the ratio of the cosines is upside down",
+        "J = (|cos φ_from| / |cos φ_to|) · (d_from² / d_to²)",
+        _cosines_upside_down,
+        (),
+    ),
+    (
+        "jacobian-receiver-cosine",
+        "the cosines are those at the visible points",
+        "J = (|cos θ_to| / |cos θ_from|) · (d_from² / d_to²)",
+        _receivers_cosines,
+        (),
+    ),
+    (
+        "jacobian-root",
+        "the root of the Jacobian is used",
+        "w = p̂ W M √J",
+        _root,
+        ("kajiya, spatial pass",),
+    ),
+    (
+        "jacobian-clamped-to-3",
+        "the Jacobian is clamped to [1/3, 3]",
+        "J = clamp(J, 1/3, 3)",
+        _clamped_3,
+        ("RTXDI sample",),
+    ),
+    (
+        "jacobian-clamped-to-2",
+        "the Jacobian is clamped to [1/2, 2]",
+        "J = clamp(J, 1/2, 2)",
+        _clamped_2,
+        (),
+    ),
+    (
+        "jacobian-at-most-8",
+        "the Jacobian is cut at 8",
+        "J = min(J, 8)",
+        _clamped_8,
+        ("kajiya",),
+    ),
+    (
+        "jacobian-at-most-10",
+        "the Jacobian is cut at 10",
+        "J = min(J, 10)",
+        _clamped_10,
+        ("ReSTIR_PT",),
+    ),
+    (
+        "jacobian-rejected-beyond-10",
+        "shifts with J outside of [1/10, 10] are refused, and Z does not know",
+        "w = 0 where J < 1/10 or J > 10",
+        _rejected_10,
+        ("RTXDI", "bevy #20259"),
+    ),
+    (
+        "jacobian-rejected-beyond-2",
+        "shifts with J above 2 are refused, and Z does not know",
+        "w = 0 where J > 2",
+        _rejected_2,
+        ("bevy #20580",),
+    ),
+)
+
+JACOBIANS = tuple(
+    Hypothesis(
+        name,
+        mistake,
+        wrong,
+        RIGHT,
+        SHIFTS,
+        replace(CONTRACT_RULES, jacobian=formula),
+        seen,
+    )
+    for name, mistake, wrong, formula, seen in _TABLE
+)

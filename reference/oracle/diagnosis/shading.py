@@ -1,0 +1,152 @@
+"""Known mistakes with shading and source densities."""
+
+from dataclasses import replace
+from math import pi
+from typing import Any
+
+from reference.oracle.contract.fields import Value
+from reference.oracle.diagnosis.hypothesis import Hypothesis
+from reference.oracle.replay.bounded import Bounded, constant
+from reference.oracle.replay.formulas import density, reflected, target
+from reference.oracle.replay.geometry import cosine_at, lit_at
+from reference.oracle.replay.points import Point, Receiver
+from reference.oracle.replay.rules import CONTRACT_RULES
+from reference.oracle.replay.verbs import inner, times, where_positive
+
+F_RIGHT = "color = albedo / π · cos θ · L_o · W"
+D_RIGHT = "uniform 1 / 2π, cosine cos θ / π"
+
+
+def _shade_times_pi(x: Receiver, y: Point) -> Bounded:
+    f = reflected(x, y)
+    return f * constant(pi, f)
+
+
+def _shade_without_albedo(x: Receiver, y: Point) -> Bounded:
+    white = Receiver(x.position, x.normal, constant(1.0, x.albedo))
+    return reflected(white, y)
+
+
+def _shade_albedo_twice(x: Receiver, y: Point) -> Bounded:
+    return reflected(x, y) * x.albedo
+
+
+def _shade_without_cosine(x: Receiver, y: Point) -> Bounded:
+    color = x.albedo * y.radiance
+    color = color / constant(pi, color)
+    above = where_positive(inner(x.normal, y.position - x.position), color)
+    return where_positive(lit_at(x, y), above)
+
+
+def _shade_cosine_twice(x: Receiver, y: Point) -> Bounded:
+    return times(reflected(x, y), cosine_at(x, y))
+
+
+def _shade_target(x: Receiver, y: Point) -> Bounded:
+    p_hat = target("scattered", x, y)
+    return times(constant(1.0, x.albedo), p_hat)
+
+
+def _shade_both_sides(x: Receiver, y: Point) -> Bounded:
+    return reflected(x, y) + reflected(x, Point(y.position, -y.normal, y.radiance))
+
+
+def _density_of(uniform: float | None, cosine: float | None) -> Any:
+    def changed(source: Value, at: Bounded) -> Bounded:
+        if source == "uniform" and uniform is not None:
+            return constant(uniform, at)
+        if source == "cosine" and cosine is not None:
+            return at * constant(cosine, at)
+        return density(source, at)
+
+    return changed
+
+
+def _cosine_density_for_uniform(source: Value, at: Bounded) -> Bounded:
+    return density("cosine", at)
+
+
+def _shade_mistake(name: str, mistake: str, wrong: str, change: Any) -> Hypothesis:
+    rules = replace(CONTRACT_RULES, reflected=change)
+    return Hypothesis(name, mistake, wrong, F_RIGHT, ("shade",), rules)
+
+
+def _density_mistake(name: str, mistake: str, wrong: str, change: Any) -> Hypothesis:
+    rules = replace(CONTRACT_RULES, density=change)
+    return Hypothesis(name, mistake, wrong, D_RIGHT, ("direction",), rules)
+
+
+SHADING = (
+    _shade_mistake(
+        "shade-without-pi",
+        "shading lacks 1/π",
+        "color = albedo · cos θ · L_o · W",
+        _shade_times_pi,
+    ),
+    _shade_mistake(
+        "shade-without-albedo",
+        "shading lacks the albedo",
+        "color = 1 / π · cos θ · L_o · W",
+        _shade_without_albedo,
+    ),
+    _shade_mistake(
+        "shade-albedo-twice",
+        "shading has the albedo twice",
+        "color = albedo² / π · cos θ · L_o · W",
+        _shade_albedo_twice,
+    ),
+    _shade_mistake(
+        "shade-without-cosine",
+        "shading lacks the cosine",
+        "color = albedo / π · L_o · W",
+        _shade_without_cosine,
+    ),
+    _shade_mistake(
+        "shade-cosine-twice",
+        "shading has the cosine twice",
+        "color = albedo / π · cos² θ · L_o · W",
+        _shade_cosine_twice,
+    ),
+    _shade_mistake(
+        "shade-by-the-target",
+        "the target, a luminance, is shown in place of the integrand",
+        "color = p̂ W",
+        _shade_target,
+    ),
+    _shade_mistake(
+        "shade-back-of-sample",
+        "sample points shine on their back too",
+        "no test of n_s·ω",
+        _shade_both_sides,
+    ),
+    _density_mistake(
+        "density-of-half-the-hemisphere",
+        "the uniform density is 1/π",
+        "pdf = 1 / π",
+        _density_of(1 / pi, None),
+    ),
+    _density_mistake(
+        "density-of-the-sphere",
+        "the uniform density is that of the whole sphere",
+        "pdf = 1 / 4π",
+        _density_of(1 / (4 * pi), None),
+    ),
+    _density_mistake(
+        "density-without-pi",
+        "the cosine density lacks 1/π",
+        "pdf = cos θ",
+        _density_of(None, 1.0),
+    ),
+    _density_mistake(
+        "density-of-two-pi",
+        "the cosine density has 1/2π",
+        "pdf = cos θ / 2π",
+        _density_of(None, 1 / (2 * pi)),
+    ),
+    _density_mistake(
+        "density-of-the-other-sampler",
+        "uniform directions are given the cosine density",
+        "pdf = cos θ / π for uniform directions",
+        _cosine_density_for_uniform,
+    ),
+)

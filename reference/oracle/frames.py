@@ -1,0 +1,124 @@
+"""Cases of whole frames: what the passes are given in real scenes."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.arrays import Indices, Masks
+from reference.oracle.buffers import given, prefixed, receivers, reservoirs, samples
+from reference.oracle.cases import Case
+from reference.oracle.contract.fields import Precision, Value
+from reference.oracle.stage import CAPS, NEIGHBORS, SIMILARITY, Stage
+from reference.passes.receivers import sees
+from reference.records import take
+from reference.resampling.reservoir import Samples
+from reference.rng import Stream
+
+
+def frame_cases(at: Stage, precision: Precision) -> Iterator[Case]:
+    """One case of each pass of the algorithm, and of each weight of Algorithm 4.
+
+    Parameters
+    ----------
+    at : Stage
+        A frame of a scene.
+    precision : 'float32' or 'float64'
+        In which the inputs are given.
+
+    Yields
+    ------
+    Case
+        Of N rows.
+    """
+    size = at.world.camera.width
+
+    def case(
+        pass_name: str, variant: str, settings: dict[str, Value], inputs: Any
+    ) -> Case:
+        name = "-".join(word for word in (pass_name, variant, at.name) if word)
+        return Case(name, pass_name, settings, given(inputs, precision), True, size)
+
+    surface = at.last.visible.surface
+    x, new = receivers(at), prefixed("new", samples(at.initial.y))
+    pdf = at.initial.pdf
+    u = np.stack(at.uniforms(Stream.INITIAL).draw(0)[1:3], axis=1)
+    for source in ("uniform", "cosine"):
+        # Where nothing is seen there is no normal, and nobody draws.
+        up = np.where(surface.hit[:, None], surface.normal, [0.0, 0.0, 1.0])
+        inputs = {"visible_normal": up, "u": u}
+        yield case("direction", source, {"source": source}, inputs)
+    for kind in ("scattered", "outgoing"):
+        inputs = x | samples(at.initial.y) | {"pdf": pdf}
+        yield case("initial", kind, {"target": kind}, inputs)
+
+    past = prefixed("past", reservoirs(at.last.temporal))
+    decides = {"new_pdf": pdf, "u": at.uniforms(Stream.TEMPORAL).draw(0)[0]}
+    settings: dict[str, Value] = {"target": "scattered", "cap": CAPS["temporal"]}
+    yield case("temporal", "", settings, x | past | new | decides)
+
+    rows = np.where(at.neighbors[:, 0] >= 0, at.neighbors[:, 0], np.arange(size * size))
+    elsewhere = prefixed("past", receivers(at, rows))
+    moved = prefixed("past", reservoirs(take(at.last.temporal, rows)))
+    visible = {"visible": _who_sees_when_moved(at, rows)}
+    for mis in ("1/Z", "1/M"):
+        settings = {"target": "scattered", "cap": CAPS["moved"], "mis": mis}
+        inputs = x | elsewhere | moved | new | decides | visible
+        yield case("moved", mis.replace("/", ""), settings, inputs)
+
+    draws = [at.uniforms(Stream.SPATIAL).draw(s) for s in range(NEIGHBORS)]
+    places = np.stack([np.stack(d[:2], axis=1) for d in draws], axis=1)
+    depth = at.last.visible.depth
+    inputs = {"visible_normal": x["visible_normal"], "depth": depth, "u": places}
+    yield case("neighbors", "", {"width": size, **SIMILARITY}, inputs)
+
+    spatial = x | reservoirs(at.last.temporal)
+    spatial |= prefixed("past", reservoirs(at.last.spatial))
+    spatial |= {
+        "neighbors": at.neighbors,
+        "visible": _who_sees(at),
+        "u_own": at.uniforms(Stream.SPATIAL).draw(63)[0],
+        "u_neighbors": np.stack([d[2] for d in draws], axis=1),
+    }
+    for mis, kind in (("1/Z", "scattered"), ("1/M", "scattered"), ("1/Z", "outgoing")):
+        settings = {"target": kind, "cap": CAPS["spatial"], "mis": mis}
+        yield case("spatial", f"{mis.replace('/', '')}-{kind}", settings, spatial)
+
+    kept = reservoirs(at.last.spatial)
+    del kept["M"]
+    yield case("shade", "", {}, x | kept)
+
+
+def _sees(at: Stage, viewer: Indices, y: Samples, made: Masks) -> NDArray[np.uint32]:
+    x = take(at.last.visible.surface.viewpoints, np.maximum(viewer, 0))
+    asked = (viewer >= 0) & ~made
+    return (sees(at.world, x, y, asked) | made).astype(np.uint32)
+
+
+def _who_sees(at: Stage) -> NDArray[np.uint32]:
+    """Bits of pass ``spatial``."""
+    rows = np.arange(len(at.neighbors))
+    around = [at.neighbors[:, k] for k in range(NEIGHBORS)]
+    y = at.last.temporal.y
+    lent = [y, *(take(y, np.maximum(row, 0)) for row in around), at.last.spatial.y]
+    makers = [rows, *around, rows]
+    return _bits(at, [rows, *around], lent, makers)
+
+
+def _who_sees_when_moved(at: Stage, rows: Indices) -> NDArray[np.uint32]:
+    """Bits of pass ``moved``."""
+    here = np.arange(len(rows))
+    lent = [at.initial.y, take(at.last.temporal.y, rows)]
+    return _bits(at, [here, rows], lent, [here, rows])
+
+
+def _bits(
+    at: Stage, viewers: list[Indices], lent: list[Samples], makers: list[Indices]
+) -> NDArray[np.uint32]:
+    words = np.zeros((len(at.neighbors), len(viewers)), np.uint32)
+    for column, viewer in enumerate(viewers):
+        for bit, (y, maker) in enumerate(zip(lent, makers, strict=True)):
+            seen = _sees(at, viewer, y, (viewer == maker) & (viewer >= 0))
+            words[:, column] |= seen << np.uint32(bit)
+    return words

@@ -1,0 +1,182 @@
+"""The frame loop with a backend's own passes: it runs free, from its own outputs."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.arrays import Indices, Masks, Vec3s
+from reference.oracle.buffers import given, prefixed
+from reference.oracle.cases import Buffers, Case
+from reference.oracle.contract.fields import Precision, Value
+from reference.rng import KeyedUniforms, Stream
+
+Array = NDArray[Any]
+
+
+class Theatre(Protocol):
+    """What stands around the passes: rays, and who sees whom."""
+
+    def receivers(self) -> dict[str, Array]:
+        """Buffers of the visible points, N rows."""
+        ...
+
+    def trace(self, direction: Vec3s, frame: int) -> dict[str, Array]:
+        """Buffers of the sample points that rays from the visible points meet."""
+        ...
+
+    def sees(self, viewer: Indices, position: Vec3s, normal: Vec3s) -> Masks:
+        """Whether visible points, by row, see sample points."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """How the loop runs.
+
+    Attributes
+    ----------
+    frames : int
+        How many.
+    source : 'uniform' or 'cosine'
+        Density of the directions.
+    target : 'scattered' or 'outgoing'
+        Equation 9 or 10.
+    mis : '1/M' or '1/Z'
+        Weight of Algorithm 4.
+    temporal_cap, spatial_cap : float
+        Limits of M.
+    seed : int
+        Of the random numbers.
+    """
+
+    frames: int = 3
+    source: str = "cosine"
+    target: str = "scattered"
+    mis: str = "1/Z"
+    temporal_cap: float = 30.0
+    spatial_cap: float = 500.0
+    seed: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shown:
+    """What a frame leaves, N rows.
+
+    Attributes
+    ----------
+    color : (N, 3)
+        Indirect light.
+    spatial : mapping of str to array
+        Reservoirs that were shown.
+    """
+
+    color: Vec3s
+    spatial: Buffers
+
+
+Ask = Callable[[Case], Buffers]
+"""Asks the backend, and raises where it does not answer."""
+
+
+def run_frames(
+    ask: Ask,
+    theatre: Theatre,
+    neighbors: Callable[[int], Indices],
+    run: Run,
+    precision: Precision,
+) -> list[Shown]:
+    """Frames of a backend's passes.
+
+    Parameters
+    ----------
+    ask : callable
+        Gives the outputs of a case.
+    theatre : Theatre
+        Rays.
+    neighbors : callable
+        (N, K) neighbours of each row in a frame, or −1.
+    run : Run
+        How.
+    precision : 'float32' or 'float64'
+        Of the backend.
+
+    Returns
+    -------
+    list of Shown
+        One a frame.
+
+    Notes
+    -----
+    [Ouyang21, Fig. 4].
+    """
+    x = theatre.receivers()
+    rows = len(x["visible_position"])
+    temporal = spatial = _empty(rows)
+    shown = []
+
+    def call(pass_name: str, inputs: Any, **settings: Value) -> Buffers:
+        name = f"loop-{pass_name}"
+        return ask(Case(name, pass_name, settings, given(inputs, precision)))
+
+    pixel = np.arange(rows, dtype=np.uint32)
+    for frame in range(run.frames):
+        at = partial(KeyedUniforms, pixel, frame, run.seed)
+        # Algorithm 2: a direction, and what it meets.
+        u = np.stack(at(Stream.INITIAL).draw(0)[1:3], axis=1)
+        drawn = call(
+            "direction",
+            {"visible_normal": x["visible_normal"], "u": u},
+            source=run.source,
+        )
+        new = prefixed("new", theatre.trace(drawn["direction"].astype(float), frame))
+        # Algorithm 3.
+        inputs = x | prefixed("past", temporal) | new
+        inputs |= {"new_pdf": drawn["pdf"], "u": at(Stream.TEMPORAL).draw(0)[0]}
+        temporal = dict(
+            call("temporal", inputs, target=run.target, cap=run.temporal_cap)
+        )
+        # Algorithm 4.
+        around = neighbors(frame)
+        count = around.shape[1]
+        decide = [at(Stream.SPATIAL).draw(k)[2] for k in range(count)]
+        inputs = x | temporal | prefixed("past", spatial)
+        inputs |= {
+            "neighbors": around,
+            "visible": _bits(theatre, temporal, spatial, around),
+            "u_own": at(Stream.SPATIAL).draw(63)[0],
+            "u_neighbors": np.stack(decide, axis=1),
+        }
+        spatial = dict(
+            call("spatial", inputs, target=run.target, cap=run.spatial_cap, mis=run.mis)
+        )
+        # Equation 8.
+        kept = {name: spatial[name] for name in ("position", "normal", "radiance", "W")}
+        shown.append(Shown(call("shade", x | kept)["color"], spatial))
+    return shown
+
+
+def _empty(rows: int) -> dict[str, Array]:
+    vectors = {n: np.zeros((rows, 3)) for n in ("position", "normal", "radiance")}
+    return vectors | {"W": np.zeros(rows), "M": np.zeros(rows)}
+
+
+def _bits(
+    theatre: Theatre, own: Buffers, past: Buffers, around: Indices
+) -> NDArray[np.uint32]:
+    rows, count = np.arange(len(around)), around.shape[1]
+    viewers = [rows, *(around[:, k] for k in range(count))]
+    lent = [(own, row) for row in viewers] + [(past, rows)]
+    words = np.zeros((len(rows), count + 1), np.uint32)
+    for column, viewer in enumerate(viewers):
+        for bit, (r, row) in enumerate(lent):
+            at = np.maximum(row, 0)
+            seen = theatre.sees(
+                np.maximum(viewer, 0), r["position"][at], r["normal"][at]
+            )
+            made = (viewer == row) & (r is own)
+            words[:, column] |= (seen | made).astype(np.uint32) << np.uint32(bit)
+    return words

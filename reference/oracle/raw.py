@@ -1,0 +1,231 @@
+"""Cases as files: raw little-endian buffers, and an index that ``fscanf`` reads.
+
+A folder of cases holds ``cases.txt``, a line a thing, words apart by one space::
+
+    restir-cases 1
+    precision float32
+    case temporal-cornell-box temporal 4096
+    set cap 30
+    in u float32 1 4096 temporal-cornell-box/in/u.raw
+    out W float32 1 4096 temporal-cornell-box/out/W.raw
+    end
+
+After ``in`` and ``out`` stand the name, the type (float32, float64, int32, uint32), the
+number of dimensions, each dimension, and the file, relative to the folder.  Files hold
+nothing but the numbers, in C order.  Folders of outputs exist already.
+"""
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.errors import UsageError
+from reference.files import read_file
+from reference.oracle.cases import Case, Failure, Outcome, output_shapes
+from reference.oracle.contract.fields import Passes, Precision, Value, dtype_of
+
+INDEX, FORM = "cases.txt", "restir-cases 1"
+
+
+def write_cases(
+    folder: Path, passes: Passes, precision: Precision, cases: Iterable[Case]
+) -> None:
+    """Write what a backend needs.
+
+    Parameters
+    ----------
+    folder : Path
+        Made if it does not exist.
+    passes : mapping of str to Pass
+        The contract.
+    precision : 'float32' or 'float64'
+        Of the backend.
+    cases : iterable of Case
+        Calls.
+
+    Raises
+    ------
+    UsageError
+        It cannot be written.
+    """
+    lines = [FORM, f"precision {precision}"]
+    for case in cases:
+        lines.append(f"case {case.name} {case.pass_name} {case.rows}")
+        lines += [f"set {name} {value}" for name, value in case.settings.items()]
+        make_folder(folder / case.name / "in")
+        make_folder(folder / case.name / "out")
+        for name, array in case.inputs.items():
+            path = f"{case.name}/in/{name}.raw"
+            _write(folder / path, np.ascontiguousarray(array).tobytes())
+            lines.append(_line("in", name, array.dtype, array.shape, path))
+        for field in passes[case.pass_name].outputs:
+            shape = output_shapes(passes, case)[field.name]
+            path = f"{case.name}/out/{field.name}.raw"
+            dtype = dtype_of(field.kind, precision)
+            lines.append(_line("out", field.name, dtype, shape, path))
+        lines.append("end")
+    _write(folder / INDEX, ("\n".join(lines) + "\n").encode())
+
+
+def read_cases(folder: Path) -> tuple[Precision, list[Case]]:
+    """Read what `write_cases` wrote.
+
+    Parameters
+    ----------
+    folder : Path
+        With an index.
+
+    Returns
+    -------
+    precision : 'float32' or 'float64'
+        Of the backend.
+    cases : list of Case
+        In the order of the index.
+
+    Raises
+    ------
+    UsageError
+        No index, or one that cannot be read, or a file of another size than it says.
+    """
+    words = [line.split(" ") for line in _text(folder / INDEX).splitlines()]
+    try:
+        if " ".join(words[0]) != FORM or words[1][0] != "precision":
+            raise ValueError
+        precision: Any = words[1][1]
+        return precision, list(_cases(folder, words[2:]))
+    except (ValueError, IndexError) as error:
+        raise UsageError(
+            f"{folder / INDEX} is no index of cases; it begins with {FORM!r}"
+        ) from error
+
+
+def read_outputs(
+    folder: Path, passes: Passes, precision: Precision, case: Case
+) -> Outcome:
+    """Read what a backend wrote for a case: ``out/*.raw``, or ``out.npz``.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the cases.
+    passes : mapping of str to Pass
+        The contract.
+    precision : 'float32' or 'float64'
+        Of the backend.
+    case : Case
+        Which.
+
+    Returns
+    -------
+    Buffers, Failure or None
+        ``None`` where it wrote nothing.
+    """
+    for packed in (folder / case.name / "out.npz", folder / case.name / "out/out.npz"):
+        if packed.exists():
+            return _unpack(packed)
+    found: dict[str, NDArray[Any]] = {}
+    for field in passes[case.pass_name].outputs:
+        path = folder / case.name / "out" / f"{field.name}.raw"
+        if not path.exists():
+            continue
+        dtype = dtype_of(field.kind, precision)
+        shape = output_shapes(passes, case)[field.name]
+        contents = path.read_bytes()
+        wanted = int(np.prod(shape)) * dtype.itemsize
+        if len(contents) != wanted:
+            state = "truncated" if len(contents) < wanted else "too long"
+            return Failure(
+                f"{case.name}: {field.name}.raw is {state}: {len(contents)} bytes"
+                f" instead of {wanted}"
+            )
+        found[field.name] = np.frombuffer(contents, dtype).reshape(shape)
+    return found or None
+
+
+def make_folder(path: Path) -> None:
+    """Make a folder, and those above it, if they do not exist.
+
+    Parameters
+    ----------
+    path : Path
+        Of the folder.
+
+    Raises
+    ------
+    UsageError
+        It cannot be made.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(
+            f"cannot make the folder {path}: {error.strerror}; name one that may be"
+            " written"
+        ) from error
+
+
+def _write(path: Path, contents: bytes) -> None:
+    # Not in one step, as pictures are: whoever wants that renames the whole folder.
+    try:
+        path.write_bytes(contents)
+    except OSError as error:
+        raise UsageError(
+            f"cannot write {path}: {error.strerror}; name a folder with room"
+        ) from error
+
+
+def _line(
+    word: str, name: str, dtype: np.dtype[Any], shape: tuple[int, ...], path: str
+) -> str:
+    sizes = " ".join(str(size) for size in (len(shape), *shape))
+    return f"{word} {name} {dtype.name} {sizes} {path}"
+
+
+def _cases(folder: Path, lines: list[list[str]]) -> Iterable[Case]:
+    settings: dict[str, Value] = {}
+    inputs: dict[str, NDArray[Any]] = {}
+    for word, *rest in lines:
+        if word == "case":
+            name, pass_name, settings, inputs = rest[0], rest[1], {}, {}
+        elif word == "set":
+            settings[rest[0]] = _value(rest[1])
+        elif word == "in":
+            inputs[rest[0]] = _array(folder, rest)
+        elif word == "end":
+            yield Case(name, pass_name, settings, inputs)
+
+
+def _array(folder: Path, words: list[str]) -> NDArray[Any]:
+    shape = tuple(int(size) for size in words[3:-1])
+    dtype = np.dtype(words[1]).newbyteorder("<")
+    return np.frombuffer(read_file(folder / words[-1]), dtype).reshape(shape)
+
+
+def _value(text: str) -> Value:
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text
+
+
+def _unpack(path: Path) -> Outcome:
+    try:
+        with path.open("rb") as raw, np.load(raw, allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
+    except (OSError, ValueError, EOFError, KeyError, BadZipFile) as error:
+        return Failure(f"{path.parent.name}: out.npz cannot be read: {error}")
+
+
+def _text(path: Path) -> str:
+    try:
+        return read_file(path).decode()
+    except UnicodeDecodeError as error:
+        raise UsageError(f"{path} is no text; it should be an index of cases") from (
+            error
+        )

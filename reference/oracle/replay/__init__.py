@@ -1,0 +1,1 @@
+"""Replay: every pass once more, from the backend's own numbers, with error bounds."""

@@ -1,0 +1,187 @@
+"""The contract's formulas, on numbers with error bounds."""
+
+from math import pi
+
+import numpy as np
+
+from reference.oracle.contract.fields import Value
+from reference.oracle.replay.bounded import Bounded, constant
+from reference.oracle.replay.geometry import cosine_at, luminance, on_both_sides
+from reference.oracle.replay.points import Point, Receiver
+from reference.oracle.replay.verbs import (
+    choose,
+    inner,
+    square_root,
+    times,
+)
+
+
+def target(kind: Value, x: Receiver, y: Point) -> Bounded:
+    """Target p̂, Equation 9 or 10.
+
+    Parameters
+    ----------
+    kind : 'scattered' or 'outgoing'
+        Which.
+    x : Receiver
+        N visible points.
+    y : Point
+        N sample points.
+
+    Returns
+    -------
+    Bounded
+        (N,)
+    """
+    if kind == "outgoing":
+        return on_both_sides(x, y, luminance(y.radiance))
+    light = luminance(x.albedo * y.radiance)
+    value = light * cosine_at(x, y) / constant(pi, light)
+    return on_both_sides(x, y, value)
+
+
+def reflected(x: Receiver, y: Point) -> Bounded:
+    """Integrand f = albedo / π · cos θ · L_o.
+
+    Parameters
+    ----------
+    x : Receiver
+        N visible points.
+    y : Point
+        N sample points.
+
+    Returns
+    -------
+    Bounded
+        (N, 3)
+    """
+    cosine = cosine_at(x, y)
+    color = times(x.albedo * y.radiance, cosine / constant(pi, cosine))
+    return on_both_sides(x, y, color)
+
+
+def jacobian(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
+    """Ratio |∂ω_to / ∂ω_from|, Equation 11.
+
+    Parameters
+    ----------
+    x_from, x_to : Receiver
+        N visible points each; their normals are not used.
+    y : Point
+        N sample points.
+
+    Returns
+    -------
+    Bounded
+        (N,)
+    """
+    v_from, v_to = x_from.position - y.position, x_to.position - y.position
+    d_from, d_to = inner(v_from, v_from), inner(v_to, v_to)
+    cosine_from = abs(inner(y.normal, v_from)) / square_root(d_from)
+    cosine_to = abs(inner(y.normal, v_to)) / square_root(d_to)
+    return cosine_to / cosine_from * (d_from / d_to)
+
+
+def weight(p_hat: Bounded, W: Bounded, M: Bounded, J: Bounded) -> Bounded:
+    """Resampling weight w = p̂ W M J of a reservoir.
+
+    Parameters
+    ----------
+    p_hat, W, M, J : Bounded
+        (N,) each.
+
+    Returns
+    -------
+    Bounded
+        (N,)
+    """
+    return p_hat * W * M * J
+
+
+def preference(u: Bounded, w_before: Bounded, w: Bounded) -> Bounded:
+    """Positive where a candidate is kept: w − u (w_before + w).
+
+    Parameters
+    ----------
+    u : Bounded
+        (N,), in [0, 1).
+    w_before, w : Bounded
+        (N,): sum so far, and the candidate's weight.
+
+    Returns
+    -------
+    Bounded
+        (N,); w itself where nothing came before.
+    """
+    alone = (w_before.value == 0) & (w_before.error == 0)
+    return choose(alone, w, w - u * (w_before + w))
+
+
+def fresh_confidence(w: Bounded) -> Bounded:
+    """Confidence of a new sample: 1, for nulls too.
+
+    Parameters
+    ----------
+    w : Bounded
+        (N,), its weight.
+
+    Returns
+    -------
+    Bounded
+        (N,)
+    """
+    return constant(1.0, w)
+
+
+def capped(M: Bounded, cap: float) -> Bounded:
+    """Confidence at most the cap.
+
+    Parameters
+    ----------
+    M : Bounded
+        (N,)
+    cap : float
+        The limit.
+
+    Returns
+    -------
+    Bounded
+        (N,)
+    """
+    return Bounded(np.minimum(M.value, cap), M.error, M.rounding)
+
+
+def finalized(w: Bounded, p_hat: Bounded, Z: Bounded) -> Bounded:
+    """Contribution weight W = w / (Z p̂).
+
+    Parameters
+    ----------
+    w, p_hat, Z : Bounded
+        (N,) each.
+
+    Returns
+    -------
+    Bounded
+        (N,)
+    """
+    return w / p_hat / Z
+
+
+def density(source: Value, cosine: Bounded) -> Bounded:
+    """Source density of a direction.
+
+    Parameters
+    ----------
+    source : 'uniform' or 'cosine'
+        Which.
+    cosine : Bounded
+        (N,), with the normal.
+
+    Returns
+    -------
+    Bounded
+        (N,)
+    """
+    if source == "uniform":
+        return constant(1 / (2 * pi), cosine)
+    return cosine / constant(pi, cosine)

@@ -1,0 +1,173 @@
+"""What a replay finds: numbers side by side, decisions, and what rounding excuses."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import poisson
+
+from reference.arrays import Masks, Scalars
+from reference.oracle.replay.bounded import Bounded
+
+EXCUSE_ALARM = 1e-6
+"""Probability that a right backend has more open decisions than its budget."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Compared:
+    """One buffer beside what it should be, N rows.
+
+    Attributes
+    ----------
+    name : str
+        Of the buffer.
+    found : (N, ...) array
+        By the backend.
+    expected : (N, ...) array
+        By the contract, from the same inputs.
+    allowed : (N, ...) array
+        Largest difference that rounding explains.
+    """
+
+    name: str
+    found: NDArray[Any]
+    expected: NDArray[Any]
+    allowed: NDArray[Any]
+
+    @property
+    def excess(self) -> Scalars:
+        """(N,): largest difference of a row, in units of what is allowed."""
+        difference = np.abs(self.found.astype(np.float64) - self.expected)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = np.where(difference > 0, difference / self.allowed, 0.0)
+        largest: Scalars = ratio.reshape(len(ratio), -1).max(axis=1, initial=0.0)
+        return largest
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Decisions:
+    """Choices that the rows made, N rows.
+
+    Attributes
+    ----------
+    illegal : (N,) bool
+        No rounding explains the choice.
+    excused : int
+        Choices that differ from ours, which rounding explains.
+    expected_excuses : float
+        Mean number of decisions that rounding leaves open, if u are random.
+    """
+
+    illegal: Masks
+    excused: int
+    expected_excuses: float
+
+    @property
+    def budget(self) -> int:
+        """Excuses that a right backend exceeds with probability `EXCUSE_ALARM`."""
+        return int(poisson.ppf(1 - EXCUSE_ALARM, self.expected_excuses))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Judgement:
+    """All that the replay of a case has found.
+
+    Attributes
+    ----------
+    compared : tuple of Compared
+        Every output of the pass.
+    terms : mapping of str to (N,) or (N, ...) array
+        What the expected values are made of, for the report.
+    decisions : Decisions or None
+        Of passes that choose.
+    counted : bool
+        Excuses count against the budget: the decisions were random.
+    """
+
+    compared: tuple[Compared, ...]
+    terms: Mapping[str, NDArray[Any]] = field(default_factory=dict)
+    decisions: Decisions | None = None
+    counted: bool = False
+
+    @property
+    def wrong(self) -> Masks:
+        """(N,) bool: rows that no rounding explains."""
+        bad: Masks = np.any([c.excess > 1 for c in self.compared], axis=0)
+        if self.decisions is not None:
+            bad = bad | self.decisions.illegal
+        return bad
+
+    @property
+    def over_budget(self) -> bool:
+        """More choices lean on rounding than rounding leaves open."""
+        if self.decisions is None or not self.counted:
+            return False
+        return self.decisions.excused > self.decisions.budget
+
+    @property
+    def passed(self) -> bool:
+        """No row is wrong, and the excuses are within their budget."""
+        return not self.over_budget and not self.wrong.any()
+
+
+def beside(name: str, found: NDArray[Any], expected: Bounded) -> Compared:
+    """A buffer beside bounded numbers.
+
+    Parameters
+    ----------
+    name : str
+        Of the buffer.
+    found : (N, ...) array
+        By the backend.
+    expected : Bounded
+        Of the same shape.
+
+    Returns
+    -------
+    Compared
+        The bound is what is allowed.
+    """
+    return Compared(name, found, expected.value, expected.error)
+
+
+def exactly(name: str, found: NDArray[Any], expected: NDArray[Any]) -> Compared:
+    """A buffer beside numbers that leave no room.
+
+    Parameters
+    ----------
+    name : str
+        Of the buffer.
+    found, expected : (N, ...) array
+        By the backend, and by the contract.
+
+    Returns
+    -------
+    Compared
+        Nothing is allowed.
+    """
+    wide = expected.astype(np.float64)
+    return Compared(name, found, wide, np.zeros_like(wide))
+
+
+def either(name: str, found: NDArray[Any], positive: Bounded) -> Compared:
+    """A flag beside the number whose sign it tells.
+
+    Parameters
+    ----------
+    name : str
+        Of the buffer.
+    found : (N,) array
+        0 or 1, by the backend.
+    positive : Bounded
+        (N,), above 0 where the flag is 1.
+
+    Returns
+    -------
+    Compared
+        Both are allowed where the sign is within the bound of error.
+    """
+    sure = positive.surely_positive | positive.surely_not_positive
+    expected = (positive.value > 0).astype(np.float64)
+    return Compared(name, found, expected, np.where(sure, 0.0, 1.0))

@@ -1,0 +1,173 @@
+"""A judge for each pass: the backend's outputs beside the contract's."""
+
+from collections.abc import Callable, Mapping
+from math import cos, radians
+
+import numpy as np
+
+from reference.oracle.cases import Buffers, Case
+from reference.oracle.contract.fields import Precision
+from reference.oracle.replay.bounded import Bounded, constant, exact, rounding_of
+from reference.oracle.replay.direction import judge_direction
+from reference.oracle.replay.judgement import (
+    Decisions,
+    Judgement,
+    beside,
+    either,
+    exactly,
+)
+from reference.oracle.replay.neighbors import judge_neighbors, similarity
+from reference.oracle.replay.points import Receiver, point_of, receiver_of
+from reference.oracle.replay.reuse import judge_moved, judge_spatial, judge_temporal
+from reference.oracle.replay.rules import Rules
+from reference.oracle.replay.verbs import choose, inner
+from reference.rng import pcg4d, to_unit_interval
+
+Judge = Callable[[Case, Buffers, Rules, Precision], Judgement]
+
+
+def _random(case: Case, out: Buffers, rules: Rules, precision: Precision) -> Judgement:
+    key = case.inputs["key"]
+    words = np.stack(pcg4d(key[:, 0], key[:, 1], key[:, 2], key[:, 3]), axis=1)
+    u = to_unit_interval(words)
+    return Judgement((exactly("words", out["words"], words), exactly("u", out["u"], u)))
+
+
+def _target(case: Case, out: Buffers, rules: Rules, precision: Precision) -> Judgement:
+    rounding = rounding_of(precision)
+    x, y = receiver_of(case.inputs, rounding), point_of(case.inputs, rounding)
+    p_hat = rules.target(case.settings["target"], x, y)
+    return Judgement((beside("p_hat", out["p_hat"], p_hat),))
+
+
+def _jacobian(
+    case: Case, out: Buffers, rules: Rules, precision: Precision
+) -> Judgement:
+    rounding = rounding_of(precision)
+    places = {name: exact(array, rounding) for name, array in case.inputs.items()}
+    none = places["normal"]
+    x_from = Receiver(places["x_from"], none, none)
+    x_to = Receiver(places["x_to"], none, none)
+    y = point_of({**case.inputs, "radiance": case.inputs["normal"]}, rounding)
+    J = rules.jacobian(x_from, x_to, y)
+    return Judgement((beside("jacobian", out["jacobian"], J),))
+
+
+def _merge(case: Case, out: Buffers, rules: Rules, precision: Precision) -> Judgement:
+    given = {n: exact(a, rounding_of(precision)) for n, a in case.inputs.items()}
+    w_a, w_b = given["w_a"], given["w_b"]
+    prefers = rules.preference(given["u"], w_a, w_b)
+    second = either("second", out["second"], prefers)
+    flipped = (second.found != second.expected) & (second.excess <= 1)
+    excused, mean = int(flipped.sum()), _open_merges(given)
+    return Judgement(
+        (
+            second,
+            beside("w", out["w"], w_a + w_b),
+            beside("M", out["M"], given["M_a"] + given["M_b"]),
+        ),
+        {"u (w_a + w_b)": given["u"].value * (w_a + w_b).value, "w_b": w_b.value},
+        Decisions(np.zeros(case.rows, bool), excused, mean),
+        case.random,
+    )
+
+
+def _open_merges(given: Mapping[str, Bounded]) -> float:
+    S = given["w_a"] + given["w_b"]
+    margin = given["w_b"] - given["u"] * S
+    return float(
+        np.divide(
+            2 * margin.error, S.value, where=S.value > 0, out=np.zeros_like(S.value)
+        ).sum()
+    )
+
+
+def _finalize(
+    case: Case, out: Buffers, rules: Rules, precision: Precision
+) -> Judgement:
+    given = {n: exact(a, rounding_of(precision)) for n, a in case.inputs.items()}
+    W = rules.finalized(given["w"], given["p_hat"], given["Z"])
+    return Judgement((beside("W", out["W"], saturated(W, precision)),))
+
+
+def saturated(x: Bounded, precision: Precision) -> Bounded:
+    """Numbers that a backend may only hold up to the largest of its type.
+
+    Parameters
+    ----------
+    x : Bounded
+        Not negative.
+    precision : 'float32' or 'float64'
+        Of the backend.
+
+    Returns
+    -------
+    Bounded
+        Beyond a quarter of the largest number anything above that is allowed.
+    """
+    most = float(np.finfo(precision).max)
+    beyond = x.value + x.error > most / 4
+    value = np.where(beyond, most, x.value)
+    return Bounded(value, np.where(beyond, most * 0.75, x.error), x.rounding)
+
+
+def _similar(case: Case, out: Buffers, rules: Rules, precision: Precision) -> Judgement:
+    given = {n: exact(a, rounding_of(precision)) for n, a in case.inputs.items()}
+    alike = similarity(
+        given["normal_a"],
+        given["depth_a"],
+        given["normal_b"],
+        given["depth_b"],
+        cos(radians(float(case.settings["max_angle"]))),
+        float(case.settings["max_depth"]),
+        rules,
+    )
+    return Judgement((either("similar", out["similar"], alike),))
+
+
+def _initial(case: Case, out: Buffers, rules: Rules, precision: Precision) -> Judgement:
+    rounding = rounding_of(precision)
+    x, y = receiver_of(case.inputs, rounding), point_of(case.inputs, rounding)
+    pdf = exact(case.inputs["pdf"], rounding)
+    p_hat = rules.target(case.settings["target"], x, y)
+    w = p_hat / pdf
+    W = rules.finalized(w, p_hat, constant(1.0, w))
+    found = beside("p_hat", out["p_hat"], p_hat)
+    # A target that rounding cannot tell from 0 may be 0, and then W is.
+    unsure = ~np.isfinite(W.error)
+    W = choose(unsure, Bounded(W.value, np.abs(W.value) * 2, rounding), W)
+    M = rules.fresh_confidence(w)
+    return Judgement(
+        (found, beside("W", out["W"], W), beside("M", out["M"], M)),
+        {"p_hat": p_hat.value, "pdf": pdf.value},
+    )
+
+
+def _shade(case: Case, out: Buffers, rules: Rules, precision: Precision) -> Judgement:
+    rounding = rounding_of(precision)
+    x, y = receiver_of(case.inputs, rounding), point_of(case.inputs, rounding)
+    W = exact(case.inputs["W"], rounding)
+    f = rules.reflected(x, y)
+    color = f * W[:, None]
+    cosine = inner(x.normal, y.position - x.position)
+    return Judgement(
+        (beside("color", out["color"], color),),
+        {"f": f.value, "W": W.value, "n·(x_s − x)": cosine.value},
+    )
+
+
+JUDGES: Mapping[str, Judge] = {
+    "random": _random,
+    "direction": judge_direction,
+    "target": _target,
+    "jacobian": _jacobian,
+    "merge": _merge,
+    "finalize": _finalize,
+    "similar": _similar,
+    "initial": _initial,
+    "temporal": judge_temporal,
+    "moved": judge_moved,
+    "neighbors": judge_neighbors,
+    "spatial": judge_spatial,
+    "shade": _shade,
+}

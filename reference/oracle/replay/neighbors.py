@@ -1,0 +1,193 @@
+"""Replay of the search for neighbours, along the backend's own steps."""
+
+from math import cos, pi, radians
+from typing import Any
+
+import numpy as np
+
+from reference.arrays import Indices, Masks, Scalars
+from reference.oracle.cases import Buffers, Case
+from reference.oracle.contract.fields import Precision
+from reference.oracle.replay.bounded import Bounded, Rounding, exact, rounding_of
+from reference.oracle.replay.judgement import Compared, Decisions, Judgement
+from reference.oracle.replay.rules import Rules
+from reference.oracle.replay.verbs import inner
+
+SINE = 8.0
+"""Roundings of a sine or cosine of 2πu: the argument's, times up to 2π, and its own."""
+
+
+def similarity(
+    normal_a: Bounded,
+    depth_a: Bounded,
+    normal_b: Bounded,
+    depth_b: Bounded,
+    least_cosine: float,
+    max_depth: float,
+    rules: Rules,
+) -> Bounded:
+    """Positive where two points are similar.
+
+    Parameters
+    ----------
+    normal_a, normal_b : Bounded
+        (N, 3) unit normals.
+    depth_a, depth_b : Bounded
+        (N,), m.
+    least_cosine : float
+        Of the largest angle.
+    max_depth : float
+        Relative difference.
+    rules : Rules
+        What the difference is relative to.
+
+    Returns
+    -------
+    Bounded
+        (N,), a smallest slack; equality is similar, and certain where the two points
+        are the same.
+    """
+    unit = depth_a.rounding.unit
+    angle = inner(normal_a, normal_b)
+    alike = Bounded(
+        angle.value - least_cosine, angle.error + unit * least_cosine, angle.rounding
+    )
+    difference = abs(depth_a - depth_b)
+    scale = np.maximum(depth_a.value, depth_b.value)
+    if rules.depth_test == "own":
+        scale = depth_a.value
+    limit = max_depth * scale
+    near = Bounded(
+        limit - difference.value, difference.error + 2 * unit * limit, angle.rounding
+    )
+    slack = _least(alike, near)
+    seen = (depth_a.value > 0) & (depth_b.value > 0)
+    same = (normal_a.value == normal_b.value).all(axis=1) & (difference.value == 0)
+    value = np.where(seen, np.where(same & (slack.value >= 0), 1.0, slack.value), -1.0)
+    error = np.where(seen & ~same, slack.error, 0.0)
+    value = np.where(value == 0, error / 2, value)  # inclusive
+    return Bounded(value, error, angle.rounding)
+
+
+def _least(a: Bounded, b: Bounded) -> Bounded:
+    """The smaller; its sign is uncertain unless one is surely negative or both sure."""
+    value = np.minimum(a.value, b.value)
+    surely_not = a.surely_not_positive | b.surely_not_positive
+    unsure = ~surely_not & ~(a.surely_positive & b.surely_positive)
+    error = np.where(unsure, np.maximum(a.error, b.error) + np.abs(value), 0.0)
+    return Bounded(value, error, a.rounding)
+
+
+def judge_neighbors(
+    case: Case, outputs: Buffers, rules: Rules, precision: Precision
+) -> Judgement:
+    """Judge pass ``neighbors``.
+
+    Parameters
+    ----------
+    case : Case
+        The call.
+    outputs : mapping of str to array
+        By the backend.
+    rules : Rules
+        What is calculated with.
+    precision : 'float32' or 'float64'
+        Of the backend.
+
+    Returns
+    -------
+    Judgement
+        N rows.  The radius goes on from the backend's own success or failure.
+    """
+    rounding, s = rounding_of(precision), case.settings
+    found = outputs["neighbors"]
+    rows, width = np.arange(case.rows), int(s["width"])
+    least = float(s["min_radius"])
+    radius = np.full(case.rows, max(float(s["radius"]) * width, least))
+    wrong, excused, mean = np.zeros(case.rows, bool), 0, 0.0
+    expected = np.empty_like(found)
+    for k in range(found.shape[1]):
+        u = case.inputs["u"][:, k].astype(float)
+        options, odds = _landings(rows, width, case.rows // width, radius, u, rounding)
+        answers = [_answer(case, rows, o, rules, rounding) for o in options]
+        legal = [
+            _is_legal(found[:, k], o, a, rows)
+            for o, a in zip(options, answers, strict=True)
+        ]
+        own = _exact_answer(options[0], answers[0], rows)
+        expected[:, k] = own
+        is_legal = np.any(legal, axis=0)
+        wrong |= ~is_legal
+        excused += int((is_legal & (found[:, k] != own)).sum())
+        mean += odds + float(sum((a.error > 0).sum() for a in answers[:1]))
+        missed = (found[:, k] < 0) & ~_is_itself(options, answers, rows)
+        if rules.narrows:
+            radius = np.where(missed, np.maximum(radius / 2, least), radius)
+    compared = Compared(
+        "neighbors",
+        np.where(wrong[:, None], found, expected),
+        expected,
+        np.zeros(found.shape),
+    )
+    terms = {"exact": expected, "radius after the last": radius}
+    return Judgement((compared,), terms, Decisions(wrong, excused, mean), case.random)
+
+
+def _landings(
+    rows: Indices, width: int, height: int, radius: Scalars, u: Scalars, r: Rounding
+) -> tuple[list[Any], float]:
+    """Pixels that an offset may be rounded to, the exact one first, −1 outside."""
+    reach = radius * np.sqrt(u[:, 0])
+    room = (SINE + 4) * r.unit * reach
+    dx, dy = reach * np.cos(2 * pi * u[:, 1]), reach * np.sin(2 * pi * u[:, 1])
+    options, spread = [], []
+    for sx in (0, -1, 1):
+        for sy in (0, -1, 1):
+            x_to = rows % width + np.rint(dx + sx * room)
+            y_to = rows // width + np.rint(dy + sy * room)
+            inside = (x_to >= 0) & (x_to < width) & (y_to >= 0) & (y_to < height)
+            options.append(np.where(inside, y_to * width + x_to, -1).astype(np.int64))
+            spread.append(options[-1] != options[0])
+    return options, float(np.minimum(4 * room, 1.0).sum())
+
+
+def _answer(
+    case: Case, rows: Indices, row_to: Indices, rules: Rules, rounding: Rounding
+) -> Bounded:
+    """Positive where the pixel landed on is similar."""
+    n = exact(case.inputs["visible_normal"], rounding)
+    depth = exact(case.inputs["depth"], rounding)
+    to = np.maximum(row_to, 0)
+    alike = similarity(
+        n,
+        depth,
+        n[to],
+        depth[to],
+        cos(radians(float(case.settings["max_angle"]))),
+        float(case.settings["max_depth"]),
+        rules,
+    )
+    outside = row_to < 0
+    return Bounded(
+        np.where(outside, -1.0, alike.value),
+        np.where(outside, 0.0, alike.error),
+        rounding,
+    )
+
+
+def _is_legal(found: Indices, row_to: Indices, alike: Bounded, rows: Indices) -> Masks:
+    itself = row_to == rows
+    taken = (found == row_to) & (found >= 0) & ~alike.surely_not_positive & ~itself
+    none = (found == -1) & (~alike.surely_positive | itself)
+    legal: Masks = taken | none
+    return legal
+
+
+def _exact_answer(row_to: Indices, alike: Bounded, rows: Indices) -> Indices:
+    return np.where((alike.value > 0) & (row_to != rows), row_to, -1)
+
+
+def _is_itself(options: list[Indices], answers: list[Bounded], rows: Indices) -> Masks:
+    """Whether −1 stands for the pixel itself, which does not narrow the search."""
+    itself: Masks = (options[0] == rows) & (answers[0].value > 0)
+    return itself

@@ -1,0 +1,130 @@
+"""Points of the contract's buffers, as numbers with error bounds."""
+
+from dataclasses import dataclass
+
+from reference.arrays import Indices, Masks
+from reference.oracle.cases import Buffers
+from reference.oracle.replay.bounded import Bounded, Rounding, exact
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Receiver:
+    """Visible points, N rows.
+
+    Attributes
+    ----------
+    position, normal, albedo : Bounded
+        (N, 3) each.
+    """
+
+    position: Bounded
+    normal: Bounded
+    albedo: Bounded
+
+    def rows(self, rows: Indices) -> "Receiver":
+        """Some of the points.
+
+        Parameters
+        ----------
+        rows : (K,) int
+            Which.
+
+        Returns
+        -------
+        Receiver
+            K rows.
+        """
+        return Receiver(self.position[rows], self.normal[rows], self.albedo[rows])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Point:
+    """Sample points, N rows.
+
+    Attributes
+    ----------
+    position, normal, radiance : Bounded
+        (N, 3) each.
+    """
+
+    position: Bounded
+    normal: Bounded
+    radiance: Bounded
+
+    def rows(self, rows: Indices) -> "Point":
+        """Some of the points.
+
+        Parameters
+        ----------
+        rows : (K,) int
+            Which.
+
+        Returns
+        -------
+        Point
+            K rows.
+        """
+        return Point(self.position[rows], self.normal[rows], self.radiance[rows])
+
+
+def receiver_of(buffers: Buffers, rounding: Rounding, prefix: str = "") -> Receiver:
+    """Visible points among buffers.
+
+    Parameters
+    ----------
+    buffers : mapping of str to array
+        With ``visible_position``, ``visible_normal`` and ``albedo``.
+    rounding : Rounding
+        Of the backend.
+    prefix : str
+        Before each name.
+
+    Returns
+    -------
+    Receiver
+        N rows.
+    """
+    names = ("visible_position", "visible_normal", "albedo")
+    return Receiver(*(exact(buffers[prefix + name], rounding) for name in names))
+
+
+def point_of(buffers: Buffers, rounding: Rounding, prefix: str = "") -> Point:
+    """Sample points among buffers.
+
+    Parameters
+    ----------
+    buffers : mapping of str to array
+        With ``position``, ``normal`` and ``radiance``.
+    rounding : Rounding
+        Of the backend.
+    prefix : str
+        Before each name.
+
+    Returns
+    -------
+    Point
+        N rows.
+    """
+    names = ("position", "normal", "radiance")
+    return Point(*(exact(buffers[prefix + name], rounding) for name in names))
+
+
+def same_points(buffers: Buffers, y: Point) -> Masks:
+    """Whether buffers hold the very numbers of sample points.
+
+    Parameters
+    ----------
+    buffers : mapping of str to array
+        With ``position``, ``normal`` and ``radiance``.
+    y : Point
+        N rows.
+
+    Returns
+    -------
+    (N,) bool
+        Copying does not round.
+    """
+    same: Masks = (buffers["position"] == y.position.value).all(axis=1)
+    same &= (buffers["normal"] == y.normal.value).all(axis=1)
+    same &= (buffers["radiance"] == y.radiance.value).all(axis=1)
+    return same

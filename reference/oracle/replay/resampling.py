@@ -1,0 +1,192 @@
+"""Replay of resampling: who may have been kept, and the weight it then has."""
+
+import numpy as np
+
+from reference.arrays import Indices, Masks
+from reference.oracle.cases import Buffers
+from reference.oracle.replay.bounded import Bounded, exact
+from reference.oracle.replay.judgement import Compared, Decisions, Judgement, beside
+from reference.oracle.replay.points import Point, same_points
+from reference.oracle.replay.rules import Rules
+from reference.oracle.replay.slots import Closing, Slot, nothing
+from reference.oracle.replay.verbs import choose
+
+COPIED = ("position", "normal", "radiance")
+
+
+def judge_resampling(
+    outputs: Buffers, slots: list[Slot], closing: Closing, rules: Rules, counted: bool
+) -> Judgement:
+    """Judge the reservoirs that a stream of slots left.
+
+    Parameters
+    ----------
+    outputs : mapping of str to array
+        Reservoirs of N rows, by the backend.
+    slots : list of Slot
+        In the order of the stream.
+    closing : Closing
+        How it ends.
+    rules : Rules
+        What is calculated with.
+    counted : bool
+        The numbers that decide are random.
+
+    Returns
+    -------
+    Judgement
+        Where the backend's choice is one that rounding allows, its weight is asked
+        for; so nothing hangs on a choice that could as well have gone the other way.
+    """
+    sums = _sums(slots)
+    total, empty = sums[-1], sums[-1].value == 0
+    allowed, surely = _choices(slots, sums, rules)
+    held = np.stack([same_points(outputs, slot.y) for slot in slots])
+    possible = held & allowed
+    kept = np.where(possible.any(axis=0), possible.argmax(axis=0), held.argmax(axis=0))
+    illegal = ~possible.any(axis=0) & ~empty
+    weights, M = _closed(slots, kept, total, closing, rules)
+    none = nothing(total)
+    W = choose(empty, none, weights["W"])
+    decisions = Decisions(
+        illegal,
+        int(((kept != surely) & ~illegal & ~empty & ~held[surely, _row(kept)]).sum()),
+        _open(slots, sums),
+    )
+    copied = [_copied(outputs, slots, surely, illegal, name) for name in COPIED]
+    terms = {f"w of slot {k}": slot.w.value for k, slot in enumerate(slots)}
+    terms |= {f"u of slot {k}": slot.u.value for k, slot in enumerate(slots) if k}
+    terms |= {name: value.value for name, value in weights.items() if name != "W"}
+    terms |= {"kept slot": kept, "slot in exact arithmetic": surely}
+    compared = (*copied, beside("W", outputs["W"], W), beside("M", outputs["M"], M))
+    return Judgement(compared, terms, decisions, counted)
+
+
+def _row(kept: Indices) -> Indices:
+    return np.arange(len(kept))
+
+
+def _sums(slots: list[Slot]) -> list[Bounded]:
+    sums = [slots[0].w]
+    for slot in slots[1:]:
+        sums.append(sums[-1] + slot.w)
+    return sums
+
+
+def _choices(
+    slots: list[Slot], sums: list[Bounded], rules: Rules
+) -> tuple[Masks, Indices]:
+    """(S, N): whether each slot may be kept; and (N,): which one is, exactly."""
+    rows = len(slots[0].w.value)
+    may = np.zeros((len(slots), rows), bool)
+    may[0] = True
+    exactly = np.zeros(rows, np.int64)
+    for k, slot in enumerate(slots[1:], start=1):
+        prefers = rules.preference(slot.u, sums[k - 1], slot.w)
+        alone = (sums[k - 1].value == 0) & (slot.w.value > 0)
+        may[:k] &= ~(prefers.surely_positive | alone)
+        may[k] = ~prefers.surely_not_positive & (slot.w.value + slot.w.error > 0)
+        exactly = np.where((prefers.value > 0) | alone, k, exactly)
+    return may, exactly
+
+
+def _open(slots: list[Slot], sums: list[Bounded]) -> float:
+    """Mean number of decisions that rounding leaves open: 2 error / S, for random u."""
+    mean = 0.0
+    for k, slot in enumerate(slots[1:], start=1):
+        S = sums[k]
+        margin = slot.w - slot.u * S
+        here = (S.value > 0) & (slot.w.value > 0) & (sums[k - 1].value > 0)
+        share = np.divide(
+            2 * margin.error, S.value, out=np.zeros_like(S.value), where=here
+        )
+        mean += float(np.minimum(share, 1.0).sum())
+    return mean
+
+
+def _copied(
+    outputs: Buffers, slots: list[Slot], surely: Indices, illegal: Masks, name: str
+) -> Compared:
+    """Buffers of the kept sample, which are wrong only where the choice is."""
+    stack = np.stack([getattr(slot.y, name).value for slot in slots])
+    expected = stack[surely, _row(surely)]
+    found = outputs[name].astype(np.float64)
+    room = np.where(illegal[:, None], 0.0, np.inf)
+    return Compared(name, found, expected, np.broadcast_to(room, found.shape))
+
+
+def _closed(
+    slots: list[Slot], kept: Indices, total: Bounded, closing: Closing, rules: Rules
+) -> tuple[dict[str, Bounded], Bounded]:
+    """W with its parts, and M, of rows that kept the given slots."""
+    y, p_hat = _of_kept(slots, kept)
+    M = slots[0].M
+    for slot in slots[1:]:
+        M = M + slot.M
+    if rules.cap_when == "first":
+        M = rules.capped(M, closing.cap)
+    Z = _normalization(slots, kept, y, M, closing, rules)
+    divisor = (
+        _donor_target(slots, kept, y, p_hat, closing)
+        if rules.divides_by_donor
+        else p_hat
+    )
+    W = rules.finalized(total, divisor, Z)
+    if rules.cap_when != "never":
+        M = rules.capped(M, closing.cap)
+    return {"W": W, "p_hat": divisor, "Z": Z, "sum of w": total}, M
+
+
+def _of_kept(slots: list[Slot], kept: Indices) -> tuple[Point, Bounded]:
+    y, p_hat = slots[0].y, slots[0].p_hat
+    for k, slot in enumerate(slots[1:], start=1):
+        here = kept == k
+        y = Point(
+            *(choose(here, getattr(slot.y, name), getattr(y, name)) for name in COPIED)
+        )
+        p_hat = choose(here, slot.p_hat, p_hat)
+    return y, p_hat
+
+
+def _normalization(
+    slots: list[Slot],
+    kept: Indices,
+    y: Point,
+    M: Bounded,
+    closing: Closing,
+    rules: Rules,
+) -> Bounded:
+    asked = closing.mis if rules.normalization == "asked" else rules.normalization
+    if asked == "1":
+        return exact(np.ones_like(M.value), M.rounding)
+    if asked == "1/M" or not any(slot.domain for slot in slots):
+        return M
+    Z = nothing(M)
+    for k, slot in enumerate(slots):
+        if slot.domain is None:
+            if k != closing.canonical or rules.canonical_in_z:
+                Z = Z + slot.M
+            continue
+        p = rules.target(closing.kind, slot.domain.x, y)
+        seen = slot.domain.sees[kept, _row(kept)] | (not rules.visibility_in_z)
+        Z = Z + _where_holds(p, seen, slot.M)
+    return Z
+
+
+def _where_holds(p: Bounded, seen: Masks, M: Bounded) -> Bounded:
+    """M where the target is positive and the sample is seen; either, if uncertain."""
+    sure = p.surely_positive | p.surely_not_positive | ((p.value == 0) & (p.error == 0))
+    value = np.where(seen & (p.value > 0), M.value, 0.0)
+    error = np.where(seen & ~sure, M.value, 0.0) + M.error
+    return Bounded(value, error, M.rounding)
+
+
+def _donor_target(
+    slots: list[Slot], kept: Indices, y: Point, p_hat: Bounded, closing: Closing
+) -> Bounded:
+    rules = Rules()
+    for k, slot in enumerate(slots):
+        if slot.domain is not None:
+            there = rules.target(closing.kind, slot.domain.x, y)
+            p_hat = choose(kept == k, there, p_hat)
+    return p_hat

@@ -1,0 +1,197 @@
+"""Replay of the passes that reuse samples: Algorithms 3 and 4."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from reference.arrays import Indices, Masks
+from reference.oracle.cases import Buffers, Case
+from reference.oracle.contract.fields import Precision
+from reference.oracle.replay.bounded import Bounded, constant, exact, rounding_of
+from reference.oracle.replay.judgement import Judgement
+from reference.oracle.replay.points import Point, Receiver, point_of, receiver_of
+from reference.oracle.replay.resampling import judge_resampling
+from reference.oracle.replay.rules import Rules
+from reference.oracle.replay.slots import (
+    Closing,
+    Domain,
+    Slot,
+    counted_nulls,
+    with_hidden,
+)
+from reference.oracle.replay.verbs import choose
+
+
+def judge_temporal(
+    case: Case, outputs: Buffers, rules: Rules, precision: Precision
+) -> Judgement:
+    """Judge pass ``temporal``.
+
+    Parameters
+    ----------
+    case : Case
+        The call.
+    outputs : mapping of str to array
+        By the backend.
+    rules : Rules
+        What is calculated with.
+    precision : 'float32' or 'float64'
+        Of the backend.
+
+    Returns
+    -------
+    Judgement
+        N rows.
+    """
+    x = receiver_of(case.inputs, rounding_of(precision))
+    past = _reused(case, x, rules, precision, "past_", u="u")
+    slots = [counted_nulls(past, rules), _new(case, x, rules, precision)]
+    closing = _closing(case, canonical=1, mis="1/M")
+    return judge_resampling(outputs, slots, closing, rules, case.random)
+
+
+def judge_moved(
+    case: Case, outputs: Buffers, rules: Rules, precision: Precision
+) -> Judgement:
+    """Judge pass ``moved``.
+
+    Parameters
+    ----------
+    case : Case
+        The call.
+    outputs : mapping of str to array
+        By the backend.
+    rules : Rules
+        What is calculated with.
+    precision : 'float32' or 'float64'
+        Of the backend.
+
+    Returns
+    -------
+    Judgement
+        N rows.
+    """
+    rounding = rounding_of(precision)
+    x = receiver_of(case.inputs, rounding)
+    x_past = receiver_of(case.inputs, rounding, "past_")
+    visible = case.inputs["visible"]
+    new, old = 0, 1  # bits of the two samples; slots are the other way round
+    sees = np.stack([_bit(visible[:, 1], old), _bit(visible[:, 1], new)])
+    past = _reused(case, x, rules, precision, "past_", u="u", x_from=x_past)
+    past = replace(past, domain=Domain(x_past, sees))
+    past = with_hidden(past, _bit(visible[:, 0], old), rules)
+    slots = [counted_nulls(past, rules), _new(case, x, rules, precision)]
+    closing = _closing(case, canonical=1, mis=str(case.settings["mis"]))
+    return judge_resampling(outputs, slots, closing, rules, case.random)
+
+
+def judge_spatial(
+    case: Case, outputs: Buffers, rules: Rules, precision: Precision
+) -> Judgement:
+    """Judge pass ``spatial``.
+
+    Parameters
+    ----------
+    case : Case
+        The call.
+    outputs : mapping of str to array
+        By the backend.
+    rules : Rules
+        What is calculated with.
+    precision : 'float32' or 'float64'
+        Of the backend.
+
+    Returns
+    -------
+    Judgement
+        N rows.
+    """
+    x = receiver_of(case.inputs, rounding_of(precision))
+    neighbors = case.inputs["neighbors"]
+    count = neighbors.shape[1]
+    slots = [
+        _reused(case, x, rules, precision, "past_", u="u_own"),
+        _reused(case, x, rules, precision, "", u="u_own"),
+    ]
+    for k in range(count):
+        slots.append(_neighbor(case, x, rules, precision, neighbors[:, k], k))
+    slots = [counted_nulls(slot, rules) for slot in slots]
+    closing = _closing(case, canonical=1, mis=str(case.settings["mis"]))
+    return judge_resampling(outputs, slots, closing, rules, case.random)
+
+
+def _closing(case: Case, canonical: int, mis: str) -> Closing:
+    cap = float(case.settings["cap"])
+    return Closing(str(case.settings["target"]), mis, cap, canonical)
+
+
+def _bit(words: "Indices", place: int) -> Masks:
+    found: Masks = (words >> np.uint32(place)) & np.uint32(1) != 0
+    return found
+
+
+def _new(case: Case, x: Receiver, rules: Rules, precision: Precision) -> Slot:
+    """The sample that the initial pass has drawn."""
+    rounding = rounding_of(precision)
+    y = point_of(case.inputs, rounding, "new_")
+    p_hat = rules.target(case.settings["target"], x, y)
+    w = p_hat / exact(case.inputs["new_pdf"], rounding)
+    u = exact(case.inputs["u"], rounding)
+    return Slot(y, p_hat, w, rules.fresh_confidence(w), u)
+
+
+def _reused(
+    case: Case,
+    x: Receiver,
+    rules: Rules,
+    precision: Precision,
+    prefix: str,
+    u: str,
+    x_from: Receiver | None = None,
+) -> Slot:
+    """A reservoir of the receiver itself, or of another point in its place."""
+    rounding = rounding_of(precision)
+    y = point_of(case.inputs, rounding, prefix)
+    W, M = (exact(case.inputs[prefix + name], rounding) for name in ("W", "M"))
+    p_hat = rules.reuse_target(case.settings["target"], x, y)
+    J = rules.jacobian(x_from, x, y) if x_from else constant(1.0, W)
+    w = _weighted(rules, p_hat, W, M, J)
+    return Slot(y, p_hat, w, M, exact(case.inputs[u], rounding))
+
+
+def _weighted(
+    rules: Rules, p_hat: Bounded, W: Bounded, M: Bounded, J: Bounded
+) -> Bounded:
+    """Weight of a reservoir, exactly 0 for an empty one, whatever J is."""
+    none = np.zeros_like(W.value)
+    full = (W.value > 0) & ((p_hat.value > 0) | (p_hat.error > 0))
+    w = rules.weight(p_hat, W, M, J)
+    return choose(full, w, Bounded(none, none, W.rounding))
+
+
+def _neighbor(
+    case: Case,
+    x: Receiver,
+    rules: Rules,
+    precision: Precision,
+    row: Indices,
+    k: int,
+) -> Slot:
+    rounding = rounding_of(precision)
+    there, row = row >= 0, np.maximum(row, 0)
+    y: Point = point_of(case.inputs, rounding).rows(row)
+    x_from = x.rows(row)
+    W, M = (exact(case.inputs[name][row], rounding) for name in ("W", "M"))
+    none = constant(0.0, M)
+    M = choose(there, M, none)
+    p_hat = rules.reuse_target(case.settings["target"], x, y)
+    trusted = M * constant(rules.neighbor_trust, M) if rules.neighbor_trust != 1 else M
+    w = _weighted(rules, p_hat, W, trusted, rules.jacobian(x_from, x, y))
+    w = choose(there, w, none)
+    u = case.inputs["u_neighbors"][:, 0 if rules.shared_decision else k]
+    visible = case.inputs["visible"]
+    count = case.inputs["neighbors"].shape[1]
+    bits = [count + 1, 0, *range(1, count + 1)]  # of the slots: past, own, neighbours
+    sees = np.stack([_bit(visible[:, 1 + k], bit) & there for bit in bits])
+    slot = Slot(y, p_hat, w, M, exact(u, rounding), Domain(x_from, sees))
+    return with_hidden(slot, _bit(visible[:, 0], 1 + k), rules)

@@ -1,0 +1,134 @@
+"""Competitors in a stream, as a replay sees them."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from reference.arrays import Masks, Scalars
+from reference.oracle.replay.bounded import Bounded
+from reference.oracle.replay.points import Point, Receiver
+from reference.oracle.replay.rules import Rules
+from reference.oracle.replay.verbs import choose
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Domain:
+    """Where a slot's sample was made, and what else could be made there.
+
+    Attributes
+    ----------
+    x : Receiver
+        Visible points of the donors.
+    sees : (S, N) bool
+        Whether they see the sample of each slot.
+    """
+
+    x: Receiver
+    sees: Masks
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Slot:
+    """One competitor in each row's stream.
+
+    Attributes
+    ----------
+    y : Point
+        Its sample.
+    p_hat, w, M : Bounded
+        (N,): target at the receiver, weight and confidence.
+    u : Bounded
+        (N,), decides on it.
+    domain : Domain or None
+        ``None`` for what stands at the receiver itself.
+    """
+
+    y: Point
+    p_hat: Bounded
+    w: Bounded
+    M: Bounded
+    u: Bounded
+    domain: Domain | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Closing:
+    """How a stream ends.
+
+    Attributes
+    ----------
+    kind : str
+        Target.
+    mis : '1/M' or '1/Z'
+        What the sum of weights is divided by.
+    cap : float
+        Limit of M.
+    canonical : int
+        Slot of the receiver's own sample.
+    """
+
+    kind: str
+    mis: str
+    cap: float
+    canonical: int
+
+
+def nothing(like: Bounded) -> Bounded:
+    """Zeros.
+
+    Parameters
+    ----------
+    like : Bounded
+        Gives shape and rounding.
+
+    Returns
+    -------
+    Bounded
+        Without error.
+    """
+    none = np.zeros_like(like.value)
+    return Bounded(none, none, like.rounding)
+
+
+def with_hidden(slot: Slot, seen: Masks, rules: Rules) -> Slot:
+    """A slot whose sample the receiver may not see.
+
+    Parameters
+    ----------
+    slot : Slot
+        As if it were seen.
+    seen : (N,) bool
+        Whether it is.
+    rules : Rules
+        What becomes of weight and confidence.
+
+    Returns
+    -------
+    Slot
+        The weight is 0 where it is hidden; M counts.
+    """
+    none = nothing(slot.w)
+    w = choose(seen, slot.w, none) if rules.visibility_in_weight else slot.w
+    M = slot.M if rules.hidden_counts else choose(seen, slot.M, none)
+    return replace(slot, w=w, M=M)
+
+
+def counted_nulls(slot: Slot, rules: Rules) -> Slot:
+    """A slot whose null may not count.
+
+    Parameters
+    ----------
+    slot : Slot
+        Any.
+    rules : Rules
+        Whether nulls count.
+
+    Returns
+    -------
+    Slot
+        The same by the contract.
+    """
+    if rules.nulls_count:
+        return slot
+    found: Scalars = slot.w.value > 0
+    return replace(slot, M=choose(found, slot.M, nothing(slot.M)))

@@ -1,0 +1,95 @@
+"""The folder of a verdict: one page that needs nothing else, and its numbers."""
+
+import json
+from base64 import b64encode
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from reference.comparison.maps import ErrorMap
+from reference.display import encode_png
+from reference.errors import UsageError
+from reference.files import write_file
+from reference.oracle.report.maps import error_maps
+from reference.oracle.report.worst import answers_of, worst_answer
+from reference.oracle.verdict import Verdict
+
+
+def write_page(out: Path, verdict: Verdict, plain: Mapping[str, Any]) -> None:
+    """Write ``verdict.json``, and last ``index.html``.
+
+    Parameters
+    ----------
+    out : Path
+        Folder; made if it is missing.
+    verdict : Verdict
+        For its pictures.
+    plain : mapping
+        Of `plain.as_plain`, of the same verdict.
+
+    Raises
+    ------
+    UsageError
+        The folder or a file cannot be written.
+    """
+    maps = {one["name"]: _maps(verdict, one["name"]) for one in plain["passes"]}
+    page = _page(plain, maps)
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(
+            f"cannot make the folder {out}: {error.strerror}; name one that can be made"
+        ) from error
+    numbers = json.dumps(plain, indent=2, allow_nan=False) + "\n"
+    write_file(out / "verdict.json", numbers.encode())
+    write_file(out / "index.html", page.encode(errors="backslashreplace"))
+
+
+def pieces(value: Any, missing: str = "–") -> list[str]:
+    """A number of a verdict as it is read, or several.
+
+    Parameters
+    ----------
+    value : number, list or None
+        Of `plain.as_plain`.
+    missing : str
+        In place of what JSON cannot hold; once, if all are.
+
+    Returns
+    -------
+    list of str
+        One for each number, of nine digits: as many as tell two float32 apart.
+    """
+    if isinstance(value, list):
+        each = [piece for item in value for piece in pieces(item, missing)]
+        return [missing] if set(each) == {missing} else each
+    if value is None:
+        return [missing]
+    return [f"{value:.9g}" if isinstance(value, float) else str(value)]
+
+
+def _maps(verdict: Verdict, pass_name: str) -> list[ErrorMap]:
+    worst = worst_answer(answers_of(verdict, pass_name))
+    return [] if worst is None else error_maps(worst)
+
+
+def _page(plain: Mapping[str, Any], maps: Mapping[str, list[ErrorMap]]) -> str:
+    templates = Environment(
+        loader=PackageLoader("reference.oracle.report", "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    templates.filters["pieces"] = pieces
+    return templates.get_template("verdict.html").render(
+        verdict=plain,
+        maps=maps,
+        pictures={name: [_embedded(m) for m in each] for name, each in maps.items()},
+    )
+
+
+def _embedded(error: ErrorMap) -> str:
+    return b64encode(encode_png(error.pixels())).decode()

@@ -1,0 +1,77 @@
+"""The worst rows of a case, with all that was compared and why it was expected."""
+
+from math import isfinite
+from typing import Any
+
+import numpy as np
+
+from reference.oracle.cases import Case
+from reference.oracle.replay.judgement import Compared, Judgement
+from reference.oracle.report.worst import excess_of, worst_rows
+from reference.oracle.rungs.probe import Answer
+
+MOST_ROWS = 5
+
+
+def worst_case(answer: Answer) -> dict[str, Any]:
+    """A wrong replay for programs.
+
+    Parameters
+    ----------
+    answer : Answer
+        With a judgement.
+
+    Returns
+    -------
+    dict
+        Name of the case, how many rows are wrong, and the `MOST_ROWS` worst.
+    """
+    assert answer.finding is not None
+    case, judgement = answer.probe.case, answer.finding.judgement
+    assert judgement is not None
+    return {
+        "case": case.name,
+        "wrong_rows": int(judgement.wrong.sum()),
+        "rows": case.rows,
+        "worst": [
+            _row(case, judgement, int(row)) for row in worst_rows(judgement, MOST_ROWS)
+        ],
+    }
+
+
+def as_number(value: Any) -> Any:
+    """A number, or nested lists of them.
+
+    Parameters
+    ----------
+    value : number or array
+        Of any type.
+
+    Returns
+    -------
+    int, float, bool, list or None
+        ``None`` in place of what JSON does not know.
+    """
+    plain = np.asarray(value).tolist()
+    return [as_number(x) for x in plain] if isinstance(plain, list) else _finite(plain)
+
+
+def _finite(value: Any) -> Any:
+    return None if isinstance(value, float) and not isfinite(value) else value
+
+
+def _row(case: Case, judgement: Judgement, row: int) -> dict[str, Any]:
+    width = case.width
+    return {
+        "row": row,
+        "x": None if width is None else row % width,
+        "y": None if width is None else row // width,
+        "outputs": {c.name: _compared(c, row) for c in judgement.compared},
+        "terms": {name: as_number(term[row]) for name, term in judgement.terms.items()},
+    }
+
+
+def _compared(compared: Compared, row: int) -> dict[str, Any]:
+    sides = ("found", "expected", "allowed")
+    numbers = {side: as_number(getattr(compared, side)[row]) for side in sides}
+    return {**numbers, "excess": as_number(excess_of(compared)[row])}

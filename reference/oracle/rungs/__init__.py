@@ -1,0 +1,1 @@
+"""Rungs of the ladder, the cheap ones first."""

@@ -1,0 +1,171 @@
+"""L0: formulas one by one, on ordinary rows and at the extremes."""
+
+from itertools import product
+
+import numpy as np
+
+from reference.arrays import Scalars, Vec3s
+from reference.oracle.buffers import given
+from reference.oracle.cases import Buffers, Case
+from reference.oracle.contract.fields import Precision
+from reference.oracle.rungs.probe import Finding, Probe
+from reference.oracle.rungs.replayed import replayed
+
+ROWS = 2048
+
+
+def kernel_probes(precision: Precision) -> list[Probe]:
+    """One probe for each kernel, and more where it has extremes.
+
+    Parameters
+    ----------
+    precision : 'float32' or 'float64'
+        Of the backend.
+
+    Returns
+    -------
+    list of Probe
+        Of rung L0.
+    """
+    rng = np.random.default_rng(2026)
+    cases = [
+        _random(rng, precision),
+        _target(rng, precision),
+        _jacobian(rng, precision),
+        _merge(rng, precision),
+        _merge_extremes(precision),
+        _finalize(rng, precision),
+        _similar(rng, precision),
+    ]
+    probes = [replayed("L0", case) for case in cases]
+    return [*probes, Probe("L0", _jacobian_extremes(precision), _total)]
+
+
+def _unit(v: Vec3s) -> Vec3s:
+    unit: Vec3s = v / np.linalg.norm(v, axis=1)[:, None]
+    return unit
+
+
+def _random(rng: np.random.Generator, precision: Precision) -> Case:
+    corners = np.array(list(product([0, 1, 2**31, 2**32 - 1], repeat=4)), np.uint32)
+    words = rng.integers(0, 2**32, (ROWS, 4), np.uint32)
+    inputs = {"key": np.concatenate([corners, words])}
+    return Case("kernel-random", "random", {}, given(inputs, precision))
+
+
+def _target(rng: np.random.Generator, precision: Precision) -> Case:
+    x = rng.normal(size=(ROWS, 3))
+    scale = 2.0 ** rng.integers(-10, 11, (ROWS, 1))
+    inputs = {
+        "visible_position": x,
+        "visible_normal": _unit(rng.normal(size=(ROWS, 3))),
+        "albedo": rng.random((ROWS, 3)),
+        "position": x + scale * rng.normal(size=(ROWS, 3)),
+        "normal": _unit(rng.normal(size=(ROWS, 3))),
+        # From what half precision cannot hold to what it cannot hold either.
+        "radiance": 10.0 ** rng.uniform(-9, 6, (ROWS, 3))
+        * (rng.random((ROWS, 1)) < 0.9),
+    }
+    settings = {"target": "scattered"}
+    return Case("kernel-target", "target", settings, given(inputs, precision))
+
+
+def _jacobian(rng: np.random.Generator, precision: Precision) -> Case:
+    position = rng.normal(size=(ROWS, 3))
+    reach = 2.0 ** rng.integers(-12, 13, (2, ROWS, 1))
+    inputs = {
+        "x_from": position + reach[0] * rng.normal(size=(ROWS, 3)),
+        "x_to": position + reach[1] * rng.normal(size=(ROWS, 3)),
+        "position": position,
+        "normal": _unit(rng.normal(size=(ROWS, 3))),
+    }
+    return Case("kernel-jacobian", "jacobian", {}, given(inputs, precision))
+
+
+def _jacobian_extremes(precision: Precision) -> Case:
+    """Points that touch, patches seen edge-on, squares that leave the number type."""
+    reach = [0.0, 1e-25, 1e-10, 1.0, 1e10, 1e18]
+    axes = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.6, 0.8, 0.0]])
+    rows = list(product(reach, reach, range(3), range(3)))
+    d_from, d_to, a_from, a_to = (
+        np.array(column) for column in zip(*rows, strict=True)
+    )
+    inputs = {
+        "x_from": d_from[:, None] * axes[a_from],
+        "x_to": d_to[:, None] * axes[a_to],
+        "position": np.zeros((len(rows), 3)),
+        "normal": np.tile([0.0, 1.0, 0.0], (len(rows), 1)),
+    }
+    return Case("kernel-jacobian-extremes", "jacobian", {}, given(inputs, precision))
+
+
+def _total(case: Case, out: Buffers, precision: Precision) -> Finding:
+    """Finite everywhere, which was asked before; never negative; 0 for what is not."""
+    J = out["jacobian"]
+    where = case.inputs
+    v_from = where["x_from"].astype(float)
+    edge_on = (v_from[:, 1] == 0) | (~where["x_to"].any(axis=1))
+    bad = (J < 0) | (edge_on & (J != 0))
+    if bad.any():
+        row = int(np.flatnonzero(bad)[0])
+        return Finding(
+            False,
+            f"{case.name}: row {row} is {J[row]:g}, where the shift has no inverse it"
+            " is 0, and it is never negative",
+        )
+    return Finding(True)
+
+
+def _merge(rng: np.random.Generator, precision: Precision) -> Case:
+    def weights() -> Scalars:
+        w: Scalars = 10.0 ** rng.uniform(-6, 6, ROWS) * (rng.random(ROWS) < 0.8)
+        return w
+
+    inputs = {
+        "w_a": weights(),
+        "M_a": rng.integers(0, 500, ROWS).astype(float),
+        "w_b": weights(),
+        "M_b": rng.integers(0, 500, ROWS).astype(float),
+        "u": rng.integers(0, 2**24, ROWS) * 2.0**-24,
+    }
+    return Case("kernel-merge", "merge", {}, given(inputs, precision), random=True)
+
+
+def _merge_extremes(precision: Precision) -> Case:
+    """Nothing beside something, the smallest and largest u, weights far apart."""
+    w = [0.0, 1e-30, 1.0, 1e30]
+    u = [0.0, 2.0**-24, 0.5, 1 - 2.0**-24]
+    rows = np.array(list(product(w, w, u)))
+    ones = np.ones(len(rows))
+    inputs = {"w_a": rows[:, 0], "M_a": ones, "w_b": rows[:, 1], "M_b": ones * 2}
+    inputs["u"] = rows[:, 2]
+    return Case("kernel-merge-extremes", "merge", {}, given(inputs, precision))
+
+
+def _finalize(rng: np.random.Generator, precision: Precision) -> Case:
+    w = 10.0 ** rng.uniform(-15, 15, ROWS)
+    p_hat = 10.0 ** rng.uniform(-15, 15, ROWS)
+    Z = rng.integers(0, 500, ROWS).astype(float)
+    corners = np.array(
+        list(product([0.0, 1e-35, 1.0, 1e30], [0.0, 1e-35, 1.0], [0.0, 1.0]))
+    )
+    inputs = {
+        "w": np.concatenate([w * (rng.random(ROWS) < 0.9), corners[:, 0]]),
+        "p_hat": np.concatenate([p_hat * (rng.random(ROWS) < 0.9), corners[:, 1]]),
+        "Z": np.concatenate([Z, corners[:, 2]]),
+    }
+    return Case("kernel-finalize", "finalize", {}, given(inputs, precision))
+
+
+def _similar(rng: np.random.Generator, precision: Precision) -> Case:
+    n = _unit(rng.normal(size=(ROWS, 3)))
+    near = _unit(n + rng.normal(size=(ROWS, 3)) * 0.25)
+    depth = 10.0 ** rng.uniform(-2, 3, ROWS) * (rng.random(ROWS) < 0.95)
+    inputs = {
+        "normal_a": n,
+        "depth_a": depth,
+        "normal_b": near,
+        "depth_b": depth * rng.uniform(0.92, 1.08, ROWS),
+    }
+    settings = {"max_angle": 25.0, "max_depth": 0.05}
+    return Case("kernel-similar", "similar", settings, given(inputs, precision))

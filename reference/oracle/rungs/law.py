@@ -1,0 +1,150 @@
+"""L4: whether a backend has the same law as the reference, in real scenes.
+
+Under the null hypothesis the runs of both are exchangeable, so that ranks are exact for
+any law and any number of runs: fireflies cost nothing.  A bias far below the noise of a
+few runs is not seen here; it is the lattices' and the replay's to find.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.oracle.builtin.backend import BuiltIn
+from reference.oracle.cases import Buffers, Case
+from reference.oracle.contract.fields import Precision
+from reference.oracle.loop import Ask, Run, run_frames
+from reference.oracle.rungs.probe import Finding
+from reference.oracle.statistics.families import bonferroni
+from reference.oracle.statistics.law import law_p_values
+from reference.oracle.theatre import open_theatre
+
+ALPHA = 5e-7
+"""False alarms of this rung in a run, all scenes and functionals together."""
+
+SCENES = ("cornell-box", "door-ajar", "sunlit-wall", "many-lights")
+
+SIZE, RUNS, TILE, FRAMES = 16, 48, 4, 3
+
+
+@dataclass(frozen=True, slots=True)
+class Law:
+    """What the ranks have shown in one scene.
+
+    Attributes
+    ----------
+    finding : Finding
+        Of the smallest p-value.
+    p : float
+        That of the scene, for all its functionals together.
+    """
+
+    finding: Finding
+    p: float
+
+
+def same_law(
+    ask: Ask,
+    precision: Precision,
+    scene: str,
+    tests: int = len(SCENES),
+    alpha: float = ALPHA,
+    seed: int = 0,
+) -> Law:
+    """Compare independent runs of a backend with as many of the reference.
+
+    Parameters
+    ----------
+    ask : callable
+        The backend.
+    precision : 'float32' or 'float64'
+        Of the backend.
+    scene : str
+        Built-in, of paint alone.
+    tests : int
+        Scenes that are tested, among which alpha is shared.
+    alpha : float
+        Probability of a false alarm in all of them.
+    seed : int
+        Of the runs; the reference has others.
+
+    Returns
+    -------
+    Law
+        The functionals are the means of tiles, capped and not, how many pixels are
+        black, the spread within the image and the mean of M.
+    """
+    ours = BuiltIn("float64")
+
+    def ask_ours(case: Case) -> Buffers:
+        found: Buffers = getattr(ours, case.pass_name)(**case.inputs, **case.settings)
+        return found
+
+    theirs = _runs(ask, precision, scene, 2 * seed)
+    reference = _runs(ask_ours, "float64", scene, 2 * seed + 1)
+    # The cap is the reference's own: any number that the backend has not chosen.
+    cap = 2 * float(np.mean([color.mean() for color, _ in reference]))
+    p = law_p_values(_functionals(theirs, cap), _functionals(reference, cap))
+    whole = bonferroni(p)
+    if whole * tests >= alpha:
+        return Law(Finding(True), whole)
+    text = (
+        f"{scene}: runs do not have the law of the reference, p = {whole:.2g} in"
+        f" {len(p)} functionals; the first is {_name(int(np.argmin(p)))}"
+    )
+    return Law(Finding(False, text), whole)
+
+
+Runs = list[tuple[NDArray[Any], NDArray[Any]]]
+
+
+def _runs(ask: Ask, precision: Precision, scene: str, seed: int) -> Runs:
+    """Colour and M of the last frame, a run each."""
+    theatre = open_theatre(scene, SIZE, RUNS, seed)
+    run = Run(frames=FRAMES, source="uniform", seed=seed)
+    shown = run_frames(ask, theatre, theatre.neighbors, run, precision)[-1]
+    color = shown.color.astype(float).mean(axis=1).reshape(RUNS, -1)
+    M = shown.spatial["M"].astype(float).reshape(RUNS, -1)
+    return list(zip(color, M, strict=True))
+
+
+def _functionals(runs: Runs, cap: float) -> NDArray[np.float64]:
+    """(R, columns): what is compared of each run."""
+    color = np.stack([c for c, _ in runs])
+    M = np.stack([m for _, m in runs])
+    least = np.minimum(color, cap)
+    spread = np.log1p(least.var(axis=1))
+    one = [
+        color.mean(axis=1),
+        least.mean(axis=1),
+        (color == 0).sum(axis=1),
+        (color > cap).sum(axis=1),
+        spread,
+        M.mean(axis=1),
+    ]
+    return np.column_stack([*one, _tiles(color), _tiles(least)])
+
+
+FUNCTIONALS = (
+    "the mean of the image",
+    "the mean of the image, capped",
+    "the number of black pixels",
+    "the number of bright pixels",
+    "the spread within the image",
+    "the mean of M",
+)
+
+
+def _name(column: int) -> str:
+    if column < len(FUNCTIONALS):
+        return FUNCTIONALS[column]
+    tile = (column - len(FUNCTIONALS)) % (SIZE // TILE) ** 2
+    return f"the mean of tile {tile}"
+
+
+def _tiles(color: NDArray[Any]) -> NDArray[Any]:
+    side = SIZE // TILE
+    blocks = color.reshape(len(color), side, TILE, side, TILE)
+    found: NDArray[Any] = blocks.mean(axis=(2, 4)).reshape(len(color), -1)
+    return found

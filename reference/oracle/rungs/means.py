@@ -1,0 +1,176 @@
+"""L4: the mean over independent runs, inside a sphere that is not evenly bright.
+
+With directions in proportion to the cosine, every estimate of a pixel is ρ times a mean
+of radiances that were met: at most ρ times the largest, whatever is reused.  The truth,
+ρ times the mean over the sphere, is known at every pixel.  So bets on the mean are
+valid for any law of the estimator, and at every moment.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.arrays import Indices, Scalars
+from reference.oracle.contract.fields import Precision
+from reference.oracle.loop import Ask, Run, run_frames
+from reference.oracle.rungs.probe import Finding
+from reference.oracle.rungs.sphere import Sphere, points_inside, ring
+from reference.oracle.rungs.spheres import room
+from reference.oracle.statistics.betting import e_value, open_bets, place
+from reference.oracle.statistics.certificate import (
+    Certificate,
+    certified_bias,
+    extend,
+    open_certificate,
+)
+from reference.oracle.statistics.families import average_e
+from reference.oracle.statistics.power import bets_needed
+
+ALPHA = 5e-7
+"""False alarms of this rung in a run; as many are left to the test of the law."""
+
+TARGET = 0.005
+"""Bound on |bias| of the mean at which the sampling stops."""
+
+BANDS = ((-0.5, 1.0), (0.8, 0.7), (1.0, 0.0))
+"""Up to which z the sphere has which radiance: some of it none, and the largest near
+the mean, since a bet against darkness pays for their ratio."""
+
+PIXELS, TILES, REPLICATES, FRAMES = 16, 4, 512, 3
+"""Of a run, and runs of a batch.  Runs are small: many are worth more than large ones,
+where the bound on the mean is what costs."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mean:
+    """What the runs have shown.
+
+    Attributes
+    ----------
+    finding : Finding
+        Of the bets.
+    certified : float
+        Bound on the relative bias of the image's mean.
+    runs : int
+        Independent ones.
+    more : str
+        What more time would buy; empty where the bound is small enough.
+    """
+
+    finding: Finding
+    certified: float
+    runs: int
+    more: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Banded(Sphere):
+    """The inside of the unit sphere, shining in bands."""
+
+    def shine(self, z: Scalars) -> Scalars:
+        """Radiance of the sphere at heights."""
+        limits = [limit for limit, _ in BANDS]
+        radiances = np.array([radiance for _, radiance in BANDS])
+        found: Scalars = radiances[np.minimum(np.searchsorted(limits, z), 2)]
+        return found
+
+
+def truth() -> float:
+    """Mean radiance of the bands: areas on a sphere go with heights.
+
+    Returns
+    -------
+    float
+        Exact.
+    """
+    total, low = 0.0, -1.0
+    for high, radiance in BANDS:
+        total += (high - low) / 2 * radiance
+        low = high
+    return total
+
+
+def mean_over_runs(
+    ask: Ask,
+    precision: Precision,
+    remaining: Callable[[], float],
+    target: float = TARGET,
+    alpha: float = ALPHA,
+    first_seed: int = 1000,
+) -> Mean:
+    """Run the loop over and over, from nothing each time, and bet on the mean.
+
+    Parameters
+    ----------
+    ask : callable
+        The backend.
+    precision : 'float32' or 'float64'
+        Of the backend.
+    remaining : callable
+        Seconds that are left.
+    target : float
+        Certified bound at which to stop.
+    alpha : float
+        Probability of a false alarm, over all times and statistics together.
+    first_seed : int
+        Of the first batch; batches are numbered on.
+
+    Returns
+    -------
+    Mean
+        The statistics are the image's mean and those of 4 groups of pixels, whose
+        e-values are averaged: an e-value under any dependence [Vovk21].
+    """
+    exact = truth()
+    most = max(radiance for _, radiance in BANDS) * (1 + room(precision))
+    bets = open_bets(np.full(1 + TILES, exact), np.full(1 + TILES, most))
+    certificate = open_certificate(exact, most)
+    runs, seed = 0, first_seed
+    while True:
+        for y in _replicates(ask, precision, seed):
+            bets = place(bets, y)
+            certificate = extend(certificate, float(y[0]))
+            runs += 1
+        seed += 1
+        e = average_e(e_value(bets))
+        bound = certified_bias(certificate, alpha)
+        if e >= 1 / alpha:
+            mean = float(bets.mean[0] * bets.bound[0])
+            text = (
+                f"mean inside a sphere: {mean / exact - 1:+.3g} relative to the truth"
+                f" after {runs} runs; e-value {e:.3g} against {1 / alpha:.3g}"
+            )
+            return Mean(Finding(False, text), bound, runs, "")
+        if bound <= target:
+            return Mean(Finding(True), bound, runs, "")
+        if remaining() <= 0:
+            return Mean(Finding(True), bound, runs, _more(certificate, target, runs))
+
+
+def _replicates(ask: Ask, precision: Precision, seed: int) -> NDArray[np.float64]:
+    """Statistics of independent runs, a row each, relative to the albedo."""
+    # Each run has points of its own: none is left out of the test for good.
+    sphere = _Banded(points_inside(PIXELS * REPLICATES, seed), 1.0)
+    run = Run(frames=FRAMES, seed=seed)
+    shown = run_frames(ask, sphere, _own_ring, run, precision)[-1]
+    color = shown.color.astype(float) / sphere.receivers()["albedo"]
+    by_pixel = color.mean(axis=1).reshape(REPLICATES, PIXELS)
+    tiles = by_pixel.reshape(REPLICATES, TILES, -1).mean(axis=2)
+    return np.column_stack([by_pixel.mean(axis=1), tiles])
+
+
+def _own_ring(frame: int) -> Indices:
+    """Neighbours within each run."""
+    within = ring(PIXELS, 3, frame)
+    start = np.arange(REPLICATES)[:, None, None] * PIXELS
+    return (within[None] + start).reshape(REPLICATES * PIXELS, -1)
+
+
+def _more(certificate: Certificate, target: float, runs: int) -> str:
+    variance = float(certificate.bets.squares[0]) / max(runs - 1, 1)
+    variation = float(np.sqrt(max(variance, 0.0)) / max(certificate.bets.mean[0], 1e-9))
+    headroom = certificate.ceiling + 1
+    needed = bets_needed(variation, -target, headroom, ALPHA)
+    return f"about {needed:.0f} runs in place of {runs} would certify {target:g}"

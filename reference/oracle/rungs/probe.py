@@ -1,0 +1,99 @@
+"""One question to a backend, and what its answer shows."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from reference.oracle.cases import Buffers, Case, Failure, Outcome, refused
+from reference.oracle.contract.fields import Passes, Precision
+from reference.oracle.replay.judgement import Judgement
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Finding:
+    """What an answer shows.
+
+    Attributes
+    ----------
+    passed : bool
+        Nothing is wrong with it.
+    text : str
+        One line: what is wrong, and where; empty where nothing is.
+    judgement : Judgement or None
+        Of a replay.
+    """
+
+    passed: bool
+    text: str = ""
+    judgement: Judgement | None = None
+
+
+Examine = Callable[[Case, Buffers, Precision], Finding]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Probe:
+    """One question.
+
+    Attributes
+    ----------
+    rung : str
+        "L0" to "L4".
+    case : Case
+        What is asked.
+    examine : callable
+        What the answer shows.
+    """
+
+    rung: str
+    case: Case
+    examine: Examine
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Answer:
+    """A question and what came of it.
+
+    Attributes
+    ----------
+    probe : Probe
+        The question.
+    outputs : Buffers or None
+        What the backend gave, if it can be judged.
+    finding : Finding or None
+        ``None`` where the backend does not have the pass.
+    """
+
+    probe: Probe
+    outputs: Buffers | None
+    finding: Finding | None
+
+
+def examined(
+    passes: Passes, precision: Precision, probe: Probe, outcome: Outcome
+) -> Answer:
+    """Examine what came of a question.
+
+    Parameters
+    ----------
+    passes : mapping of str to Pass
+        The contract.
+    precision : 'float32' or 'float64'
+        Of the backend.
+    probe : Probe
+        The question.
+    outcome : Outcome
+        What came of it.
+
+    Returns
+    -------
+    Answer
+        A failure to answer is a finding too.
+    """
+    if outcome is None:
+        return Answer(probe, None, None)
+    if isinstance(outcome, Failure):
+        return Answer(probe, None, Finding(False, outcome.reason))
+    bad = refused(passes, probe.case, precision, outcome)
+    if bad is not None:
+        return Answer(probe, None, Finding(False, bad.reason))
+    return Answer(probe, outcome, probe.examine(probe.case, outcome, precision))

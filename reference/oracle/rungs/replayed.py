@@ -1,0 +1,66 @@
+"""L3: a pass once more, from the backend's own numbers."""
+
+import numpy as np
+
+from reference.oracle.cases import Buffers, Case
+from reference.oracle.contract.fields import Precision
+from reference.oracle.replay.judgement import EXCUSE_ALARM, Judgement
+from reference.oracle.replay.judges import JUDGES
+from reference.oracle.replay.rules import CONTRACT_RULES
+from reference.oracle.rungs.probe import Finding, Probe
+
+
+def replayed(rung: str, case: Case) -> Probe:
+    """Question of a case that the replay answers.
+
+    Parameters
+    ----------
+    rung : str
+        Of the ladder.
+    case : Case
+        What is asked.
+
+    Returns
+    -------
+    Probe
+        No false alarm, but for the budget of excuses.
+    """
+    return Probe(rung, case, _examine)
+
+
+def _examine(case: Case, outputs: Buffers, precision: Precision) -> Finding:
+    judge = JUDGES[case.pass_name]
+    judgement = judge(case, outputs, CONTRACT_RULES, precision)
+    if judgement.passed:
+        return Finding(True, judgement=judgement)
+    return Finding(False, f"{case.name}: {_told(case, judgement)}", judgement)
+
+
+def _told(case: Case, judgement: Judgement) -> str:
+    wrong = judgement.wrong
+    if not wrong.any():
+        assert judgement.decisions is not None
+        return (
+            f"{judgement.decisions.excused} decisions differ where rounding leaves"
+            f" {judgement.decisions.expected_excuses:.3g} open; more than"
+            f" {judgement.decisions.budget} have a probability below {EXCUSE_ALARM:g}"
+        )
+    share = f"{int(wrong.sum())} of {case.rows} rows are wrong"
+    decisions = judgement.decisions
+    if decisions is not None and decisions.illegal.any():
+        row = int(np.flatnonzero(decisions.illegal)[0])
+        return f"{share}; in {_place(case, row)} the decision has no excuse"
+    worst = max(judgement.compared, key=lambda c: float(c.excess.max()))
+    row = int(worst.excess.argmax())
+    found, expected = (a[row].ravel() for a in (worst.found, worst.expected))
+    column = int(np.abs(found.astype(float) - expected).argmax())
+    return (
+        f"{share}; in {_place(case, row)} {worst.name} is {found[column]:.9g} instead"
+        f" of {expected[column]:.9g}"
+    )
+
+
+def _place(case: Case, row: int) -> str:
+    if case.width is None:
+        return f"row {row}"
+    return f"pixel ({row % case.width}, {row // case.width})"

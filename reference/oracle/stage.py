@@ -1,0 +1,132 @@
+"""A frame of a real scene, about to be resampled."""
+
+from dataclasses import dataclass, replace
+from itertools import islice
+
+import numpy as np
+
+from reference.arrays import Indices
+from reference.errors import UsageError
+from reference.oracle.contract.fields import Value
+from reference.passes.initial import InitialSamples, initial_samples
+from reference.passes.neighbors import find_neighbors
+from reference.restir_gi import Frame, render_frames
+from reference.rng import KeyedUniforms, Stream
+from reference.scene.materials.parameters import Kind
+from reference.scene.scene import Scene
+from reference.scene.validation import validate
+from reference.schedule import Schedule
+from reference.settings import UNBIASED
+from reference.world import World, build_world
+
+SCENES = ("cornell-box", "door-ajar", "sunlit-wall", "grazing-light", "many-lights")
+"""Of paint alone, and unlike: corners, a slit, grazing angles, small lights."""
+
+FRAMES, NEIGHBORS = 4, 3
+"""Frames before the one that is asked for, and neighbours of each pixel."""
+
+CAPS = {"temporal": 30.0, "moved": 3.0, "spatial": 12.0}
+"""Limits of M; those of the last two are low enough to be reached."""
+
+SIMILARITY: dict[str, Value] = {
+    "radius": 0.1,
+    "min_radius": 3.0,
+    "max_angle": 25.0,
+    "max_depth": 0.05,
+}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stage:
+    """A frame of a scene about to be resampled.
+
+    Attributes
+    ----------
+    name : str
+        Of the scene.
+    world : World
+        The scene.
+    last : Frame
+        The frame before.
+    initial : InitialSamples
+        New samples of this one.
+    neighbors : (N, K) int
+        Neighbours of each pixel, or −1.
+    seed : int
+        Of the run.
+    """
+
+    name: str
+    world: World
+    last: Frame
+    initial: InitialSamples
+    neighbors: Indices
+    seed: int
+
+    def uniforms(self, stream: Stream) -> KeyedUniforms:
+        """Random numbers of this frame.
+
+        Parameters
+        ----------
+        stream : Stream
+            Who draws.
+
+        Returns
+        -------
+        KeyedUniforms
+            N rows.
+        """
+        pixel = np.arange(len(self.neighbors), dtype=np.uint32)
+        return KeyedUniforms(pixel, FRAMES, self.seed, stream)
+
+
+def stage(scene: Scene, size: int, seed: int) -> Stage:
+    """Render the frames before, and draw the samples of the next.
+
+    Parameters
+    ----------
+    scene : Scene
+        Of paint alone.
+    size : int, pixels
+        Width and height.
+    seed : int
+        Of the run.
+
+    Returns
+    -------
+    Stage
+        With size² rows.
+
+    Raises
+    ------
+    UsageError
+        The scene has other materials than paint, of which the contract does not speak.
+    """
+    camera = replace(scene.camera, width=size, height=size)
+    world = build_world(validate(replace(scene, camera=camera)))
+    if world.materials.kinds != (Kind.LAMBERTIAN,):
+        raise UsageError(
+            f"scene {scene.name!r} has other materials than paint, of which the"
+            f" contract does not speak; name another, as {SCENES[0]}"
+        )
+    frames = render_frames(world, UNBIASED, 1, seed, Schedule())
+    last = next(islice(frames, FRAMES - 1, None))
+    pixel = np.arange(size * size, dtype=np.uint32)
+
+    def uniforms(stream: Stream) -> KeyedUniforms:
+        return KeyedUniforms(pixel, FRAMES, seed, stream)
+
+    initial = initial_samples(
+        world,
+        last.visible.surface,
+        "uniform",
+        "path-traced",
+        1,
+        uniforms(Stream.INITIAL),
+        uniforms(Stream.PATH),
+        uniforms(Stream.SPECULAR),
+    )
+    draws = [uniforms(Stream.SPATIAL).draw(s) for s in range(NEIGHBORS)]
+    rows = np.arange(size * size)
+    found = find_neighbors(rows, last.visible, size, UNBIASED, draws)
+    return Stage(scene.name, world, last, initial, np.stack(found, axis=1), seed)

@@ -1,0 +1,52 @@
+"""Truths that were estimated, and may be wrong themselves."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import ndtr
+
+Floats = NDArray[np.float64]
+
+
+def truth_interval(
+    mean: ArrayLike, standard_error: ArrayLike, deviations: float
+) -> tuple[Floats, Floats]:
+    """Interval mean ± k standard errors of an independent estimate, cut off at 0.
+
+    Parameters
+    ----------
+    mean, standard_error : (columns,) float64
+        Of the estimate of the truth.
+    deviations : float
+        k.
+
+    Returns
+    -------
+    ((columns,), (columns,)) float64
+        Its ends.
+    """
+    center = np.asarray(mean, np.float64)
+    width = deviations * np.asarray(standard_error, np.float64)
+    return np.maximum(center - width, 0.0), center + width
+
+
+def outside_probability(deviations: float, truths: int) -> float:
+    """Probability that one of m truths lies outside its interval, min(1, 2 m Φ(−k)).
+
+    Parameters
+    ----------
+    deviations : float
+        k.
+    truths : int
+        m.
+
+    Returns
+    -------
+    float
+        To be added to α.
+
+    Notes
+    -----
+    It takes the estimates for normal, which the means of many samples of light are
+    only nearly: this is the one part of the statement that is not proved.
+    """
+    return float(min(1.0, 2.0 * truths * ndtr(-deviations)))

@@ -1,0 +1,160 @@
+"""A real scene around the passes, many runs of it side by side."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.arrays import Indices, Masks, Vec3s
+from reference.oracle.stage import NEIGHBORS
+from reference.passes.gbuffer import visible_points
+from reference.passes.neighbors import find_neighbors
+from reference.path_tracer import follow, reflected_radiance
+from reference.records import take
+from reference.rng import KeyedUniforms, Stream
+from reference.scene.camera import pixel_centers
+from reference.scene.catalogue.registry import find_scene
+from reference.scene.origins import contact
+from reference.scene.surface import SurfacePoints, VisiblePoints
+from reference.scene.validation import validate
+from reference.settings import UNBIASED
+from reference.world import World, build_world
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SceneTheatre:
+    """A scene that R runs look at, run after run in rows.
+
+    Attributes
+    ----------
+    world : World
+        The scene.
+    visible : VisiblePoints
+        What one run sees, P pixels.
+    surface : SurfacePoints
+        The same for all, R · P rows.
+    runs : int
+        R.
+    seed : int
+        Of the light at sample points, and of the neighbours.
+    """
+
+    world: World
+    visible: VisiblePoints
+    surface: SurfacePoints
+    runs: int
+    seed: int
+
+    def receivers(self) -> dict[str, NDArray[Any]]:
+        """Buffers of the visible points.
+
+        Returns
+        -------
+        dict of str to array
+            R · P rows.
+        """
+        return {
+            "visible_position": self.surface.position,
+            # Where nothing is seen there is no normal; such a pixel is black.
+            "visible_normal": np.where(
+                self.surface.hit[:, None], self.surface.normal, [0.0, 0.0, 1.0]
+            ),
+            "albedo": self.surface.color,
+        }
+
+    def trace(self, direction: Vec3s, frame: int) -> dict[str, NDArray[Any]]:
+        """Sample points that rays from the visible points meet.
+
+        Parameters
+        ----------
+        direction : (N, 3)
+            Unit vectors.
+        frame : int
+            From 0.
+
+        Returns
+        -------
+        dict of str to array
+            Buffers; light of one bounce.
+        """
+        met = follow(self.world, self.surface, direction, self.surface.hit, "initial")
+        uniforms = self._uniforms(frame, Stream.PATH)
+        radiance = reflected_radiance(self.world, met, 0, uniforms)
+        place = contact(self.world.geometry, met)
+        return {"position": place, "normal": met.normal, "radiance": radiance}
+
+    def sees(self, viewer: Indices, position: Vec3s, normal: Vec3s) -> Masks:
+        """Whether visible points see sample points.
+
+        Parameters
+        ----------
+        viewer : (N,) int
+            Rows.
+        position, normal : (N, 3)
+            Sample points.
+
+        Returns
+        -------
+        (N,) bool
+            Nothing lies between.
+        """
+        x = take(self.surface.viewpoints, viewer)
+        lit: Masks = np.any(normal != 0, axis=1)
+        return self.world.caster.visible(
+            x, position.astype(float), normal.astype(float), lit, "reuse"
+        )
+
+    def neighbors(self, frame: int) -> Indices:
+        """Neighbours of each row, within its own run.
+
+        Parameters
+        ----------
+        frame : int
+            From 0.
+
+        Returns
+        -------
+        (N, K) int
+            Or −1.
+        """
+        pixels = len(self.visible.depth)
+        row = np.arange(self.runs * pixels)
+        draws = [
+            self._uniforms(frame, Stream.SPATIAL).draw(k) for k in range(NEIGHBORS)
+        ]
+        width = self.world.camera.width
+        found = find_neighbors(row % pixels, self.visible, width, UNBIASED, draws)
+        start = row // pixels * pixels
+        return np.stack([np.where(k >= 0, k + start, -1) for k in found], axis=1)
+
+    def _uniforms(self, frame: int, stream: Stream) -> KeyedUniforms:
+        pixel = np.arange(len(self.surface), dtype=np.uint32)
+        return KeyedUniforms(pixel, frame, self.seed, stream)
+
+
+def open_theatre(scene: str, size: int, runs: int, seed: int) -> SceneTheatre:
+    """Make a built-in scene ready for many runs.
+
+    Parameters
+    ----------
+    scene : str
+        Of paint alone.
+    size : int, pixels
+        Width and height.
+    runs : int
+        R.
+    seed : int
+        Of the first of them; seeds of batches must differ.
+
+    Returns
+    -------
+    SceneTheatre
+        R · size² rows.
+    """
+    found = find_scene(scene)
+    camera = replace(found.camera, width=size, height=size)
+    world = build_world(validate(replace(found, camera=camera)))
+    visible = visible_points(world, *pixel_centers(size, size))
+    surface = take(visible.surface, np.tile(np.arange(size * size), runs))
+    return SceneTheatre(world, visible, surface, runs, seed)

@@ -1,0 +1,35 @@
+"""Pages of the documentation that are written from the code."""
+
+from pathlib import Path
+
+import pytest
+
+from reference.oracle.contract.describe import describe as contract_page
+from reference.oracle.contract.registry import CONTRACT
+from reference.oracle.diagnosis.describe import describe as bugs_page
+from reference.oracle.diagnosis.diagnose import HYPOTHESES
+
+DOCS = Path(__file__).parents[2] / "docs"
+PAGES = {
+    "reference/contract.md": lambda: contract_page(CONTRACT),
+    "explanation/bugs.md": lambda: bugs_page(HYPOTHESES),
+}
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_the_page_is_what_the_code_says(name, regenerate):
+    path, text = DOCS / name, PAGES[name]()
+    if regenerate:
+        path.write_text(text, encoding="utf-8")
+    assert path.read_text(encoding="utf-8") == text
+
+
+def test_names_are_anchors():
+    names = [h.name for h in HYPOTHESES]
+    assert len(set(names)) == len(names)
+    assert all(name == name.lower() and " " not in name for name in names)
+
+
+def test_every_hypothesis_names_passes_of_the_contract():
+    for h in HYPOTHESES:
+        assert set(h.passes) <= set(CONTRACT)

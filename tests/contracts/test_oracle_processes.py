@@ -1,0 +1,146 @@
+"""Whatever a backend does, the oracle lives on and says in one line what it was."""
+
+from pathlib import Path
+
+import pytest
+
+from reference.errors import UsageError
+from reference.oracle.backends.backend import Limits
+from reference.oracle.backends.command import ProgramBackend
+from reference.oracle.backends.process import PythonBackend
+from reference.oracle.cases import Failure
+from reference.oracle.contract.registry import CONTRACT
+from reference.oracle.rungs.kernels import kernel_probes
+from reference.oracle.steps import ask_all
+
+MODULE = f"{Path(__file__).parent / 'oracle_backends.py'}"
+LIMITS = Limits(seconds=20, memory=2 * 2**30)
+
+
+def probes():
+    found = kernel_probes("float32")
+    return [p for p in found if p.case.pass_name in ("jacobian", "merge")]
+
+
+def answers(backend):
+    try:
+        return ask_all(CONTRACT, backend, probes())
+    finally:
+        backend.close()
+
+
+def python(name, limits=LIMITS):
+    return answers(PythonBackend(f"{MODULE}:{name}", limits))
+
+
+def faults(found):
+    return [a.finding.text for a in found if a.finding and not a.finding.passed]
+
+
+def test_a_right_backend_passes():
+    assert faults(python("RIGHT")) == []
+
+
+def test_prints_of_a_backend_are_not_taken_for_answers():
+    assert faults(python("LOUD")) == []
+
+
+def test_passes_that_are_missing_are_not_judged():
+    found = python("PARTIAL")
+    judged = {a.probe.case.pass_name for a in found if a.finding}
+    assert judged == {"jacobian"}
+    assert faults(found) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("RAISES", "ValueError: the buffer is not mapped"),
+        ("DIES", "killed by SIGSEGV"),
+        ("EXITS", "exit code 7: device lost"),
+        ("HUNGRY", "MemoryError"),
+        ("NOTHING", "jacobian is missing"),
+        ("NO_MAPPING", "TypeError"),
+        ("SHORT", "shape (2047,) instead of (2048,)"),
+        ("TRANSPOSED", "shape (1, 2048) instead of (2048,)"),
+        ("DOUBLE", "float64 instead of float32"),
+        ("WHOLE", "int32 instead of float32"),
+        ("SWAPPED", "other byte order"),
+        ("NAN", "holds NaN"),
+        ("INFINITE", "infinity"),
+        ("OBJECTS", "ValueError"),
+    ],
+)
+def test_each_failure_is_named_and_the_other_passes_are_judged(name, words):
+    found = python(name)
+    text = faults(found)
+    assert any(words in line for line in text), text
+    assert all("\n" not in line for line in text)
+    merges = [a for a in found if a.probe.case.pass_name == "merge"]
+    assert all(a.finding.passed for a in merges)
+
+
+def test_a_backend_that_hangs_is_stopped():
+    found = python("HANGS", Limits(seconds=2.0))
+    assert all("no answer within 2 s" in line for line in faults(found))
+    assert len(faults(found)) == 2
+
+
+@pytest.mark.parametrize(
+    ("spec", "words"),
+    [
+        (f"{MODULE}:ABSENT", "has no 'ABSENT'"),
+        ("no_such_module:BACKEND", "cannot import no_such_module"),
+        ("no_such_file.py", "no file no_such_file.py"),
+    ],
+)
+def test_what_cannot_be_loaded_is_bad_usage(spec, words):
+    with pytest.raises(UsageError, match=words):
+        PythonBackend(spec, LIMITS)
+
+
+# ---------------------------------------------------------------- programs
+
+
+def program(tmp_path, body, limits=LIMITS):
+    """A shell script as a backend."""
+    path = tmp_path / "backend.sh"
+    path.write_text(f"#!/bin/sh\n{body}\n", encoding="utf-8")
+    path.chmod(0o755)
+    return answers(ProgramBackend(f"{path} {{directory}}", limits))
+
+
+def test_a_program_that_writes_nothing_has_no_pass(tmp_path):
+    assert all(a.finding is None for a in program(tmp_path, "exit 0"))
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ("echo no device >&2; exit 3", "exit code 3: no device"),
+        ("kill -ABRT $$", "killed by SIGABRT"),
+        (
+            'for d in "$1"/*/out; do printf abc > "$d/jacobian.raw"; done',
+            "truncated: 3 bytes instead of",
+        ),
+    ],
+)
+def test_a_program_that_fails_is_told(tmp_path, body, words):
+    text = faults(program(tmp_path, body))
+    assert text
+    assert any(words in line for line in text)
+
+
+def test_a_program_that_hangs_is_stopped(tmp_path):
+    text = faults(program(tmp_path, "exec sleep 600", Limits(seconds=0.3)))
+    assert all("did not end within" in line for line in text)
+
+
+def test_a_program_that_does_not_exist_is_bad_usage():
+    backend = ProgramBackend("/no/such/program {directory}", LIMITS)
+    with pytest.raises(UsageError, match="cannot run /no/such/program"):
+        answers(backend)
+
+
+def test_a_failure_is_no_buffer():
+    assert Failure("x").reason == "x"

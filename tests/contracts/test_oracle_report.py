@@ -1,0 +1,463 @@
+"""The report of a verdict: what it tells, and that nothing breaks out of it."""
+
+import json
+import re
+import time
+from dataclasses import replace
+from functools import cache, partial
+from html.parser import HTMLParser
+from io import BytesIO, StringIO
+
+import numpy as np
+import pytest
+from PIL import Image as Pillow
+from rich.console import Console
+
+from reference.display import encode_png
+from reference.errors import UsageError
+from reference.oracle.builtin.backend import FLOAT32
+from reference.oracle.cases import Failure
+from reference.oracle.contract.registry import CONTRACT
+from reference.oracle.diagnosis.diagnose import Diagnosis
+from reference.oracle.diagnosis.jacobians import JACOBIANS
+from reference.oracle.frames import frame_cases
+from reference.oracle.replay.judgement import Compared, Decisions, Judgement, exactly
+from reference.oracle.report.maps import error_maps, signed_map
+from reference.oracle.report.page import pieces, write_page
+from reference.oracle.report.plain import as_plain
+from reference.oracle.report.table import table
+from reference.oracle.report.worst import answers_of, worst_answer, worst_rows
+from reference.oracle.rungs.kernels import kernel_probes
+from reference.oracle.rungs.probe import Finding, examined
+from reference.oracle.rungs.replayed import replayed
+from reference.oracle.stage import stage
+from reference.oracle.steps import Step
+from reference.oracle.verdict import Timed, Verdict, climb
+from reference.scene.catalogue.registry import find_scene
+
+EVIL = "</style><script>alert(1)</script>\"'<img src=x>\x1b[2J\udcff"
+EMPTY = Verdict("UNDECIDED", [], [], [], [])
+
+
+@cache
+def probes():
+    """Questions of two rungs, by rung."""
+    at = stage(find_scene("cornell-box"), 16, 1)
+    cases = frame_cases(at, "float32")
+    frames = [replayed("L3", case) for case in cases]
+    return {"L0": kernel_probes("float32"), "L3": frames}
+
+
+def answered(change, probe):
+    """The right answer of a probe, changed."""
+    case = probe.case
+    right = getattr(FLOAT32, case.pass_name)(**case.inputs, **case.settings)
+    outcome = change(case, dict(right))
+    return examined(CONTRACT, "float32", probe, outcome)
+
+
+def verdict_of(change, budget=np.inf, findings=()):
+    """Verdict on the built-in backend with changed answers."""
+
+    def step(rung):
+        return Step(rung, "asked", [answered(change, p) for p in probes()[rung]])
+
+    def spheres():
+        return Step("L2", "spheres", findings=list(findings))
+
+    rungs = [("L0", "asked", partial(step, "L0")), ("L2", "spheres", spheres)]
+    rungs.append(("L3", "asked", partial(step, "L3")))
+    steps = iter(rungs)
+    return climb(CONTRACT, "float32", steps, budget, time.monotonic, lambda title: None)
+
+
+def right(case, out):
+    """Change nothing."""
+    return out
+
+
+def planted(case, out):
+    """Invert J, enlarge W of spatial, move points of temporal, crash, lack a pass."""
+    match case.pass_name:
+        case "jacobian":
+            J = out["jacobian"].astype(float)
+            inverse = np.divide(1, J, where=J > 0, out=np.zeros_like(J))
+            out["jacobian"] = np.minimum(inverse, 1e38).astype(np.float32)
+        case "spatial":
+            out["W"] = out["W"] * np.float32(1.01)
+        case "temporal":
+            moved = np.flatnonzero(out["W"] > 0)[::9]
+            out["position"] = out["position"].copy()
+            out["position"][moved] += np.float32(1)
+        case "shade":
+            return Failure(f"shade crashed: {EVIL}")
+        case "merge":
+            return None
+    return out
+
+
+@pytest.fixture(scope="module")
+def wrong():
+    """A verdict on a backend with every kind of fault, and its plain form."""
+    verdict = verdict_of(planted, findings=[Finding(False, "furnace: too bright")])
+    verdict.left.append("L3 many-lights")
+    return verdict, as_plain(verdict, "planted", CONTRACT)
+
+
+@pytest.fixture(scope="module")
+def fine():
+    """A verdict on the built-in backend, and its plain form."""
+    verdict = verdict_of(right)
+    return verdict, as_plain(verdict, "float32", CONTRACT)
+
+
+def of_pass(plain, name):
+    """Entry of a pass."""
+    (found,) = [p for p in plain["passes"] if p["name"] == name]
+    return found
+
+
+def written(out, verdict, plain):
+    """Text of the page."""
+    write_page(out, verdict, plain)
+    return (out / "index.html").read_text(encoding="utf-8")
+
+
+def printed(plain, width=120):
+    """What a terminal shows."""
+    file = StringIO()
+    Console(file=file, width=width).print(table(plain))
+    return file.getvalue()
+
+
+class Page(HTMLParser):
+    """Elements of a page; its tags are balanced."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.elements, self.open = [], []
+        self.feed(text)
+        assert self.open == []
+
+    def handle_starttag(self, tag, attrs):
+        """Note an element, and that it must be closed."""
+        self.elements.append((tag, dict(attrs)))
+        if tag not in ("meta", "img"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        """Close the element that was opened last."""
+        assert self.open.pop() == tag
+
+    def all(self, tag):
+        """Attributes of each element of a kind."""
+        return [attributes for name, attributes in self.elements if name == tag]
+
+
+# ---------------------------------------------------------------- for programs
+
+
+@pytest.mark.parametrize("which", ["wrong", "fine"])
+def test_json_holds_the_whole_verdict(which, request):
+    _, plain = request.getfixturevalue(which)
+    assert json.loads(json.dumps(plain, allow_nan=False)) == plain
+
+
+def test_control_a_right_backend_has_no_wrong_pass(fine, tmp_path):
+    verdict, plain = fine
+    assert plain["status"] == "PASS"
+    assert plain["first_wrong_pass"] is None
+    assert {p["status"] for p in plain["passes"]} == {"right"}
+    assert all(p["worst"] is p["fault"] is None for p in plain["passes"])
+    assert all(p["wrong_rows"] == 0 < p["cases"] for p in plain["passes"])
+    assert max(x for p in plain["passes"] for x in p["excess"].values()) <= 1
+    text = written(tmp_path, verdict, plain)
+    assert "Wrong:" not in text
+    assert not Page(text).all("img")
+    assert "PASS: float32: all that was asked is right" in printed(plain)
+
+
+def test_what_is_said_of_each_pass(wrong):
+    _, plain = wrong
+    assert [p["name"] for p in plain["passes"]] == list(CONTRACT)
+    told = {p["name"]: p["status"] for p in plain["passes"]}
+    failed = {name for name, status in told.items() if status == "wrong"}
+    assert failed == {"jacobian", "temporal", "spatial", "shade"}
+    assert told["merge"] == "not judged"
+    assert plain["absent"] == ["merge"]
+    assert told["moved"] == "right"
+    assert plain["first_wrong_pass"] == "jacobian"
+    assert plain["headline"] == "4 passes wrong, begin with jacobian"
+
+
+def test_what_each_rung_has_killed(wrong):
+    _, plain = wrong
+    first, spheres, frames = plain["steps"]
+    assert first["wrong_passes"] == ["jacobian"]
+    assert (first["asked"], first["unanswered"], first["failed"]) == (8, 2, 1)
+    assert spheres["faults"] == ["furnace: too bright"]
+    assert (spheres["asked"], spheres["wrong_passes"]) == (1, [])
+    assert frames["wrong_passes"] == ["temporal", "spatial", "shade"]
+    assert plain["left"] == ["L3 many-lights"]
+
+
+def test_a_known_mistake_is_named(wrong):
+    found = of_pass(wrong[1], "jacobian")
+    (entry,) = found["diagnosis"]
+    assert entry["name"] == "jacobian-inverted"
+    assert entry["link"] == "explanation/bugs.html#jacobian-inverted"
+    assert entry["seen"]
+    assert found["conclusion"] == "is: jacobian-inverted"
+    assert of_pass(wrong[1], "spatial")["conclusion"] == "no known mistake"
+
+
+def test_several_mistakes_may_explain_a_pass(wrong, tmp_path):
+    verdict = replace(wrong[0], diagnoses=[Diagnosis("jacobian", JACOBIANS[:2])])
+    plain = as_plain(verdict, "planted", CONTRACT)
+    told = "is one of: jacobian-inverted, jacobian-omitted"
+    assert of_pass(plain, "jacobian")["conclusion"] == told
+    text = written(tmp_path, verdict, plain)
+    assert "do not tell them apart" in text
+    for mistake in JACOBIANS[:2]:
+        assert f"<code>{mistake.wrong}</code>" in text
+
+
+def test_mistakes_that_explain_right_answers_alone_are_not_named(wrong):
+    verdict = replace(wrong[0], diagnoses=[Diagnosis("shade", JACOBIANS[:1])])
+    assert of_pass(as_plain(verdict, "", CONTRACT), "shade")["diagnosis"] == []
+
+
+def test_the_worst_rows_carry_both_sides_and_all_terms(wrong):
+    found = of_pass(wrong[1], "spatial")
+    assert (found["cases"], found["rows"]) == (3, 3 * 256)
+    rows = found["worst"]["worst"]
+    assert len(rows) == 5
+    for row in rows:
+        assert row["row"] == row["x"] + 16 * row["y"]
+        W = row["outputs"]["W"]
+        assert W["found"] == pytest.approx(1.01 * W["expected"], rel=1e-5)
+        assert W["excess"] > 1 > W["allowed"]
+        assert {"Z", "p_hat", "sum of w", "kept slot"} <= set(row["terms"])
+    sizes = [row["outputs"]["W"]["excess"] for row in rows]
+    assert sizes == sorted(sizes, reverse=True)
+    assert sizes[0] == found["excess"]["W"]
+    assert found["excuses"]["used"] <= found["excuses"]["budget"]
+
+
+def test_rows_that_are_no_pixels_have_no_place(wrong):
+    row = of_pass(wrong[1], "jacobian")["worst"]["worst"][0]
+    assert row["x"] is row["y"] is None
+
+
+def test_a_failure_without_a_judgement_has_no_rows_and_no_diagnosis(wrong):
+    found = of_pass(wrong[1], "shade")
+    assert found["fault"].startswith("shade crashed")
+    assert (found["cases"], found["rows"]) == (1, 0)
+    assert found["worst"] is None
+    assert found["diagnosis"] == []
+    assert found["excess"] == {}
+    assert found["conclusion"].startswith("no wrong answer")
+
+
+def test_what_nothing_was_allowed_for_is_infinitely_wrong(wrong):
+    found = of_pass(wrong[1], "temporal")
+    assert found["excess"]["position"] is None
+    assert found["worst"]["worst"][0]["outputs"]["position"]["excess"] is None
+
+
+def test_an_empty_verdict(tmp_path):
+    plain = as_plain(EMPTY, "nobody", CONTRACT)
+    assert {p["status"] for p in plain["passes"]} == {"not judged"}
+    assert plain["headline"] == "nothing was judged"
+    text = written(tmp_path, EMPTY, plain)
+    assert "None was climbed" in text
+    Page(text)
+    assert printed(plain) == "UNDECIDED: nobody: nothing was judged\n"
+
+
+def test_without_time_nothing_is_said(tmp_path):
+    verdict = verdict_of(right, budget=0)
+    plain = as_plain(verdict, "slow", CONTRACT)
+    assert plain["headline"] == "nothing was judged"
+    assert "no time left" in written(tmp_path, verdict, plain)
+    assert "no time for: L0 asked, L2 spheres, L3 asked" in printed(plain)
+
+
+def with_mean(verdict, status, **more):
+    """A verdict with a step of statistics."""
+    mean = Timed(Step("L4", "mean", findings=[Finding(True)], **more), 1.0)
+    return replace(verdict, status=status, steps=[*verdict.steps, mean])
+
+
+def test_a_bound_is_told(fine, tmp_path):
+    verdict = with_mean(fine[0], "PASS", certified=0.00449)
+    plain = as_plain(verdict, "float32", CONTRACT)
+    assert plain["certified"] == plain["steps"][-1]["certified"] == 0.00449
+    assert "at most 0.449 %" in written(tmp_path, verdict, plain)
+    assert "in 13 passes; bias of the mean ≤ 0.45%" in printed(plain)
+
+
+def test_what_more_time_would_buy(fine, tmp_path):
+    told = "0.5 % after 100 seconds"
+    verdict = with_mean(fine[0], "UNDECIDED", certified=np.inf, more=told)
+    plain = as_plain(verdict, "float32", CONTRACT)
+    assert plain["certified"] is None
+    assert plain["headline"] == "nothing is wrong so far, but more time is wanted"
+    assert f"L4 mean: {told}" in printed(plain)
+    assert f"L4 mean: {told}" in written(tmp_path, verdict, plain)
+
+
+def test_steps_without_time_are_counted(fine):
+    verdict = replace(fine[0], status="UNDECIDED", left=["L4 mean"])
+    told = "nothing is wrong so far, 1 step had no time"
+    assert as_plain(verdict, "float32", CONTRACT)["headline"] == told
+
+
+def test_when_only_the_loop_is_wrong():
+    verdict = verdict_of(right, findings=[Finding(False, "furnace: too bright")])
+    plain = as_plain(verdict, "loop", CONTRACT)
+    assert (plain["status"], plain["first_wrong_pass"]) == ("FAIL", None)
+    assert "furnace: too bright" in printed(plain)
+    assert "no single pass is wrong" in printed(plain)
+
+
+# ---------------------------------------------------------------- rows
+
+
+def judgement(found, expected, allowed=0.0, **more):
+    """Of one buffer."""
+    found, expected = np.array(found, float), np.array(expected, float)
+    room = np.broadcast_to(allowed, found.shape)
+    return Judgement((Compared("W", found, expected, room),), **more)
+
+
+def test_among_infinitely_wrong_rows_the_largest_difference_is_worst():
+    found = judgement([1.0, 2.0, 1.0, 9.0], [1.0, 1.0, 0.9, 1.0])
+    assert worst_rows(found, 2).tolist() == [3, 1]
+
+
+def test_where_only_the_budget_is_exceeded_the_excused_rows_are_worst():
+    kept = {"kept slot": np.array([0, 1, 1]), "slot in exact arithmetic": np.ones(3)}
+    decisions = Decisions(np.zeros(3, bool), 1, 0.0)
+    found = judgement(
+        [1, 1, 1], [1, 1, 1], 1, terms=kept, decisions=decisions, counted=True
+    )
+    assert not found.passed
+    assert worst_rows(found, 5).tolist() == [0]
+
+
+# ---------------------------------------------------------------- pictures
+
+
+def test_pictures_of_what_is_wrong(wrong):
+    verdict, _ = wrong
+    worst = worst_answer(answers_of(verdict, "spatial"))
+    (W, *others) = error_maps(worst)
+    assert [m.name for m in others] in ([], ["decisions"])
+    assert (W.name, W.values.shape) == ("W", (16, 16))
+    assert W.low == -W.high
+    assert (W.values >= -1).all()  # too much, but for rounding
+    png = encode_png(W.pixels())
+    with Pillow.open(BytesIO(png)) as picture:
+        assert (picture.size, picture.mode) == ((16, 16), "RGB")
+
+
+def test_rows_that_are_no_pixels_have_no_picture(wrong):
+    verdict, _ = wrong
+    assert error_maps(worst_answer(answers_of(verdict, "jacobian"))) == []
+    assert worst_answer(answers_of(verdict, "shade")) is None
+
+
+def test_the_sign_and_the_unit_of_a_picture():
+    expected, allowed = np.full(4, 2.0), np.array([0.5, 0.5, 0.5, np.inf])
+    found = np.array([3.0, 1.0, 2.0, 9.0])
+    values = signed_map(Compared("W", found, expected, allowed), 2).values
+    np.testing.assert_array_equal(values, [[2, -2], [0, 0]])
+
+
+def test_where_nothing_is_allowed_a_picture_is_relative():
+    bits = np.array([[4, 0], [1, 1]], np.uint32)
+    picture = signed_map(exactly("words", bits, np.array([[2, 0], [1, 1]])), 2)
+    np.testing.assert_array_equal(picture.values, [[0.5, 0.0]])
+    assert "larger of the two" in picture.meaning
+
+
+# ---------------------------------------------------------------- the page
+
+
+def test_the_page_tells_all(wrong, tmp_path):
+    verdict, plain = wrong
+    text = written(tmp_path, verdict, plain)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["index.html", "verdict.json"]
+    stored = json.loads((tmp_path / "verdict.json").read_text(encoding="utf-8"))
+    assert stored == plain
+    names = ("jacobian-inverted", "many-lights", "furnace: too bright", "merge")
+    for words in (*names, "w of slot 0", "C2-Renderer fcd7c28", "Pixel (", "budget"):
+        assert words in text
+    for name in CONTRACT:
+        assert f">{name}<" in text
+    for row in of_pass(plain, "spatial")["worst"]["worst"]:
+        assert pieces(row["outputs"]["W"]["found"])[0] in text
+
+
+def test_the_page_needs_no_network_and_no_other_file(wrong, tmp_path):
+    text = written(tmp_path, *wrong)
+    page = Page(text)
+    assert not re.search(r"https?:|@import|url\(", text)
+    assert not page.all("link")
+    assert not page.all("script")
+    images = page.all("img")
+    assert len(images) >= 2
+    assert all(i["src"].startswith("data:image/png;base64,") for i in images)
+    assert all(i["alt"] for i in images)
+    anchors = {a["href"] for a in page.all("a")}
+    assert anchors == {f"#{s['id']}" for s in page.all("section") if "id" in s}
+
+
+def test_the_same_verdict_makes_the_same_page(wrong, tmp_path):
+    assert written(tmp_path / "a", *wrong) == written(tmp_path / "b", *wrong)
+
+
+def test_what_a_backend_says_cannot_break_out(wrong, tmp_path):
+    verdict, _ = wrong
+    plain = as_plain(verdict, EVIL, CONTRACT)
+    text = written(tmp_path, verdict, plain)
+    page = Page(text)
+    assert not page.all("script")
+    assert all(i["src"].startswith("data:") for i in page.all("img"))
+    assert "&lt;script&gt;alert(1)&lt;/script&gt;" in text
+    shown = printed(plain)
+    assert "\x1b" not in shown
+    assert "\udcff" not in shown
+    assert "<script>" in shown
+
+
+def test_a_folder_that_cannot_be_made(wrong, tmp_path):
+    (tmp_path / "file").touch()
+    with pytest.raises(UsageError, match="cannot make the folder") as error:
+        write_page(tmp_path / "file" / "below", *wrong)
+    assert len(str(error.value).splitlines()) == 1
+
+
+# ---------------------------------------------------------------- the terminal
+
+
+def test_the_terminal_shows_rungs_faults_and_the_verdict(wrong):
+    text = printed(wrong[1])
+    assert max(map(len, text.splitlines())) <= 120
+    for words in ("L0", "L2", "L3", "jacobian-inverted", "no known mistake", "merge"):
+        assert words in text
+    assert text.splitlines()[-1].startswith("FAIL: planted: 4 passes wrong")
+
+
+def test_brackets_are_no_markup(fine):
+    verdict, _ = fine
+    assert "PASS: [bold]x[/]: all" in printed(as_plain(verdict, "[bold]x[/]", CONTRACT))
+
+
+def test_numbers_as_they_are_read():
+    assert pieces(0.1) == ["0.1"]
+    assert pieces(3) == ["3"]
+    assert pieces(None, "anything") == ["anything"]
+    assert pieces([None, None], "anything") == ["anything"]
+    assert pieces([1.5, None], "–") == ["1.5", "–"]
