@@ -11,6 +11,7 @@ from reference.oracle.rungs.law import SCENES as LAW_SCENES
 from reference.oracle.rungs.law import same_law
 from reference.oracle.rungs.means import mean_over_runs
 from reference.oracle.rungs.probe import Finding, Probe
+from reference.oracle.rungs.relations import relations
 from reference.oracle.rungs.replayed import replayed
 from reference.oracle.rungs.spheres import furnace, half_lit
 from reference.oracle.stage import SCENES, stage
@@ -49,6 +50,11 @@ def ladder(passes: Passes, backend: Backend) -> Iterator[Rung]:
     yield asked("L0", "kernels", lambda: kernel_probes(precision))
     yield asked("L1", "lattices", lambda: lattice_probes(precision))
     yield "L2", "spheres", lambda: _spheres(passes, backend)
+    yield (
+        "L2",
+        "relations",
+        lambda: _if_it_answers("L2", "relations", lambda: _relations(passes, backend)),
+    )
     for scene in SCENES:
         yield asked("L3", scene, lambda scene=scene: scene_probes(scene, precision))  # type: ignore[misc]
 
@@ -152,6 +158,13 @@ def scene_probes(scene: str, precision: Precision) -> list[Probe]:
     """
     at = stage(find_scene(scene), SIZE, SEED)
     return [replayed("L3", case) for case in frame_cases(at, precision)]
+
+
+def _relations(passes: Passes, backend: Backend) -> Step:
+    at = stage(find_scene(SCENES[0]), SIZE // 2, SEED)
+    cases = list(frame_cases(at, backend.precision))
+    found = relations(asking(passes, backend), cases)
+    return Step("L2", "relations", findings=found)
 
 
 def _spheres(passes: Passes, backend: Backend) -> Step:

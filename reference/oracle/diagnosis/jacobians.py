@@ -62,7 +62,8 @@ def _root(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
 
 def _within(J: Bounded, least: float, most: float) -> Bounded:
     value: Scalars = np.clip(J.value, least, most)
-    return Bounded(value, J.error, J.rounding)
+    # The limit is a literal, rounded as such, of another size than J.
+    return Bounded(value, J.error + J.rounding.unit * value, J.rounding)
 
 
 def _clamped_3(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:

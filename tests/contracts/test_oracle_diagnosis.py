@@ -1,0 +1,126 @@
+"""Diagnosis: what reproduces all answers is named, and nothing else."""
+
+import numpy as np
+import pytest
+
+from reference.oracle.builtin.backend import FLOAT32
+from reference.oracle.contract.registry import CONTRACT
+from reference.oracle.diagnosis.diagnose import HYPOTHESES, diagnose
+from reference.oracle.frames import frame_cases
+from reference.oracle.replay.judges import JUDGES
+from reference.oracle.rungs.kernels import kernel_probes
+from reference.oracle.rungs.probe import Answer, examined
+from reference.oracle.rungs.replayed import replayed
+from reference.oracle.stage import stage
+from reference.scene.catalogue.registry import find_scene
+
+WITHOUT_CHOICE = (
+    "jacobian",
+    "target",
+    "finalize",
+    "merge",
+    "direction",
+    "initial",
+    "shade",
+)
+"""Passes whose outputs a hypothesis gives outright."""
+
+
+@pytest.fixture(scope="module")
+def probes():
+    found = [p for p in kernel_probes("float32") if "extremes" not in p.case.name]
+    for scene in ("cornell-box", "door-ajar"):
+        at = stage(find_scene(scene), 24, 1)
+        found += [replayed("L3", case) for case in frame_cases(at, "float32")]
+    return found
+
+
+def right(case):
+    return dict(getattr(FLOAT32, case.pass_name)(**case.inputs, **case.settings))
+
+
+def answered(probes, pass_name, answer):
+    chosen = [p for p in probes if p.case.pass_name == pass_name]
+    return [examined(CONTRACT, "float32", p, answer(p.case)) for p in chosen]
+
+
+def under(hypothesis):
+    """Answers of a backend that makes the mistake: what its own replay expects."""
+
+    def answer(case):
+        out = right(case)
+        judgement = JUDGES[case.pass_name](case, out, hypothesis.rules, "float32")
+        for one in judgement.compared:
+            if one.name != "direction":
+                wanted = np.clip(one.expected, -3e38, 3e38)
+                out[one.name] = wanted.astype(out[one.name].dtype)
+        return out
+
+    return answer
+
+
+PAIRS = [(h, name) for h in HYPOTHESES for name in h.passes if name in WITHOUT_CHOICE]
+
+
+@pytest.mark.parametrize(
+    ("hypothesis", "pass_name"), PAIRS, ids=[f"{h.name}-{name}" for h, name in PAIRS]
+)
+def test_a_planted_mistake_is_named(probes, hypothesis, pass_name):
+    answers = answered(probes, pass_name, under(hypothesis))
+    found = diagnose(pass_name, answers, "float32")
+    shows = any(not a.finding.passed for a in answers)
+    if shows:
+        assert hypothesis in found.matches
+        assert len(found.matches) <= 2, [h.name for h in found.matches]
+    else:
+        assert found.matches == ()
+
+
+def test_almost_every_mistake_shows_somewhere(probes):
+    """Else the test above would prove nothing."""
+    hidden = [
+        (h.name, name)
+        for h, name in PAIRS
+        if all(a.finding.passed for a in answered(probes, name, under(h)))
+    ]
+    # A uniform variable meets equality, and a rejected J inside its limits is no
+    # mistake; all others show.
+    assert len(hidden) <= 0.1 * len(PAIRS), hidden
+
+
+@pytest.mark.parametrize("pass_name", sorted(CONTRACT))
+def test_nothing_is_named_where_nothing_is_wrong(probes, pass_name):
+    answers = answered(probes, pass_name, right)
+    assert diagnose(pass_name, answers, "float32").matches == ()
+
+
+@pytest.mark.parametrize("pass_name", WITHOUT_CHOICE)
+def test_what_nobody_has_done_before_is_not_named(probes, pass_name):
+    """An odd factor on the last output is no known mistake."""
+
+    def odd(case):
+        out = right(case)
+        name = next(n for n, a in reversed(out.items()) if a.dtype.kind == "f")
+        out[name] = out[name] * np.float32(0.8765)
+        return out
+
+    answers = answered(probes, pass_name, odd)
+    assert any(not a.finding.passed for a in answers)
+    assert diagnose(pass_name, answers, "float32").matches == ()
+
+
+def test_two_mistakes_at_once_are_not_one_of_them(probes):
+    by_name = {h.name: h for h in HYPOTHESES}
+    pi = under(by_name["shade-without-pi"])
+
+    def both(case):
+        return {"color": pi(case)["color"] * case.inputs["albedo"]}
+
+    answers = answered(probes, "shade", both)
+    assert diagnose("shade", answers, "float32").matches == ()
+
+
+def test_without_answers_there_is_no_name():
+    assert diagnose("shade", [], "float32").matches == ()
+    nobody = [Answer(kernel_probes("float32")[0], None, None)]
+    assert diagnose("random", nobody, "float32").matches == ()

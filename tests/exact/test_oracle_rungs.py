@@ -1,0 +1,227 @@
+"""Rungs without statistics: what is right passes, what is planted does not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from reference.oracle.builtin.backend import FLOAT32, FLOAT64
+from reference.oracle.frames import frame_cases
+from reference.oracle.rungs.lattice import lattice_probes
+from reference.oracle.rungs.patches import EYE, PLACE, UP, theory
+from reference.oracle.rungs.relations import RELATIONS, relations
+from reference.oracle.rungs.spheres import furnace, half_lit
+from reference.oracle.stage import stage
+from reference.scene.catalogue.registry import find_scene
+
+BACKENDS = {"float32": FLOAT32, "float64": FLOAT64}
+
+
+def call(backend, case):
+    return getattr(backend, case.pass_name)(**case.inputs, **case.settings)
+
+
+def changed(precision, pass_name, change):
+    """Ask a backend of which one pass is changed."""
+
+    def ask(case):
+        outputs = dict(call(BACKENDS[precision], case))
+        return change(case, outputs) if case.pass_name == pass_name else outputs
+
+    return ask
+
+
+def right(precision):
+    return changed(precision, None, None)
+
+
+@pytest.fixture(params=BACKENDS)
+def precision(request):
+    return request.param
+
+
+# ---------------------------------------------------------------- lattices
+
+
+def lattice_findings(precision, ask):
+    found = lattice_probes(precision)
+    return {p.case.name: p.examine(p.case, ask(p.case), precision) for p in found}
+
+
+def test_lattices_pass_what_is_right(precision):
+    found = lattice_findings(precision, right(precision))
+    assert [f.text for f in found.values() if not f.passed] == []
+
+
+def test_the_solid_angles_are_those_of_small_patches():
+    """By the definition, with vectors of Python's own."""
+    known = theory()
+    for i, x in np.argwhere(known.mu > 0):
+        v = PLACE[x] - EYE[i]
+        d2 = sum(c * c for c in v)
+        cosine = -sum(a * b for a, b in zip(v, known.normal[x], strict=True)) / d2**0.5
+        assert known.mu[i, x] == pytest.approx(0.05 * cosine / d2, rel=1e-12)
+        assert sum(a * b for a, b in zip(v, UP[i], strict=True)) > 0
+
+
+@pytest.mark.parametrize("factor", [1 + 1e-4, 1 - 1e-4])
+@pytest.mark.parametrize("name", ["temporal", "moved", "spatial"])
+def test_lattices_see_a_bias_of_a_hundredth_of_a_percent(precision, name, factor):
+    def change(case, out):
+        return out | {"W": (out["W"] * factor).astype(out["W"].dtype)}
+
+    found = lattice_findings(precision, changed(precision, name, change))
+    bad = [case for case, finding in found.items() if not finding.passed]
+    assert bad
+    assert all(name in case for case in bad)
+
+
+def test_lattices_see_1_over_m(precision):
+    """Nobody asked for it, and it is no bias of a formula: supports differ."""
+
+    def change(case, out):
+        biased = replace(case, settings={**case.settings, "mis": "1/M"})
+        return call(BACKENDS[precision], biased)
+
+    found = lattice_findings(precision, changed(precision, "spatial", change))
+    assert not found["lattice-spatial"].passed
+    assert "-" in found["lattice-spatial"].text
+
+
+def test_lattices_do_not_care_which_side_of_u_is_taken(precision):
+    """1 - u has the same law: the replay calls it wrong, the expectation does not."""
+
+    def change(case, out):
+        u = {n: 1 - a for n, a in case.inputs.items() if n in ("u", "u_neighbors")}
+        return call(BACKENDS[precision], replace(case, inputs={**case.inputs, **u}))
+
+    ask = changed(precision, "temporal", change)
+    assert lattice_findings(precision, ask)["lattice-temporal"].passed
+
+
+def test_the_merge_lattice_counts():
+    def change(case, out):
+        w_a, w_b, u = (case.inputs[name] for name in ("w_a", "w_b", "u"))
+        return out | {"second": (u * w_a < w_b).astype(np.uint32)}
+
+    found = lattice_findings("float32", changed("float32", "merge", change))
+    assert "instead of" in found["lattice-merge"].text
+
+
+# ---------------------------------------------------------------- spheres
+
+SPHERE_MISTAKES = {
+    "J left out": (
+        "spatial",
+        lambda case, out: call(
+            FLOAT32, replace(case, inputs={**case.inputs, **_at_one_place(case)})
+        ),
+    ),
+    "W without 1/M": (
+        "temporal",
+        lambda case, out: out | {"W": out["W"] * np.float32(2)},
+    ),
+    "wrong density": (
+        "direction",
+        lambda case, out: out | {"pdf": out["pdf"] * np.float32(np.pi)},
+    ),
+    "albedo twice": (
+        "shade",
+        lambda case, out: {"color": out["color"] * case.inputs["albedo"]},
+    ),
+}
+
+
+def _at_one_place(case):
+    """Visible points of all rows at that of the first: every J is 1."""
+    x = case.inputs["visible_position"]
+    return {"visible_position": np.broadcast_to(x[:1], x.shape).copy()}
+
+
+def test_spheres_pass_what_is_right(precision):
+    for test in (furnace, half_lit):
+        assert test(right(precision), precision).text == ""
+
+
+@pytest.mark.parametrize("name", SPHERE_MISTAKES)
+def test_spheres_see_what_is_planted(name):
+    pass_name, change = SPHERE_MISTAKES[name]
+    ask = changed("float32", pass_name, change)
+    assert not furnace(ask, "float32").passed
+
+
+def test_the_half_lit_sphere_counts_misses():
+    def change(case, out):
+        null = ~case.inputs["new_radiance"].any(axis=1)
+        return out | {"M": out["M"] - null.astype(np.float32)}
+
+    ask = changed("float32", "temporal", change)
+    assert "misses count" in half_lit(ask, "float32").text
+
+
+# ---------------------------------------------------------------- relations
+
+
+@pytest.fixture(scope="module")
+def cases():
+    return list(frame_cases(stage(find_scene("cornell-box"), 16, 1), "float32"))
+
+
+def test_relations_pass_what_is_right(cases):
+    found = relations(right("float32"), cases)
+    assert [f.text for f in found if not f.passed] == []
+    assert len(found) > 20
+
+
+@pytest.mark.parametrize(
+    ("pass_name", "change", "words"),
+    [
+        (
+            "spatial",
+            lambda case, out: out | {"W": np.minimum(out["W"], np.float32(3))},
+            "",
+        ),
+        (
+            "initial",
+            lambda case, out: {
+                **out,
+                "W": out["p_hat"] / np.maximum(out["p_hat"], np.float32(1e-4)),
+            },
+            "light times",
+        ),
+        (
+            "shade",
+            lambda case, out: {"color": np.minimum(out["color"], np.float32(1))},
+            "light times",
+        ),
+        (
+            "shade",
+            lambda case, out: {
+                "color": out["color"] * np.float32([1, 1 + 2.0**-20, 1])
+            },
+            "coloured",
+        ),
+        (
+            "shade",
+            lambda case, out: {"color": out["color"] + np.float32(1e-6)},
+            "not black",
+        ),
+        (
+            "jacobian",
+            lambda case, out: out,
+            "",
+        ),
+    ],
+    ids=["cap on W", "epsilon", "clamp", "channels", "ambient", "control"],
+)
+def test_relations_see_what_has_a_scale_of_its_own(cases, pass_name, change, words):
+    found = relations(changed("float32", pass_name, change), cases)
+    text = [f.text for f in found if not f.passed]
+    if words:
+        assert any(words in line for line in text), text
+    else:
+        assert text == []
+
+
+def test_every_relation_names_what_it_changes():
+    assert all(r.passes for r in RELATIONS)

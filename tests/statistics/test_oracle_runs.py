@@ -1,0 +1,110 @@
+"""Rungs of whole runs: no false alarm, and planted biases found.
+
+The false alarms of the bets and of the ranks have their own tests, on laws that are
+known.  Here the loop itself is under test: that its runs are independent, that the
+truth is the truth and that the bound is one.
+"""
+
+import numpy as np
+import pytest
+
+from reference.oracle.builtin.backend import FLOAT32, FLOAT64
+from reference.oracle.rungs.law import SCENES, same_law
+from reference.oracle.rungs.means import _replicates, mean_over_runs, truth
+from reference.oracle.rungs.spheres import room
+
+
+def ask_right(case):
+    return getattr(FLOAT32, case.pass_name)(**case.inputs, **case.settings)
+
+
+def changed(pass_name, change):
+    def ask(case):
+        outputs = dict(ask_right(case))
+        return change(case, outputs) if case.pass_name == pass_name else outputs
+
+    return ask
+
+
+def brighter(factor):
+    return changed(
+        "shade", lambda case, out: {"color": out["color"] * np.float32(factor)}
+    )
+
+
+def test_the_right_backend_is_certified():
+    """To half a percent; fails with probability 5e-7 if the bets are right."""
+    found = mean_over_runs(ask_right, "float32", lambda: 60.0)
+    assert found.finding.passed
+    assert found.certified <= 0.005
+
+
+@pytest.mark.parametrize("factor", [1.03, 0.97])
+def test_control_three_percent_are_found(factor):
+    found = mean_over_runs(brighter(factor), "float32", lambda: 60.0)
+    assert not found.finding.passed
+    assert found.runs < 20000
+
+
+def test_without_time_a_bound_is_told_with_what_more_would_buy():
+    found = mean_over_runs(ask_right, "float32", lambda: 0.0)
+    assert found.finding.passed
+    assert 0.005 < found.certified < 0.5
+    assert "would certify 0.005" in found.more
+
+
+def test_no_run_is_above_the_bound_and_their_mean_is_the_truth():
+    """Mean of 2048 runs within 6 standard errors: fails with probability 1e-8."""
+    ask = lambda case: getattr(FLOAT64, case.pass_name)(  # noqa: E731
+        **case.inputs, **case.settings
+    )
+    y = np.concatenate([_replicates(ask, "float64", seed) for seed in range(4)])
+    assert y.max() <= 1 + room("float64")
+    error = y[:, 0].std(ddof=1) / len(y) ** 0.5
+    assert abs(y[:, 0].mean() - truth()) < 6 * error
+
+
+def test_the_same_law_is_not_accused():
+    """Each with probability 5e-7 / 4 at most."""
+    found = same_law(ask_right, "float32", "sunlit-wall")
+    assert found.finding.passed
+
+
+@pytest.mark.parametrize(
+    ("pass_name", "change"),
+    [
+        ("shade", lambda case, out: {"color": out["color"] * np.float32(1.4)}),
+        ("spatial", lambda case, out: out | {"W": out["W"] * np.float32(0.5)}),
+        (
+            "temporal",
+            lambda case, out: out | {"M": np.minimum(out["M"], np.float32(1))},
+        ),
+    ],
+    ids=["brighter", "darker", "no memory"],
+)
+def test_control_another_law_is_found(pass_name, change):
+    found = same_law(changed(pass_name, change), "float32", "sunlit-wall")
+    assert not found.finding.passed
+
+
+@pytest.mark.slow
+def test_p_values_of_the_right_backend_are_not_too_small():
+    """Of 160 runs at most 8 below 1e-2: 9 or more have probability 5e-5."""
+    small = [
+        same_law(ask_right, "float32", scene, seed=100 + seed).p < 1e-2
+        for scene in SCENES
+        for seed in range(40)
+    ]
+    assert sum(small) <= 8
+
+
+@pytest.mark.slow
+def test_bets_at_a_raised_level_keep_it():
+    """Of 100 runs at 1e-2 at most 6 alarms: 7 or more have probability 1e-4."""
+    alarms = 0
+    for run in range(100):
+        found = mean_over_runs(
+            ask_right, "float32", lambda: 0.0, alpha=1e-2, first_seed=5000 + run
+        )
+        alarms += not found.finding.passed
+    assert alarms <= 6
