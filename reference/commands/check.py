@@ -1,27 +1,23 @@
 """``restir check``: the verdict on a backend, and the name of the bug."""
 
 import argparse
-import time
-from itertools import chain
 from pathlib import Path
+from typing import Any
 
 from reference.commands.arguments import add_json
 from reference.commands.console import emit, progress, show
 from reference.commands.values import seconds
-from reference.errors import UsageError
-from reference.oracle.backends.backend import Backend, Limits
-from reference.oracle.backends.command import PLACE, ProgramBackend
+from reference.oracle.backends.backend import Limits
+from reference.oracle.backends.command import PLACE
 from reference.oracle.backends.files import FilesBackend
 from reference.oracle.backends.find import backend_names, is_python
-from reference.oracle.backends.process import PythonBackend
-from reference.oracle.contract.fields import Precision
+from reference.oracle.checking import judge
 from reference.oracle.contract.registry import CONTRACT
 from reference.oracle.golden import read_golden
-from reference.oracle.ladder import golden_rungs, ladder, statistical_rungs
 from reference.oracle.report.page import write_page
 from reference.oracle.report.plain import as_plain
 from reference.oracle.report.table import table
-from reference.oracle.verdict import Verdict, climb
+from reference.oracle.verdict import Verdict
 
 NAME = "check"
 BUDGET = 600.0
@@ -105,56 +101,18 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _judge(arguments: argparse.Namespace) -> Verdict:
-    against, spec = arguments.against, arguments.backend
-    folder = Path(spec)
-    is_folder = folder.is_dir() and not is_python(spec)
-    if is_folder and against is None:
-        against = folder
-    golden = read_golden(against) if against is not None else None
-    precision: Precision = golden[0] if golden else arguments.precision
-    backend = (
-        FilesBackend(folder, precision)
-        if is_folder
-        else _open(spec, Limits(arguments.limit), precision)
-    )
-    try:
-        if golden and backend.precision != golden[0]:
-            raise UsageError(
-                f"{against} is of {golden[0]}, and the backend calculates in"
-                f" {backend.precision}; make one by restir golden --precision"
-            )
-        start = time.monotonic()
-
-        def remaining() -> float:
-            return float(start + arguments.budget - time.monotonic())
-
-        rungs = (
-            golden_rungs(CONTRACT, backend, golden[1])
-            if golden
-            else chain(
-                ladder(CONTRACT, backend),
-                statistical_rungs(CONTRACT, backend, remaining),
-            )
+    backend: Any = arguments.backend
+    against = arguments.against
+    folder = Path(backend)
+    if folder.is_dir() and not is_python(backend):
+        against = folder if against is None else against
+        backend = FilesBackend(folder, read_golden(against)[0])
+    with progress("check") as tick:
+        return judge(
+            backend,
+            arguments.budget,
+            limits=Limits(arguments.limit),
+            precision=arguments.precision,
+            against=against,
+            tell=lambda title: tick(0, 1, title),
         )
-        with progress("check") as tick:
-            return climb(
-                CONTRACT,
-                backend.precision,
-                rungs,
-                arguments.budget,
-                time.monotonic,
-                lambda title: tick(0, 1, title),
-            )
-    finally:
-        backend.close()
-
-
-def _open(spec: str, limits: Limits, precision: Precision) -> Backend:
-    if PLACE in spec:
-        return ProgramBackend(spec, limits, precision)
-    if is_python(spec):
-        return PythonBackend(spec, limits)
-    raise UsageError(
-        f"no backend {spec!r}; known are {', '.join(backend_names())}, module:object,"
-        f" file.py[:object], a command line with {PLACE}, or a golden folder"
-    )

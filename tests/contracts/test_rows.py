@@ -62,7 +62,7 @@ from reference.scene.surface import (
     direction_and_distance,
 )
 from reference.settings import Settings
-from tests.strategies import EXAMPLES, Kind
+from reference.strategies import EXAMPLES, Kind
 
 WIDTH, HEIGHT = 15, 17
 N = WIDTH * HEIGHT

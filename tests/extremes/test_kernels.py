@@ -41,7 +41,7 @@ from reference.scene.materials.microfacet import (
 )
 from reference.scene.materials.parameters import Kind, tabulate
 from reference.scene.surface import SurfacePoints
-from tests.strategies import EXAMPLES, scalars, unit_vectors
+from reference.strategies import EXAMPLES, scalars, unit_vectors
 
 F32, F64 = np.finfo(np.float32), np.finfo(np.float64)
 

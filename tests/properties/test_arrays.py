@@ -12,7 +12,7 @@ from numpy.testing import assert_array_equal
 
 from reference.arrays import cross, divide_or_zero, dot, length, normalize, sqrt
 from reference.frames import normal_frames, to_world, turn
-from tests.strategies import ROWS, points, scalars, unit_vectors
+from reference.strategies import ROWS, points, scalars, unit_vectors
 
 EPS = np.finfo(np.float64).eps
 

@@ -21,7 +21,7 @@ from reference.scene.materials.coat import (
     transmittance_table,
 )
 from reference.scene.materials.fresnel import fresnel_dielectric
-from tests.strategies import ROWS, colors, scalars
+from reference.strategies import ROWS, colors, scalars
 
 EPS = np.finfo(np.float64).eps
 

@@ -11,7 +11,7 @@ from reference.scene.materials.fresnel import (
     fresnel_dielectric,
     fresnel_schlick,
 )
-from tests.strategies import ROWS, colors, scalars
+from reference.strategies import ROWS, colors, scalars
 
 EPS = np.finfo(np.float64).eps
 

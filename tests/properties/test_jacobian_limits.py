@@ -10,7 +10,7 @@ from numpy.testing import assert_array_equal
 
 from reference.resampling.jacobian_limits import clamp_jacobian, within_limit
 from reference.resampling.shift import reconnection_jacobian
-from tests.strategies import views_of_a_patch
+from reference.strategies import views_of_a_patch
 
 ratios = st.lists(
     st.fractions(Fraction(1, 100), 100, max_denominator=100), min_size=1, max_size=5

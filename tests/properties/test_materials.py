@@ -19,7 +19,13 @@ from reference.scene.materials.fresnel import fresnel_dielectric
 from reference.scene.materials.microfacet import reflect
 from reference.scene.materials.parameters import Kind, tabulate
 from reference.scene.surface import SurfacePoints
-from tests.strategies import EXAMPLES, directions_above, draws, surfaces, unit_vectors
+from reference.strategies import (
+    EXAMPLES,
+    directions_above,
+    draws,
+    surfaces,
+    unit_vectors,
+)
 
 EPS = np.finfo(np.float64).eps
 

@@ -18,7 +18,7 @@ from reference.scene.materials.microfacet import (
     sample_visible_normal,
     smith_g1,
 )
-from tests.strategies import scalars, uniforms, unit_vectors
+from reference.strategies import scalars, uniforms, unit_vectors
 
 EPS = np.finfo(np.float64).eps
 

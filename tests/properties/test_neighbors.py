@@ -10,7 +10,7 @@ from reference.arrays import dot
 from reference.passes.neighbors import NONE, find_neighbors
 from reference.scene.surface import SurfacePoints, VisiblePoints
 from reference.settings import Settings
-from tests.strategies import uniforms, unit_vectors
+from reference.strategies import uniforms, unit_vectors
 
 WIDTH, HEIGHT = 9, 7
 N = WIDTH * HEIGHT

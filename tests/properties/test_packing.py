@@ -18,7 +18,14 @@ from reference.resampling.packing.log_luv import RGB_TO_XYZ
 from reference.resampling.packing.octahedral import WORST_ANGLE, encode_normal
 from reference.resampling.packing.rounding import nearest_count, nearest_float
 from reference.resampling.reservoir import Reservoirs, Samples
-from tests.strategies import colors, points, reservoirs, samples, scalars, unit_vectors
+from reference.strategies import (
+    colors,
+    points,
+    reservoirs,
+    samples,
+    scalars,
+    unit_vectors,
+)
 from tests.words import (
     FIELDS,
     UNIT,

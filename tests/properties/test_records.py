@@ -11,7 +11,7 @@ from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_array_equal
 
 from reference.records import concatenate, keep, map_rows, scatter, take, where
-from tests.strategies import ROWS, cuts
+from reference.strategies import ROWS, cuts
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,7 +22,14 @@ from reference.resampling.reservoir import (
     merge,
     reused_candidates,
 )
-from tests.strategies import ROWS, candidates, reservoirs, samples, scalars, uniforms
+from reference.strategies import (
+    ROWS,
+    candidates,
+    reservoirs,
+    samples,
+    scalars,
+    uniforms,
+)
 
 EPS = np.finfo(np.float64).eps
 ALMOST_ONE = np.full(ROWS, 1 - 2.0**-24)

@@ -8,7 +8,7 @@ from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_array_equal
 
 from reference.rng import KeyedUniforms, Stream, TabledUniforms, pcg4d, to_unit_interval
-from tests.strategies import ROWS, cuts, tabled_uniforms
+from reference.strategies import ROWS, cuts, tabled_uniforms
 
 words = arrays(np.uint32, ROWS, elements=st.integers(0, 2**32 - 1))
 word = st.integers(0, 2**32 - 1)

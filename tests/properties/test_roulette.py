@@ -8,7 +8,7 @@ from numpy.testing import assert_array_equal
 
 from reference.passes.roulette import TILE_HEIGHT, TILE_WIDTH, tail_weight
 from reference.rng import DIMENSIONS, Stream, pcg4d
-from tests.strategies import cuts
+from reference.strategies import cuts
 
 WIDTH, HEIGHT = 3 * TILE_WIDTH + 7, 2 * TILE_HEIGHT + 5
 N = WIDTH * HEIGHT

@@ -22,7 +22,7 @@ from reference.sampling import (
     sample_uniform_hemisphere,
     sample_uniform_sphere,
 )
-from tests.strategies import ROWS, uniforms
+from reference.strategies import ROWS, uniforms
 
 EPS = np.finfo(np.float64).eps
 

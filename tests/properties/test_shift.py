@@ -13,7 +13,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from reference.arrays import divide_or_zero, dot, length
 from reference.resampling.shift import reconnection_jacobian
-from tests.strategies import views_of_a_patch
+from reference.strategies import views_of_a_patch
 
 EPS = np.finfo(np.float64).eps
 

@@ -8,7 +8,7 @@ from numpy.testing import assert_array_equal
 
 from reference.passes.neighbors import NONE
 from reference.passes.taps import nearby, permuted
-from tests.strategies import draws, scalars
+from reference.strategies import draws, scalars
 
 sizes = st.tuples(st.integers(1, 13), st.integers(1, 13))
 frames = st.integers(0, 2**27 - 1)

@@ -91,7 +91,7 @@ class Bounded:
         """Quotient; 0 over an exact 0, and a bound of infinity over what may be 0."""
         least = np.abs(other.value) - other.error
         none = (other.value == 0) & (other.error == 0)
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             value = np.where(other.value != 0, self.value / other.value, 0.0)
             error = (self.error + np.abs(value) * other.error) / least
         error = np.where(least > 0, error, np.inf)
@@ -113,7 +113,7 @@ class Bounded:
         return Bounded(self.value[key], self.error[key], self.rounding)
 
     def _result(self, value: Scalars, error: Scalars) -> "Bounded":
-        with np.errstate(invalid="ignore"):
+        with np.errstate(invalid="ignore", over="ignore"):
             return Bounded(
                 value, error + self.rounding.unit * np.abs(value), self.rounding
             )

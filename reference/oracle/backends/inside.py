@@ -1,0 +1,53 @@
+"""A Python backend in this very process: for tests, where that is what is wanted."""
+
+from typing import Any
+
+import numpy as np
+
+from reference.oracle.cases import Case, Failure, Outcome
+from reference.oracle.contract.fields import Passes, Precision
+
+
+class InsideBackend:
+    """A Python object with one method a pass, called directly.
+
+    Parameters
+    ----------
+    target : object
+        The backend.  If it takes the process down, the tests go with it.
+    """
+
+    def __init__(self, target: Any) -> None:
+        self._target = target
+        self.precision: Precision = getattr(target, "precision", "float32")
+
+    def run(self, passes: Passes, cases: list[Case]) -> list[Outcome]:
+        """Outcome of each case.
+
+        Parameters
+        ----------
+        passes : mapping of str to Pass
+            The contract.
+        cases : list of Case
+            Calls.
+
+        Returns
+        -------
+        list of Outcome
+            An exception is a failure.
+        """
+        return [self._call(case) for case in cases]
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+    def _call(self, case: Case) -> Outcome:
+        method = getattr(self._target, case.pass_name, None)
+        if method is None:
+            return None
+        try:
+            outputs = method(**case.inputs, **case.settings)
+            return {name: np.asarray(array) for name, array in dict(outputs).items()}
+        except Exception as error:
+            words = " ".join(str(error).split())
+            return Failure(f"{case.name}: {type(error).__name__}: {words}")

@@ -1,0 +1,147 @@
+"""A backend judged in one call."""
+
+import time
+from collections.abc import Callable
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+from reference.errors import UsageError
+from reference.oracle.backends.backend import Backend, Limits
+from reference.oracle.backends.command import PLACE, ProgramBackend
+from reference.oracle.backends.find import backend_names, is_python
+from reference.oracle.backends.inside import InsideBackend
+from reference.oracle.backends.process import PythonBackend
+from reference.oracle.contract.fields import Precision
+from reference.oracle.contract.registry import CONTRACT
+from reference.oracle.golden import read_golden
+from reference.oracle.ladder import golden_rungs, ladder, statistical_rungs
+from reference.oracle.verdict import Verdict, climb
+
+
+def _silent(title: str) -> None:
+    """Tell nobody."""
+
+
+def judge(
+    backend: Any,
+    budget: float,
+    statistics: bool = True,
+    limits: Limits | None = None,
+    precision: Precision = "float32",
+    against: Path | None = None,
+    tell: Callable[[str], None] = _silent,
+) -> Verdict:
+    """Judge a backend.
+
+    Parameters
+    ----------
+    backend : object or str
+        An object is called in this process; a string names one, or is a command line
+        with ``{directory}``.
+    budget : float, s
+        No step begins after that.
+    statistics : bool
+        Whether whole runs are among the steps.
+    limits : Limits, optional
+        Of time and memory, for a backend in another process.
+    precision : 'float32' or 'float64'
+        Of a program; an object says its own.
+    against : Path, optional
+        Golden folder whose cases are judged in place of our own.
+    tell : callable
+        Told the title of each step.
+
+    Returns
+    -------
+    Verdict
+        Whatever the backend does.
+
+    Raises
+    ------
+    UsageError
+        No such backend or folder, or they are of different precision.
+    """
+    golden = read_golden(against) if against is not None else None
+    given = golden[0] if golden else precision
+    opened = open_backend(backend, limits or Limits(), given)
+    start = time.monotonic()
+
+    def remaining() -> float:
+        return start + budget - time.monotonic()
+
+    try:
+        if golden and opened.precision != golden[0]:
+            raise UsageError(
+                f"{against} is of {golden[0]}, and the backend calculates in"
+                f" {opened.precision}; make one by restir golden --precision"
+            )
+        if golden:
+            rungs = golden_rungs(CONTRACT, opened, golden[1])
+        else:
+            rungs = ladder(CONTRACT, opened)
+            if statistics:
+                runs = statistical_rungs(CONTRACT, opened, remaining)
+                rungs = chain(rungs, runs)
+        clock = time.monotonic
+        return climb(CONTRACT, opened.precision, rungs, budget, clock, tell)
+    finally:
+        opened.close()
+
+
+def open_backend(backend: Any, limits: Limits, precision: Precision) -> Backend:
+    """Reach a backend.
+
+    Parameters
+    ----------
+    backend : object or str
+        As for `judge`.
+    limits : Limits
+        Of time and memory.
+    precision : 'float32' or 'float64'
+        Of a program.
+
+    Returns
+    -------
+    Backend
+        To be closed.
+
+    Raises
+    ------
+    UsageError
+        There is none.
+    """
+    if not isinstance(backend, str):
+        found: Backend = backend if hasattr(backend, "run") else InsideBackend(backend)
+        return found
+    if PLACE in backend:
+        return ProgramBackend(backend, limits, precision)
+    if is_python(backend):
+        return PythonBackend(backend, limits)
+    raise UsageError(
+        f"no backend {backend!r}; known are {', '.join(backend_names())},"
+        f" module:object, file.py[:object], a command line with {PLACE}, or a golden"
+        " folder"
+    )
+
+
+def told(verdict: Verdict) -> str:
+    """What is wrong, for the failure of a test.
+
+    Parameters
+    ----------
+    verdict : Verdict
+        Of a backend.
+
+    Returns
+    -------
+    str
+        A line for each fault, at most three a step, and the names of the mistakes.
+    """
+    lines = [f"the backend is wrong ({verdict.status}):"]
+    for timed in verdict.steps:
+        lines += [f"  {timed.step.rung} {text}" for text in timed.step.faults[:3]]
+    for one in verdict.diagnoses:
+        names = " or ".join(f"{h.name} ({h.mistake})" for h in one.matches)
+        lines.append(f"  {one.pass_name}: {names or 'no known mistake'}")
+    return "\n".join(lines)
