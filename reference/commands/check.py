@@ -1,26 +1,33 @@
 """``restir check``: the verdict on a backend, and the name of the bug."""
 
 import argparse
+import time
 from pathlib import Path
 from typing import Any
 
 from reference.commands.arguments import add_json
 from reference.commands.console import emit, progress, show
-from reference.commands.values import seconds
+from reference.commands.opening import find_scene_or_file
+from reference.commands.values import four_times, seconds, whole
 from reference.oracle.backends.backend import Limits
 from reference.oracle.backends.command import PLACE
 from reference.oracle.backends.files import FilesBackend
 from reference.oracle.backends.find import backend_names, is_python
+from reference.oracle.blackbox.judge import renderer_rungs
+from reference.oracle.blackbox.renderer import PLACES, Renderer
+from reference.oracle.blackbox.truth import Truth, path_traced
 from reference.oracle.checking import judge
 from reference.oracle.contract.registry import CONTRACT
 from reference.oracle.golden import read_golden
 from reference.oracle.report.page import write_page
 from reference.oracle.report.plain import as_plain
 from reference.oracle.report.table import table
-from reference.oracle.verdict import Verdict
+from reference.oracle.verdict import Verdict, climb
 
 NAME = "check"
 BUDGET = 600.0
+SCENE = "cornell-box"
+TRUTH_SAMPLES = 4096
 EXIT = {"PASS": 0, "FAIL": 1, "UNDECIDED": 3}
 
 
@@ -37,7 +44,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "backend",
         metavar="BACKEND",
         help=f"{names}; module:object or file.py[:object]; a command line with {PLACE};"
-        " or a folder with outputs beside golden inputs",
+        " or a folder with outputs beside golden inputs; or the command line of a"
+        f" renderer with {', '.join(PLACES)}",
     )
     parser.add_argument(
         "--against",
@@ -64,6 +72,39 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=("float32", "float64"),
         default="float32",
         help="of a command (default float32); an object says its own",
+    )
+    parser.add_argument(
+        "--scene",
+        default=SCENE,
+        metavar="SCENE",
+        help=f"what a renderer renders: built-in or a file (default {SCENE})",
+    )
+    parser.add_argument(
+        "--bounces",
+        type=whole(1, 30),
+        default=1,
+        metavar="K",
+        help="of the renderer's indirect light (default 1)",
+    )
+    parser.add_argument(
+        "--frames",
+        type=whole(1, 2**27 - 1),
+        default=8,
+        metavar="F",
+        help="of a renderer, from an empty history to the picture (default 8)",
+    )
+    parser.add_argument(
+        "--size",
+        type=four_times,
+        default=64,
+        metavar="N",
+        help="pixels of a side of the renderer's picture, a multiple of 4 (default 64)",
+    )
+    parser.add_argument(
+        "--bound",
+        type=seconds,
+        metavar="B",
+        help="your word that no tile's mean in one picture exceeds B times its truth",
     )
     parser.add_argument("--out", type=Path, metavar="DIR", help="folder for the report")
     add_json(parser)
@@ -103,6 +144,8 @@ def run(arguments: argparse.Namespace) -> int:
 def _judge(arguments: argparse.Namespace) -> Verdict:
     backend: Any = arguments.backend
     against = arguments.against
+    if "{out}" in backend:
+        return _judge_renderer(arguments)
     folder = Path(backend)
     if folder.is_dir() and not is_python(backend):
         against = folder if against is None else against
@@ -115,4 +158,30 @@ def _judge(arguments: argparse.Namespace) -> Verdict:
             precision=arguments.precision,
             against=against,
             tell=lambda title: tick(0, 1, title),
+        )
+
+
+def _judge_renderer(arguments: argparse.Namespace) -> Verdict:
+    scene = find_scene_or_file(arguments.scene)
+    limits = Limits(arguments.limit)
+    renderer = Renderer(
+        arguments.backend, arguments.scene, arguments.frames, arguments.size, limits
+    )
+    start = time.monotonic()
+
+    def remaining() -> float:
+        return float(start + arguments.budget - time.monotonic())
+
+    def truth() -> Truth:
+        return path_traced(scene, arguments.size, arguments.bounces, TRUTH_SAMPLES)
+
+    rungs = renderer_rungs(renderer, truth, arguments.bound, remaining)
+    with progress("check") as tick:
+        return climb(
+            {},
+            "float32",
+            rungs,
+            arguments.budget,
+            time.monotonic,
+            lambda title: tick(0, 1, title),
         )

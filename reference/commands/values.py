@@ -62,6 +62,25 @@ def size(text: str) -> Size:
     return sides[0], sides[1]
 
 
+def four_times(text: str) -> int:
+    """A side in pixels that can be cut into four.
+
+    Parameters
+    ----------
+    text : str
+        An integer.
+
+    Returns
+    -------
+    int
+        A multiple of 4, from 8 to 4096.
+    """
+    side = whole(8, 4096)(text)
+    if side % 4:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a multiple of 4")
+    return side
+
+
 def seconds(text: str) -> float:
     """Time from text.
 

@@ -115,10 +115,11 @@ def climb(
     faults = any(timed.step.faults for timed in steps)
     judged = {a.probe.case.pass_name for a in answers if a.finding}
     asked = {a.probe.case.pass_name for a in answers}
+    findings = [f for timed in steps for f in timed.step.findings]
     status: Status = "PASS"
     if faults:
         status = "FAIL"
-    elif left or not judged or any(timed.step.more for timed in steps):
+    elif left or not (judged or findings) or any(t.step.more for t in steps):
         status = "UNDECIDED"
     absent = [name for name in passes if name in asked - judged]
     return Verdict(status, steps, left, diagnoses, absent)

@@ -1,0 +1,1 @@
+"""Renderers that only give pictures."""

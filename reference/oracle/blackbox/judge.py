@@ -1,0 +1,127 @@
+"""A verdict on a renderer of which nothing is known but its pictures."""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from reference.arrays import Scalars
+from reference.oracle.blackbox.renderer import Renderer
+from reference.oracle.blackbox.truth import TILES, Truth, statistics
+from reference.oracle.cases import Failure
+from reference.oracle.rungs.probe import Finding
+from reference.oracle.statistics.betting import Bets, e_value, interval_bets, place
+from reference.oracle.statistics.families import average_e
+from reference.oracle.statistics.intervals import outside_probability, truth_interval
+from reference.oracle.steps import Rung, Step
+
+ALPHA = 5e-7
+DEVIATIONS = 6.0
+"""Standard errors about the truth that count as it: one of 17 truths lies outside with
+probability 3e-8, if the means of many paths are normal."""
+
+UNBOUNDED = 8.0
+"""Pictures are cut at so many times the truth, where no bound was declared; a cut mean
+is no larger, so that too much light is still a fault, and too little is not."""
+
+
+def renderer_rungs(
+    renderer: Renderer,
+    truth: Callable[[], Truth],
+    bound: float | None,
+    remaining: Callable[[], float],
+) -> Iterator[Rung]:
+    """Rungs for pictures.
+
+    Parameters
+    ----------
+    renderer : Renderer
+        A command.
+    truth : callable
+        Traces it; asked for when it is wanted.
+    bound : float or None
+        The user's word that no mean of a tile of one picture exceeds so many times its
+        truth; ``None`` where there is none.
+    remaining : callable
+        Seconds that are left.
+
+    Yields
+    ------
+    rung, title : str
+        Of the next step.
+    callable
+        Takes it.
+    """
+    yield "L2", "seeds", lambda: Step("L2", "seeds", findings=[_seeds(renderer)])
+    yield "L4", "mean", lambda: _mean(renderer, truth(), bound, remaining)
+
+
+def _seeds(renderer: Renderer) -> Finding:
+    """The same seed gives the same picture, and another one another."""
+    pictures = []
+    for seed in (1, 1, 2):
+        picture = renderer.render(seed)
+        if isinstance(picture, Failure):
+            return Finding(False, picture.reason)
+        pictures.append(picture)
+    again, other = (np.array_equal(pictures[0], p) for p in pictures[1:])
+    if not again:
+        return Finding(False, "two pictures of one seed differ")
+    if other:
+        return Finding(False, "pictures of two seeds are the same: runs repeat")
+    return Finding(True)
+
+
+def _mean(
+    renderer: Renderer,
+    truth: Truth,
+    bound: float | None,
+    remaining: Callable[[], float],
+) -> Step:
+    low, high = truth_interval(truth.mean, truth.standard_error, DEVIATIONS)
+    most = np.maximum((bound or UNBOUNDED) * truth.mean, high)
+    bets = interval_bets(low, high, most, proven=bound is not None)
+    runs, seed = 0, 100
+    found: Finding | None = None
+    while found is None and (remaining() > 0 or runs < 2):
+        picture = renderer.render(seed)
+        seed += 1
+        if isinstance(picture, Failure):
+            found = Finding(False, picture.reason)
+            break
+        bets, runs = place(bets, statistics(picture)), runs + 1
+        found = _accused(bets, truth.mean, runs)
+    title = f"mean of {runs} pictures"
+    if found is not None:
+        return Step("L4", title, findings=[found])
+    return Step("L4", title, findings=[Finding(True)], more=_more(bets, bound, runs))
+
+
+def _accused(bets: Bets, truth: Scalars, runs: int) -> Finding | None:
+    e = e_value(bets)
+    if average_e(e) < 1 / ALPHA:
+        return None
+    column = int(np.argmax(e))
+    where = "the picture" if column == 0 else f"tile {_tile(column - 1)}"
+    mean = float(bets.mean[column] * bets.bound[column])
+    off = mean / truth[column] - 1 if truth[column] > 0 else np.inf
+    chance = ALPHA + outside_probability(DEVIATIONS, len(truth))
+    return Finding(
+        False,
+        f"{where} is {off:+.3g} relative to the truth after {runs} pictures; a right"
+        f" renderer is accused with probability {chance:.1g}",
+    )
+
+
+def _tile(number: int) -> str:
+    return f"({number % TILES}, {number // TILES})"
+
+
+def _more(bets: Bets, bound: float | None, runs: int) -> str:
+    deviation = np.sqrt(bets.squares[0] / max(runs - 1, 1)) / max(bets.mean[0], 1e-9)
+    room = f"{3 * float(deviation) / runs**0.5:.2g}"
+    if bound is None:
+        return (
+            f"{runs} pictures are not too bright, to about {room}; whether they are too"
+            " dark is asked with --bound"
+        )
+    return f"{runs} pictures are right to about {room}; four times as many halve that"
