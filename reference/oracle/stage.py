@@ -25,8 +25,8 @@ SCENES = ("cornell-box", "door-ajar", "sunlit-wall", "grazing-light", "many-ligh
 FRAMES, NEIGHBORS = 4, 3
 """Frames before the one that is asked for, and neighbours of each pixel."""
 
-CAPS = {"temporal": 30.0, "moved": 3.0, "spatial": 12.0}
-"""Limits of M; those of the last two are low enough to be reached."""
+CAPS = {"temporal": 3.0, "moved": 3.0, "spatial": 12.0}
+"""Limits of M, low enough to be reached."""
 
 SIMILARITY: dict[str, Value] = {
     "radius": 0.1,

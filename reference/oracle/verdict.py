@@ -126,9 +126,11 @@ def climb(
 
 
 def _of_pass(answers: list[Answer], name: str) -> list[Answer]:
-    """Answers that a replay can explain: those of L0 and L3."""
+    """Answers that a replay can explain; those at the extremes it cannot."""
     return [
         a
         for a in answers
-        if a.probe.case.pass_name == name and a.finding and a.finding.judgement
+        if a.probe.case.pass_name == name
+        and a.finding
+        and (a.finding.judgement or a.probe.rung == "L1")
     ]
