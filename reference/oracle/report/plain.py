@@ -60,10 +60,11 @@ def _headline(verdict: Verdict, told: list[dict[str, Any]]) -> str:
         return f"{_count(wrong)} wrong, begin with {wrong[0]}"
     if verdict.status == "FAIL":
         return "no single pass is wrong, but all of them together are"
-    if not right:
+    if not right and not any(timed.step.findings for timed in verdict.steps):
         return "nothing was judged"
     if verdict.left:
-        return f"nothing is wrong so far, {_count(verdict.left, 'step', 'steps')} had no time"
+        late = _count(verdict.left, "step", "steps")
+        return f"nothing is wrong so far, {late} had no time"
     return "nothing is wrong so far, but more time is wanted"
 
 
