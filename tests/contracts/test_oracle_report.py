@@ -193,8 +193,8 @@ def test_what_is_said_of_each_pass(wrong):
 def test_what_each_rung_has_killed(wrong):
     _, plain = wrong
     first, spheres, frames = plain["steps"]
-    assert first["wrong_passes"] == ["jacobian"]
-    assert (first["asked"], first["unanswered"], first["failed"]) == (8, 2, 1)
+    assert first["wrong_passes"] == ["shade", "jacobian"]
+    assert (first["asked"], first["unanswered"], first["failed"]) == (10, 2, 2)
     assert spheres["faults"] == ["furnace: too bright"]
     assert (spheres["asked"], spheres["wrong_passes"]) == (1, [])
     assert frames["wrong_passes"] == ["temporal", "spatial", "shade"]
@@ -252,7 +252,7 @@ def test_rows_that_are_no_pixels_have_no_place(wrong):
 def test_a_failure_without_a_judgement_has_no_rows_and_no_diagnosis(wrong):
     found = of_pass(wrong[1], "shade")
     assert found["fault"].startswith("shade crashed")
-    assert (found["cases"], found["rows"]) == (1, 0)
+    assert (found["cases"], found["rows"]) == (2, 0)
     assert found["worst"] is None
     assert found["diagnosis"] == []
     assert found["excess"] == {}

@@ -1,6 +1,6 @@
 """Known mistakes with decisions and with the search for neighbours."""
 
-from reference.oracle.diagnosis.hypothesis import REUSE, SPATIAL, mistake
+from reference.oracle.diagnosis.hypothesis import REUSE, SPATIAL, TEMPORAL, mistake
 from reference.oracle.replay.bounded import Bounded, constant
 from reference.oracle.replay.verbs import choose
 
@@ -22,6 +22,10 @@ def _not_strict(u: Bounded, w_before: Bounded, w: Bounded) -> Bounded:
 
 def _other_side(u: Bounded, w_before: Bounded, w: Bounded) -> Bounded:
     return w - (constant(1.0, u) - u) * (w_before + w)
+
+
+def _never(u: Bounded, w_before: Bounded, w: Bounded) -> Bounded:
+    return constant(-1.0, w)
 
 
 CHOICES = (
@@ -82,5 +86,21 @@ CHOICES = (
         "r = max(r / 2, min_radius)",
         ("neighbors",),
         narrows=False,
+    ),
+    mistake(
+        "never-accepts",
+        "the sample that won is not copied",
+        "the first sample of the stream is kept",
+        U_RIGHT,
+        ("merge", *REUSE),
+        preference=_never,
+    ),
+    mistake(
+        "stream-reversed",
+        "the stream runs backwards: right in law, and other samples",
+        "the new sample, then the past",
+        "the past, then the new sample",
+        TEMPORAL,
+        preference=_other_side,
     ),
 )

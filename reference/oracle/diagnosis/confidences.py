@@ -8,6 +8,7 @@ from reference.oracle.diagnosis.hypothesis import (
     mistake,
 )
 from reference.oracle.replay.bounded import Bounded, constant
+from reference.oracle.replay.formulas import capped
 from reference.oracle.replay.verbs import choose
 
 M_RIGHT = "M = Σ M over all inputs, nulls too"
@@ -35,6 +36,19 @@ def _M_plus_one(p_hat: Bounded, W: Bounded, M: Bounded, J: Bounded) -> Bounded:
 
 def _without_target(p_hat: Bounded, W: Bounded, M: Bounded, J: Bounded) -> Bounded:
     return W * M * J
+
+
+def _undensified(p_hat: Bounded, pdf: Bounded) -> Bounded:
+    found = (pdf.value > 0) & (p_hat.value > 0)
+    return choose(found, p_hat, constant(0.0, p_hat))
+
+
+def _multiplied(p_hat: Bounded, pdf: Bounded) -> Bounded:
+    return p_hat * pdf
+
+
+def _one_more(M: Bounded, cap: float) -> Bounded:
+    return capped(M, cap + 1)
 
 
 CONFIDENCES = (
@@ -131,5 +145,29 @@ CONFIDENCES = (
         "W = Σ w / (p̂ Σ M), then M = min(Σ M, cap)",
         REUSE,
         cap_when="first",
+    ),
+    mistake(
+        "density-left-out",
+        "a new sample is not divided by its density",
+        "w = p̂",
+        "w = p̂ / p",
+        ("initial", *TEMPORAL),
+        fresh_weight=_undensified,
+    ),
+    mistake(
+        "density-multiplied",
+        "a new sample is multiplied by its density",
+        "w = p̂ p",
+        "w = p̂ / p",
+        ("initial", *TEMPORAL),
+        fresh_weight=_multiplied,
+    ),
+    mistake(
+        "cap-off-by-one",
+        "the cap is one too large",
+        "M = min(Σ M, cap + 1)",
+        "M = min(Σ M, cap)",
+        REUSE,
+        capped=_one_more,
     ),
 )

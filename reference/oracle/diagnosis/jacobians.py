@@ -45,6 +45,12 @@ def _without_distances(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
     return jacobian(x_from, x_to, y) * (d_to / d_from)
 
 
+def _distances_upside_down(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
+    d_from, d_to = _squares(x_from, x_to, y)
+    ratio = d_to / d_from
+    return jacobian(x_from, x_to, y) * ratio * ratio
+
+
 def _cosines_upside_down(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
     d_from, d_to = _squares(x_from, x_to, y)
     ratio = d_from / d_to
@@ -128,6 +134,13 @@ _TABLE = (
         "J = |cos φ_to| / |cos φ_from|",
         _without_distances,
         (),
+    ),
+    (
+        "jacobian-distances-upside-down",
+        "the ratio of the distances is upside down",
+        "J = (|cos φ_to| / |cos φ_from|) · (d_to² / d_from²)",
+        _distances_upside_down,
+        ("C2-Renderer fcd7c28",),
     ),
     (
         "jacobian-cosines-upside-down",

@@ -4,6 +4,9 @@ from dataclasses import replace
 from math import pi
 from typing import Any
 
+import numpy as np
+
+from reference.arrays import Masks
 from reference.oracle.contract.fields import Value
 from reference.oracle.diagnosis.hypothesis import Hypothesis
 from reference.oracle.replay.bounded import Bounded, constant
@@ -11,7 +14,13 @@ from reference.oracle.replay.formulas import density, reflected, target
 from reference.oracle.replay.geometry import cosine_at, lit_at
 from reference.oracle.replay.points import Point, Receiver
 from reference.oracle.replay.rules import CONTRACT_RULES
-from reference.oracle.replay.verbs import inner, times, where_positive
+from reference.oracle.replay.verbs import (
+    choose,
+    inner,
+    square_root,
+    times,
+    where_positive,
+)
 
 F_RIGHT = "color = albedo / π · cos θ · L_o · W"
 D_RIGHT = "uniform 1 / 2π, cosine cos θ / π"
@@ -51,6 +60,23 @@ def _shade_both_sides(x: Receiver, y: Point) -> Bounded:
     return reflected(x, y) + reflected(x, Point(y.position, -y.normal, y.radiance))
 
 
+def _without_W(f: Bounded, W: Bounded) -> Bounded:
+    return f
+
+
+def _shade_pure_is_null(x: Receiver, y: Point) -> Bounded:
+    f = reflected(x, y)
+    full: Masks = np.all(f.value > 0, axis=1)
+    return choose(full, f, constant(0.0, f))
+
+
+def _shade_geometry_term(x: Receiver, y: Point) -> Bounded:
+    v = x.position - y.position
+    d2 = inner(v, v)
+    cosine = abs(inner(y.normal, v)) / square_root(d2)
+    return times(reflected(x, y), cosine / d2)
+
+
 def _density_of(uniform: float | None, cosine: float | None) -> Any:
     def changed(source: Value, at: Bounded) -> Bounded:
         if source == "uniform" and uniform is not None:
@@ -60,6 +86,10 @@ def _density_of(uniform: float | None, cosine: float | None) -> Any:
         return density(source, at)
 
     return changed
+
+
+def _uniform_density_for_cosine(source: Value, at: Bounded) -> Bounded:
+    return density("uniform", at)
 
 
 def _cosine_density_for_uniform(source: Value, at: Bounded) -> Bounded:
@@ -148,5 +178,31 @@ SHADING = (
         "uniform directions are given the cosine density",
         "pdf = cos θ / π for uniform directions",
         _cosine_density_for_uniform,
+    ),
+    Hypothesis(
+        "shade-without-weight",
+        "shading lacks W",
+        "color = albedo / π · cos θ · L_o",
+        F_RIGHT,
+        ("shade",),
+        replace(CONTRACT_RULES, shaded=_without_W),
+    ),
+    _shade_mistake(
+        "shade-pure-colours-black",
+        "colours without one of the channels are shaded black",
+        "color = 0 unless R, G and B are above 0",
+        _shade_pure_is_null,
+    ),
+    _shade_mistake(
+        "shade-with-geometry-term",
+        "shading has the geometry term of an area measure",
+        "color = albedo / π · cos θ · cos φ / d² · L_o · W",
+        _shade_geometry_term,
+    ),
+    _density_mistake(
+        "density-of-the-other-sampler-twice",
+        "cosine directions are given the uniform density",
+        "pdf = 1 / 2π for cosine directions",
+        _uniform_density_for_cosine,
     ),
 )

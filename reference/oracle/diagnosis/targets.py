@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from reference.arrays import Masks
 from reference.oracle.contract.fields import Value
 from reference.oracle.diagnosis.hypothesis import Hypothesis
 from reference.oracle.replay.bounded import Bounded, constant
@@ -14,7 +15,7 @@ from reference.oracle.replay.formulas import target
 from reference.oracle.replay.geometry import cosine_at, luminance, on_both_sides
 from reference.oracle.replay.points import Point, Receiver
 from reference.oracle.replay.rules import CONTRACT_RULES
-from reference.oracle.replay.verbs import inner
+from reference.oracle.replay.verbs import choose, inner
 
 TARGETS_IN = ("target", "initial", "temporal", "moved", "spatial")
 P_RIGHT = "p̂ = Y(albedo / π · L_o) · cos θ"
@@ -78,6 +79,25 @@ def _mean_of_channels(p_hat: Bounded, x: Receiver, y: Point) -> Bounded:
     unit = color.rounding.unit
     light = inner(color, Bounded(third, unit * third, color.rounding))
     return on_both_sides(x, y, light * cosine_at(x, y) / constant(pi, light))
+
+
+def _red(p_hat: Bounded, x: Receiver, y: Point) -> Bounded:
+    light = (x.albedo * y.radiance)[:, 0]
+    return on_both_sides(x, y, light * cosine_at(x, y) / constant(pi, light))
+
+
+def _largest(p_hat: Bounded, x: Receiver, y: Point) -> Bounded:
+    color = x.albedo * y.radiance
+    most = color.value.argmax(axis=1)
+    light = color[np.arange(len(most)), most]
+    return on_both_sides(x, y, light * cosine_at(x, y) / constant(pi, light))
+
+
+def _pure_is_null(kind: Value, x: Receiver, y: Point) -> Bounded:
+    p_hat = target(kind, x, y)
+    color = x.albedo * y.radiance if kind == "scattered" else y.radiance
+    full: Masks = np.all(color.value > 0, axis=1)
+    return choose(full, p_hat, constant(0.0, p_hat))
 
 
 def _both_sides_of_sample(kind: Value, x: Receiver, y: Point) -> Bounded:
@@ -164,5 +184,24 @@ TARGETS = (
         "p̂ with |cos θ|",
         _below_the_horizon,
         "HIPRT 9374ec68",
+    ),
+    _target_mistake(
+        "red-channel",
+        "the red channel stands for luminance",
+        "Y = R",
+        _scattered(_red),
+    ),
+    _target_mistake(
+        "largest-channel",
+        "the largest channel stands for luminance: right in law",
+        "Y = max(R, G, B)",
+        _scattered(_largest),
+    ),
+    _target_mistake(
+        "pure-colours-are-null",
+        "colours without one of the channels are taken for nothing",
+        "p̂ = 0 unless R, G and B are above 0",
+        _pure_is_null,
+        "bevy 01804ded1c",
     ),
 )

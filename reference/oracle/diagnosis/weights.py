@@ -16,6 +16,10 @@ def _without_p_hat(w: Bounded, p_hat: Bounded, Z: Bounded) -> Bounded:
     return w / Z
 
 
+def _divided_twice(w: Bounded, p_hat: Bounded, Z: Bounded) -> Bounded:
+    return w / p_hat / Z / Z
+
+
 def _at_most_10(w: Bounded, p_hat: Bounded, Z: Bounded) -> Bounded:
     W = w / p_hat / Z
     return choose(W.value <= 10, W, exact(W.value * 0 + 10, W.rounding))
@@ -113,5 +117,91 @@ WEIGHTS = (
         "w = 0 where the receiver does not see the sample",
         SHIFTED,
         visibility_in_weight=False,
+    ),
+    mistake(
+        "normalized-twice",
+        "the sum of weights is divided by the confidences twice",
+        "W = Σ w / (p̂ Z²)",
+        W_RIGHT,
+        ("finalize", *REUSE),
+        "ReSTIR_GI by shallairo",
+        finalized=_divided_twice,
+    ),
+    mistake(
+        "last-confidence-in-z",
+        "Z adds M of the last neighbour, whose domain ever is asked",
+        "Z = Σ M_last over those that hold the sample",
+        Z_RIGHT,
+        SHIFTED,
+        "the paper's Algorithm 4",
+        counted_as="last",
+    ),
+    mistake(
+        "one-each-in-z",
+        "Z counts reservoirs, not their samples",
+        "Z = number of those that hold the sample",
+        Z_RIGHT,
+        SHIFTED,
+        counted_as="one",
+    ),
+    mistake(
+        "merged-confidence-in-z",
+        "the pixel's own reservoir is counted in Z with M after the merge",
+        "Z = Σ M + M of the neighbours that hold the sample",
+        Z_RIGHT,
+        SHIFTED,
+        counted_as="merged",
+    ),
+    mistake(
+        "first-not-counted",
+        "the first reservoir of the stream is merged and not counted",
+        "Z = Σ M over all but the first",
+        Z_RIGHT,
+        REUSE,
+        "blade 5fe3230",
+        counted_as="rest",
+    ),
+    mistake(
+        "maker-missing-in-z",
+        "Z does not count who made the sample",
+        "Z = Σ M over the others that hold the sample",
+        Z_RIGHT,
+        SHIFTED,
+        maker_in_z=False,
+    ),
+    mistake(
+        "receivers-target-in-z",
+        "the receiver is asked in place of the donor whether it holds the sample",
+        "holds = p̂_receiver(y) > 0",
+        "holds = p̂_donor(y) > 0",
+        SHIFTED,
+        "OloEngine #1183",
+        receivers_domain=True,
+    ),
+    mistake(
+        "receivers-visibility-in-z",
+        "the receiver's visibility is asked in place of the donor's",
+        "holds = the receiver sees the sample, which it always does",
+        "holds = the donor sees the sample",
+        SHIFTED,
+        visibility_in_z=False,
+    ),
+    mistake(
+        "canonical-not-merged",
+        "the pixel's own reservoir takes no part",
+        "the stream is past and neighbours",
+        "the stream is past, own and neighbours",
+        SHIFTED,
+        "the paper's Algorithm 4 leaves it open",
+        canonical_merged=False,
+    ),
+    mistake(
+        "reused-as-it-stands",
+        "what was seen from another point is reused as if it had been seen from here",
+        "w = p̂ W M, Z = Σ M",
+        "w = p̂ W M J, Z = Σ M over those that hold the sample",
+        ("moved",),
+        "the paper's Algorithm 3",
+        as_stored=True,
     ),
 )

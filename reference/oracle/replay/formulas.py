@@ -185,3 +185,37 @@ def density(source: Value, cosine: Bounded) -> Bounded:
     if source == "uniform":
         return constant(1 / (2 * pi), cosine)
     return cosine / constant(pi, cosine)
+
+
+def fresh_weight(p_hat: Bounded, pdf: Bounded) -> Bounded:
+    """Resampling weight w = p̂ / p of a new sample.
+
+    Parameters
+    ----------
+    p_hat, pdf : Bounded
+        (N,) each.
+
+    Returns
+    -------
+    Bounded
+        (N,)
+    """
+    return p_hat / pdf
+
+
+def shaded(f: Bounded, W: Bounded) -> Bounded:
+    """Estimate f W of the pixel.
+
+    Parameters
+    ----------
+    f : Bounded
+        (N, 3)
+    W : Bounded
+        (N,)
+
+    Returns
+    -------
+    Bounded
+        (N, 3)
+    """
+    return f * W[:, None]

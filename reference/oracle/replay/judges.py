@@ -130,7 +130,7 @@ def _initial(case: Case, out: Buffers, rules: Rules, precision: Precision) -> Ju
     x, y = receiver_of(case.inputs, rounding), point_of(case.inputs, rounding)
     pdf = exact(case.inputs["pdf"], rounding)
     p_hat = rules.target(case.settings["target"], x, y)
-    w = p_hat / pdf
+    w = rules.fresh_weight(p_hat, pdf)
     W = rules.finalized(w, p_hat, constant(1.0, w))
     found = beside("p_hat", out["p_hat"], p_hat)
     # A target that rounding cannot tell from 0 may be 0, and then W is.
@@ -148,7 +148,7 @@ def _shade(case: Case, out: Buffers, rules: Rules, precision: Precision) -> Judg
     x, y = receiver_of(case.inputs, rounding), point_of(case.inputs, rounding)
     W = exact(case.inputs["W"], rounding)
     f = rules.reflected(x, y)
-    color = f * W[:, None]
+    color = rules.shaded(f, W)
     cosine = inner(x.normal, y.position - x.position)
     return Judgement(
         (beside("color", out["color"], color),),

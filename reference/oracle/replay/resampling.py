@@ -160,17 +160,36 @@ def _normalization(
     if asked == "1":
         return exact(np.ones_like(M.value), M.rounding)
     if asked == "1/M" or not any(slot.domain for slot in slots):
-        return M
+        return M - slots[0].M if rules.counted_as == "rest" else M
     Z = nothing(M)
     for k, slot in enumerate(slots):
+        counted = _counted(slots, k, M, closing, rules)
         if slot.domain is None:
             if k != closing.canonical or rules.canonical_in_z:
-                Z = Z + slot.M
+                Z = Z + counted
             continue
-        p = rules.target(closing.kind, slot.domain.x, y)
+        x = closing.receiver if rules.receivers_domain else slot.domain.x
+        p = rules.domain_target(closing.kind, x, y)
         seen = slot.domain.sees[kept, _row(kept)] | (not rules.visibility_in_z)
-        Z = Z + _where_holds(p, seen, slot.M)
+        if not rules.maker_in_z:
+            seen = seen & (kept != k)
+        Z = Z + _where_holds(p, seen, counted)
     return Z
+
+
+def _counted(
+    slots: list[Slot], k: int, M: Bounded, closing: Closing, rules: Rules
+) -> Bounded:
+    """What Z adds for a slot that could have made the sample."""
+    if rules.counted_as == "last":
+        return slots[-1].M
+    if rules.counted_as == "one":
+        return exact((slots[k].M.value > 0).astype(float), M.rounding)
+    if rules.counted_as == "merged" and k == closing.canonical:
+        return M
+    if rules.counted_as == "rest" and k == 0:
+        return nothing(M)
+    return slots[k].M
 
 
 def _where_holds(p: Bounded, seen: Masks, M: Bounded) -> Bounded:

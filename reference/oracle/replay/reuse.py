@@ -46,7 +46,7 @@ def judge_temporal(
     x = receiver_of(case.inputs, rounding_of(precision))
     past = _reused(case, x, rules, precision, "past_", u="u")
     slots = [counted_nulls(past, rules), _new(case, x, rules, precision)]
-    closing = _closing(case, canonical=1, mis="1/M")
+    closing = _closing(case, x, mis="1/M")
     return judge_resampling(outputs, slots, closing, rules, case.random)
 
 
@@ -77,11 +77,14 @@ def judge_moved(
     visible = case.inputs["visible"]
     new, old = 0, 1  # bits of the two samples; slots are the other way round
     sees = np.stack([_bit(visible[:, 1], old), _bit(visible[:, 1], new)])
-    past = _reused(case, x, rules, precision, "past_", u="u", x_from=x_past)
-    past = replace(past, domain=Domain(x_past, sees))
-    past = with_hidden(past, _bit(visible[:, 0], old), rules)
+    x_from = None if rules.as_stored else x_past
+    past = _reused(case, x, rules, precision, "past_", u="u", x_from=x_from)
+    if not rules.as_stored:
+        past = replace(past, domain=Domain(x_past, sees))
+        past = with_hidden(past, _bit(visible[:, 0], old), rules)
     slots = [counted_nulls(past, rules), _new(case, x, rules, precision)]
-    closing = _closing(case, canonical=1, mis=str(case.settings["mis"]))
+    closing = _closing(case, x, mis=str(case.settings["mis"]))
+    slots = _taking_part(slots, rules)
     return judge_resampling(outputs, slots, closing, rules, case.random)
 
 
@@ -116,13 +119,26 @@ def judge_spatial(
     for k in range(count):
         slots.append(_neighbor(case, x, rules, precision, neighbors[:, k], k))
     slots = [counted_nulls(slot, rules) for slot in slots]
-    closing = _closing(case, canonical=1, mis=str(case.settings["mis"]))
+    closing = _closing(case, x, mis=str(case.settings["mis"]))
+    slots = _taking_part(slots, rules)
     return judge_resampling(outputs, slots, closing, rules, case.random)
 
 
-def _closing(case: Case, canonical: int, mis: str) -> Closing:
+OWN = 1
+"""Slot of the receiver's own sample, in each of the passes."""
+
+
+def _closing(case: Case, x: Receiver, mis: str) -> Closing:
     cap = float(case.settings["cap"])
-    return Closing(str(case.settings["target"]), mis, cap, canonical)
+    return Closing(str(case.settings["target"]), mis, cap, OWN, x)
+
+
+def _taking_part(slots: list[Slot], rules: Rules) -> list[Slot]:
+    """Slots as the rules would have them."""
+    if not rules.canonical_merged:
+        none = constant(0.0, slots[OWN].w)
+        slots[OWN] = replace(slots[OWN], w=none, M=none)
+    return slots
 
 
 def _bit(words: "Indices", place: int) -> Masks:
@@ -135,7 +151,7 @@ def _new(case: Case, x: Receiver, rules: Rules, precision: Precision) -> Slot:
     rounding = rounding_of(precision)
     y = point_of(case.inputs, rounding, "new_")
     p_hat = rules.target(case.settings["target"], x, y)
-    w = p_hat / exact(case.inputs["new_pdf"], rounding)
+    w = rules.fresh_weight(p_hat, exact(case.inputs["new_pdf"], rounding))
     u = exact(case.inputs["u"], rounding)
     return Slot(y, p_hat, w, rules.fresh_confidence(w), u)
 

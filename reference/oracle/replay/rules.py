@@ -10,9 +10,11 @@ from reference.oracle.replay.formulas import (
     density,
     finalized,
     fresh_confidence,
+    fresh_weight,
     jacobian,
     preference,
     reflected,
+    shaded,
     target,
     weight,
 )
@@ -26,20 +28,29 @@ class Rules:
     Attributes
     ----------
     target, reflected, jacobian, weight, preference, fresh_confidence, capped, \
-finalized, density : callable
+finalized, density, fresh_weight, shaded : callable
         Formulas, as the functions of this module.
-    reuse_target : callable
-        Target of reused samples at the receiver.
+    reuse_target, domain_target : callable
+        Target of reused samples at the receiver, and of the kept sample at donors.
     hidden_counts : bool
         M of a sample that the receiver does not see.
     nulls_count : bool
         M of a reused reservoir whose sample arrives with no weight.
     visibility_in_weight, visibility_in_z : bool
         Whether the bits are heeded.
-    canonical_in_z : bool
-        The receiver's own reservoir.
-    normalization : 'asked', '1/M', '1/Z' or '1'
-        In place of what was asked for.
+    canonical_in_z, maker_in_z : bool
+        The receiver's own reservoir, and that of who made the kept sample.
+    receivers_domain : bool
+        The receiver is asked in place of the donor.
+    canonical_merged : bool
+        The receiver's own reservoir takes part.
+    normalization : str
+        'asked', or in place of that '1/M', '1/Z' or '1'.
+    counted_as : 'own', 'last', 'one', 'merged' or 'rest'
+        What Z adds for a reservoir: its M, that of the last one, 1, for the canonical
+        one the sum of all; or all but that of the first in the stream.
+    as_stored : bool
+        What moved is reused as if it had not.
     divides_by_donor : bool
         W is divided by the target of who made the sample.
     neighbor_trust : float
@@ -64,11 +75,19 @@ finalized, density : callable
     capped: Callable[[Bounded, float], Bounded] = capped
     finalized: Callable[[Bounded, Bounded, Bounded], Bounded] = finalized
     density: Callable[[Value, Bounded], Bounded] = density
+    domain_target: Callable[[Value, Receiver, Point], Bounded] = target
+    fresh_weight: Callable[[Bounded, Bounded], Bounded] = fresh_weight
+    shaded: Callable[[Bounded, Bounded], Bounded] = shaded
     hidden_counts: bool = True
     nulls_count: bool = True
     visibility_in_weight: bool = True
     visibility_in_z: bool = True
     canonical_in_z: bool = True
+    maker_in_z: bool = True
+    receivers_domain: bool = False
+    canonical_merged: bool = True
+    counted_as: str = "own"
+    as_stored: bool = False
     normalization: str = "asked"
     divides_by_donor: bool = False
     neighbor_trust: float = 1.0

@@ -51,7 +51,7 @@ class Slot:
     domain: Domain | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Closing:
     """How a stream ends.
 
@@ -65,12 +65,15 @@ class Closing:
         Limit of M.
     canonical : int
         Slot of the receiver's own sample.
+    receiver : Receiver
+        N visible points.
     """
 
     kind: str
     mis: str
     cap: float
     canonical: int
+    receiver: Receiver
 
 
 def nothing(like: Bounded) -> Bounded:

@@ -30,7 +30,9 @@ def kernel_probes(precision: Precision) -> list[Probe]:
     rng = np.random.default_rng(2026)
     cases = [
         _random(rng, precision),
-        _target(rng, precision),
+        _target(rng, precision, "scattered"),
+        _target(rng, precision, "outgoing"),
+        _shade(rng, precision),
         _jacobian(rng, precision),
         _merge(rng, precision),
         _merge_extremes(precision),
@@ -53,21 +55,30 @@ def _random(rng: np.random.Generator, precision: Precision) -> Case:
     return Case("kernel-random", "random", {}, given(inputs, precision))
 
 
-def _target(rng: np.random.Generator, precision: Precision) -> Case:
+def _points(rng: np.random.Generator) -> dict[str, Scalars]:
+    """Visible points and sample points of all kinds, pure colours among them."""
     x = rng.normal(size=(ROWS, 3))
     scale = 2.0 ** rng.integers(-10, 11, (ROWS, 1))
-    inputs = {
+    pure = rng.random((2, ROWS, 3)) < 0.8
+    return {
         "visible_position": x,
         "visible_normal": _unit(rng.normal(size=(ROWS, 3))),
-        "albedo": rng.random((ROWS, 3)),
+        "albedo": rng.random((ROWS, 3)) * pure[0],
         "position": x + scale * rng.normal(size=(ROWS, 3)),
         "normal": _unit(rng.normal(size=(ROWS, 3))),
         # From what half precision cannot hold to what it cannot hold either.
-        "radiance": 10.0 ** rng.uniform(-9, 6, (ROWS, 3))
-        * (rng.random((ROWS, 1)) < 0.9),
+        "radiance": 10.0 ** rng.uniform(-9, 6, (ROWS, 3)) * pure[1],
     }
-    settings = {"target": "scattered"}
-    return Case("kernel-target", "target", settings, given(inputs, precision))
+
+
+def _target(rng: np.random.Generator, precision: Precision, kind: str) -> Case:
+    name = f"kernel-target-{kind}"
+    return Case(name, "target", {"target": kind}, given(_points(rng), precision))
+
+
+def _shade(rng: np.random.Generator, precision: Precision) -> Case:
+    W = 10.0 ** rng.uniform(-3, 3, ROWS) * (rng.random(ROWS) < 0.9)
+    return Case("kernel-shade", "shade", {}, given(_points(rng) | {"W": W}, precision))
 
 
 def _jacobian(rng: np.random.Generator, precision: Precision) -> Case:

@@ -1,0 +1,1443 @@
+"""Mistakes that renderers made, as edits of the production code.
+
+``ids`` are rows of the bug catalogue; ``expected`` names hypotheses of
+:mod:`reference.oracle.diagnosis` that would be right, none where there is none.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+Class = Literal["bias", "variance", "equivalent", "robustness"]
+
+RESERVOIR = "reference.resampling.reservoir"
+TARGET = "reference.resampling.target"
+SHIFT = "reference.resampling.shift"
+MIS = "reference.resampling.mis"
+ENTRIES = "reference.passes.entries"
+HISTORY = "reference.passes.history"
+RESAMPLE = "reference.passes.resample"
+NORMALIZATION = "reference.passes.normalization"
+STREAM = "reference.passes.stream"
+NEIGHBORS = "reference.passes.neighbors"
+SHADE = "reference.passes.shade"
+GBUFFER = "reference.passes.gbuffer"
+SHIFTING = "reference.passes.shifting"
+TEMPORAL = "reference.passes.temporal"
+SAMPLING = "reference.sampling"
+FRAMES = "reference.frames"
+RNG = "reference.rng"
+LAMBERTIAN = "reference.scene.materials.lambertian"
+COSINE = "reference.scene.materials.parameters"
+
+
+@dataclass(frozen=True, slots=True)
+class Mutant:
+    """One mistake.
+
+    Attributes
+    ----------
+    name : str
+        What was done.
+    ids : tuple of str
+        Rows of the bug catalogue; "EQ" for its list of equivalent mutants, "§0" for
+        its table of measured effects.
+    module : str
+        With dots.
+    old, new : str
+        ``old`` occurs once in the module's source.
+    expected : tuple of str
+        Hypotheses that would be right.
+    kind : 'bias', 'variance', 'equivalent' or 'robustness'
+        'bias': the expectation changes in some input; 'variance': it is another
+        estimator of the same; 'equivalent': the same law, or a factor that cancels;
+        'robustness': only what is not a number, out of bounds, or of weight 0.
+    also : tuple of (module, old, new)
+        Further edits that belong to it.
+    """
+
+    name: str
+    ids: tuple[str, ...]
+    module: str
+    old: str
+    new: str
+    expected: tuple[str, ...] = ()
+    kind: Class = "bias"
+    also: tuple[tuple[str, str, str], ...] = ()
+
+    @property
+    def edits(self) -> tuple[tuple[str, str, str], ...]:
+        """All edits."""
+        return ((self.module, self.old, self.new), *self.also)
+
+
+WEIGHT = "w = p_hat * r.W * r.M"
+JACOBIAN = "jacobian = cosines * ratio * ratio * ratio"
+COSINES = "abs(dot(n_sample, v_to)), abs(dot(n_sample, v_from))"
+LIMITED = "return saturate(jacobian)"
+CHOICE = "u * (w_a + w_b) < w_b)"
+CLOSED = "divide_or_zero(divide_or_zero(c.w, c.p_hat), normalization)"
+KEPT = "return Reservoirs(y=c.y, W=saturate(W), M=c.M)"
+CAP = "W=r.W, M=np.minimum(r.M, cap)"
+FRESH = "M=np.ones_like(w)"
+BROUGHT = "return Candidates(y=r.y, p_hat=p_hat, w=w, M=r.M)"
+TERMS = "np.where(holds, M, M * 0) for"
+MOVED = "moved = shift(settings, x_from, points.position, y)"
+WITHOUT = "candidate = _without(candidate, moved)"
+SEEN = "seen = receivers.see(y, candidate.w > 0)"
+FACES = "dot(y.normal, toward) < 0, lit_cosine"
+SCALE = "scale = divide_or_zero(cosine, np.pi * np.sqrt(dot(toward, toward)))"
+LIGHT = "return luminance(receiver.color * y.radiance) * scale"
+LUMINANCE = "dot(color, np.array(luminance_weights(), color.dtype))"
+SHOWN = "return radiance * reservoirs.W[:, None]"
+REFLECTED = "points.color * (lit_cosine(table, points, wi) / np.pi)[:, None]"
+SIDE = "lit = dot(y.normal, omega) < 0"
+LIT_COSINE = "cosine = np.maximum(dot(points.shading, wi), 0.0)"
+DONOR_TARGET = "np.where(possible, target(settings.target, materials, k, y), 0.0)"
+LOOKS = "seen = made | sees(donors.world, x_k, y, possible & ~made)"
+UNIFORM = "np.where(cos_theta >= 0, 1.0 / (2.0 * np.pi), 0.0)"
+COSINE_PDF = "np.maximum(cos_theta, 0.0) / np.pi"
+UNIFORM_SAMPLE = "_about_z(u1, np.sqrt(np.maximum(0.0, 1.0 - u1 * u1)), u2)"
+COSINE_SAMPLE = "_about_z(np.sqrt(1.0 - u1), np.sqrt(u1), u2)"
+PHI = "phi = (2.0 * np.pi) * u\n"
+FROM_RESERVOIR = "candidate = reused_candidates(Reservoirs(places, r.W, r.M), p_hat)"
+DONATED = """M = np.where(there, r.M, 0.0)
+    candidate = reused_candidates(
+        Reservoirs(places, r.W, M), receivers.target(y), moved.factor
+    )"""
+HIDDEN = "candidate = replace(candidate, w=np.where(seen, candidate.w, 0.0))"
+AT_DONOR = "Receivers(donors.world, take(donors.visible.surface, row), settings)"
+LOOP = "for entry, u in zip(entries[1:], decisions[1:], strict=True):"
+FIRST = "chosen = entries[0].candidate\n"
+LENT = "[entry.candidate.M for entry in entries]"
+EVERYONE = "holds.append(everyone)"
+ASKED = "p_k = target_from(receivers, entry.origin, y, kept, made)"
+ALIKE = "alike & (near > 0) & (far - near <= max_depth * far)"
+ANGLE = "dot(n_a, n_b) >= np.cos(np.radians(max_angle))"
+LANDS = "x_to, y_to = x + dx, y + dy"
+
+RECEIVERS_COSINES = """moved = shift(settings, x_from, points.position, y)
+    v_from, v_to = y.position - x_from, y.position - points.position
+    n_from = take(donors.visible.surface.normal, row)
+    d_from, d_to = (v_from * v_from).sum(axis=1), (v_to * v_to).sum(axis=1)
+    d_from, d_to = np.maximum(d_from, 1e-30), np.maximum(d_to, 1e-30)
+    c_from = abs((n_from * v_from).sum(axis=1)) / np.sqrt(d_from)
+    c_to = abs((points.normal * v_to).sum(axis=1)) / np.sqrt(d_to)
+    ratio = np.where(c_from > 0, c_to / np.maximum(c_from, 1e-30), 0.0)
+    moved = replace(moved, factor=ratio * d_from / d_to)"""
+
+JACOBIANS = [
+    Mutant(
+        "the weight is divided by the Jacobian",
+        ("JC-01",),
+        RESERVOIR,
+        "w = w * jacobian",
+        "w = divide_or_zero(w, jacobian)",
+        ("jacobian-inverted",),
+    ),
+    Mutant(
+        "the Jacobian is left out",
+        ("JC-02",),
+        RESERVOIR,
+        "w = w * jacobian",
+        "pass",
+        ("jacobian-omitted",),
+    ),
+    Mutant(
+        "the distances are not squared",
+        ("JC-03",),
+        SHIFT,
+        JACOBIAN,
+        "jacobian = cosines * ratio * ratio",
+        ("jacobian-unsquared",),
+    ),
+    Mutant(
+        "the distances are left out",
+        ("JC-03",),
+        SHIFT,
+        JACOBIAN,
+        "jacobian = cosines * ratio",
+        ("jacobian-without-distances",),
+    ),
+    Mutant(
+        "the root of the Jacobian",
+        ("§0",),
+        SHIFT,
+        LIMITED,
+        "return sqrt(saturate(jacobian))",
+        ("jacobian-root",),
+    ),
+    Mutant(
+        "cosines at the visible points",
+        ("JC-05",),
+        ENTRIES,
+        MOVED,
+        RECEIVERS_COSINES,
+        ("jacobian-receiver-cosine",),
+    ),
+    Mutant(
+        "donor and receiver change places",
+        ("JC-07",),
+        SHIFTING,
+        "J = reconnection_jacobian(x_from, x_to, y.position, y.normal)",
+        "J = reconnection_jacobian(x_to, x_from, y.position, y.normal)",
+        ("jacobian-inverted",),
+    ),
+    Mutant(
+        "the distances are upside down",
+        ("JC-07",),
+        SHIFT,
+        JACOBIAN,
+        "jacobian = divide_or_zero(cosines, ratio)",
+        ("jacobian-distances-upside-down",),
+    ),
+    Mutant(
+        "the cosines are upside down",
+        ("JC-07",),
+        SHIFT,
+        f"divide_or_zero({COSINES})\n        {JACOBIAN}",
+        "divide_or_zero(abs(dot(n_sample, v_from)), abs(dot(n_sample, v_to)))\n"
+        "        jacobian = cosines * ratio",
+        ("jacobian-cosines-upside-down",),
+    ),
+    Mutant(
+        "the Jacobian of the pixel's own sample",
+        ("JC-09",),
+        ENTRIES,
+        MOVED,
+        "moved = shift(settings, x_from, points.position,"
+        " take(donors.reservoirs.y, np.arange(len(row))))",
+    ),
+    Mutant(
+        "the Jacobian from the receiver to itself",
+        ("JC-09", "TR-03"),
+        ENTRIES,
+        "y, x_from = r.y, x.position",
+        "y, x_from = r.y, points.position",
+        ("jacobian-omitted",),
+    ),
+    *(
+        Mutant(
+            f"the Jacobian is clamped to {words}",
+            ("JC-11",),
+            SHIFT,
+            LIMITED,
+            f"return np.clip(saturate(jacobian), {words})",
+            (name,),
+        )
+        for words, name in (
+            ("1 / 3, 3", "jacobian-clamped-to-3"),
+            ("1 / 2, 2", "jacobian-clamped-to-2"),
+            ("0, 8", "jacobian-clamped-to-8"),
+            ("0, 10", "jacobian-at-most-10"),
+        )
+    ),
+    Mutant(
+        "shifts beyond [1/10, 10] are refused, and counted",
+        ("JC-12",),
+        SHIFT,
+        LIMITED,
+        "J = saturate(jacobian)\n    return np.where((J >= 0.1) & (J <= 10), J, 0)",
+        ("jacobian-rejected-beyond-10",),
+    ),
+    Mutant(
+        "shifts beyond 2 are refused, and counted",
+        ("JC-12",),
+        SHIFT,
+        LIMITED,
+        "J = saturate(jacobian)\n    return np.where(J <= 2, J, 0)",
+        ("jacobian-rejected-beyond-2",),
+    ),
+    Mutant(
+        "shifts beyond [1/10, 10] are refused, and not counted",
+        ("JC-12",),
+        ENTRIES,
+        "M = np.where(there, r.M, 0.0)",
+        "M = np.where(\n"
+        "        there & (moved.factor >= 0.1) & (moved.factor <= 10), r.M, 0.0\n"
+        "    )",
+        ("jacobian-rejected-not-counted",),
+    ),
+    Mutant(
+        "the cosines are left out",
+        ("JC-15",),
+        SHIFT,
+        JACOBIAN,
+        "jacobian = ratio * ratio",
+        ("jacobian-without-cosines",),
+    ),
+    Mutant(
+        "the cosines are cut at 0",
+        ("EQ",),
+        SHIFT,
+        COSINES,
+        "np.maximum(dot(n_sample, v_to), 0), np.maximum(dot(n_sample, v_from), 0)",
+        kind="equivalent",
+    ),
+    Mutant(
+        "a Jacobian that overflows stays infinite",
+        ("IS-19",),
+        SHIFT,
+        LIMITED,
+        "return jacobian",
+        kind="robustness",
+    ),
+]
+
+INITIAL = [
+    Mutant(
+        "shading lacks 1/π",
+        ("IS-01",),
+        LAMBERTIAN,
+        REFLECTED,
+        "points.color * lit_cosine(table, points, wi)[:, None]",
+        ("shade-without-pi",),
+    ),
+    Mutant(
+        "the target lacks 1/π",
+        ("IS-01", "EQ"),
+        TARGET,
+        SCALE,
+        "scale = divide_or_zero(cosine, np.sqrt(dot(toward, toward)))",
+        ("target-without-pi",),
+        "equivalent",
+    ),
+    Mutant(
+        "the geometry term in a target of solid angles",
+        ("IS-05", "EQ"),
+        TARGET,
+        SCALE,
+        "d2 = dot(toward, toward)\n"
+        "    scale = divide_or_zero(cosine, np.pi * np.sqrt(d2))\n"
+        "    scale = scale * divide_or_zero(abs(dot(y.normal, toward)),"
+        " d2 * np.sqrt(d2))",
+        ("target-with-geometry-term",),
+        "variance",
+    ),
+    Mutant(
+        "the geometry term in the estimate",
+        ("IS-05",),
+        TARGET,
+        "value = scattering(table, receiver, omega) * y.radiance",
+        "v = y.position - receiver.position\n"
+        "    d2 = np.maximum(dot(v, v), 1e-12)\n"
+        "    value = scattering(table, receiver, omega) * y.radiance\n"
+        "    value = value * (abs(dot(y.normal, omega)) / d2)[:, None]",
+        ("shade-with-geometry-term",),
+    ),
+    Mutant(
+        "a uniform pdf of 1/π",
+        ("IS-13",),
+        SAMPLING,
+        UNIFORM,
+        "np.where(cos_theta >= 0, 1.0 / np.pi, 0.0)",
+        ("density-of-half-the-hemisphere",),
+    ),
+    Mutant(
+        "a uniform pdf of 1/4π",
+        ("IS-13",),
+        SAMPLING,
+        UNIFORM,
+        "np.where(cos_theta >= 0, 1.0 / (4.0 * np.pi), 0.0)",
+        ("density-of-the-sphere",),
+    ),
+    Mutant(
+        "a cosine pdf without 1/π",
+        ("IS-01", "IS-13"),
+        SAMPLING,
+        COSINE_PDF,
+        "np.maximum(cos_theta, 0.0)",
+        ("density-without-pi",),
+    ),
+    Mutant(
+        "a cosine pdf with 1/2π",
+        ("IS-13",),
+        SAMPLING,
+        COSINE_PDF,
+        "np.maximum(cos_theta, 0.0) / (2.0 * np.pi)",
+        ("density-of-two-pi",),
+    ),
+    Mutant(
+        "uniform directions with the cosine pdf",
+        ("IS-13",),
+        SAMPLING,
+        UNIFORM,
+        "np.maximum(cos_theta, 0.0) / np.pi",
+        ("density-of-the-other-sampler",),
+    ),
+    Mutant(
+        "cosine directions with the uniform pdf",
+        ("IS-13",),
+        SAMPLING,
+        COSINE_PDF,
+        "np.where(cos_theta > 0, 1.0 / (2.0 * np.pi), 0.0)",
+        ("density-of-the-other-sampler",),
+    ),
+    Mutant(
+        "cosine directions for uniform ones",
+        ("IS-13",),
+        SAMPLING,
+        UNIFORM_SAMPLE,
+        COSINE_SAMPLE,
+        ("direction-of-the-other-sampler",),
+    ),
+    Mutant(
+        "uniform directions for cosine ones",
+        ("IS-13",),
+        SAMPLING,
+        COSINE_SAMPLE,
+        UNIFORM_SAMPLE,
+        ("direction-of-the-other-sampler",),
+    ),
+    Mutant(
+        "the root of cos θ is forgotten",
+        ("IS-13",),
+        SAMPLING,
+        COSINE_SAMPLE,
+        "_about_z(1.0 - u1, np.sqrt(u1 * (2.0 - u1)), u2)",
+        ("direction-of-the-other-sampler",),
+    ),
+    Mutant(
+        "half of the azimuths are drawn",
+        ("IS-13",),
+        SAMPLING,
+        PHI,
+        "phi = np.pi * u\n",
+        ("direction-of-half-the-azimuth",),
+    ),
+    Mutant(
+        "one number for both components of a direction",
+        ("IS-25",),
+        SAMPLING,
+        UNIFORM_SAMPLE,
+        "_about_z(u1, np.sqrt(np.maximum(0.0, 1.0 - u1 * u1)), u1)",
+        ("one-number-for-both-components",),
+    ),
+    Mutant(
+        "a frame that is not orthonormal below z = 0",
+        ("IS-13",),
+        FRAMES,
+        "tangent = vectors(1.0 + sign * x * x * a, sign * b, -sign * x)",
+        "tangent = vectors(1.0 + x * x * a, sign * b, -sign * x)",
+    ),
+    Mutant(
+        "the normal points inward",
+        ("IS-13",),
+        FRAMES,
+        "x * tangent + y * bitangent + z * n",
+        "x * tangent + y * bitangent - z * n",
+        ("normal-flipped",),
+    ),
+    Mutant(
+        "a new sample is not divided by its density",
+        ("IS-13",),
+        RESERVOIR,
+        "w = divide_or_zero(p_hat, pdf)",
+        "w = p_hat",
+        ("density-left-out",),
+    ),
+    Mutant(
+        "a new sample is multiplied by its density",
+        ("IS-13",),
+        RESERVOIR,
+        "w = divide_or_zero(p_hat, pdf)",
+        "w = p_hat * pdf",
+        ("density-multiplied",),
+    ),
+    Mutant(
+        "a new sample's density is that of another pixel",
+        ("IS-13",),
+        TEMPORAL,
+        "new = initial_candidates(places, p_hat, initial.pdf)",
+        "new = initial_candidates(places, p_hat, np.roll(initial.pdf, 1))",
+    ),
+    Mutant(
+        "a draw too many: the first is not counted",
+        ("IS-17",),
+        MIS,
+        "return _sum(M_k)",
+        "return _sum(M_k[1:])",
+        ("first-not-counted",),
+    ),
+    Mutant(
+        "new samples that found nothing do not count",
+        ("§0", "RG-01", "RG-07"),
+        RESERVOIR,
+        FRESH,
+        "M=(w > 0).astype(w.dtype)",
+        ("nulls-not-counted",),
+    ),
+    Mutant(
+        "a weight of 0 may be kept",
+        ("IS-19", "EQ"),
+        RESERVOIR,
+        CHOICE,
+        "u * (w_a + w_b) <= w_b)",
+        ("accepts-on-equality",),
+        "robustness",
+    ),
+    Mutant(
+        "0/0 when a reservoir is closed",
+        ("IS-19",),
+        RESERVOIR,
+        CLOSED,
+        "c.w / c.p_hat / normalization",
+        (),
+        "robustness",
+        ((RESERVOIR, KEPT, "return Reservoirs(y=c.y, W=W, M=c.M)"),),
+    ),
+    Mutant(
+        "the back of a sample shines, in the target alone",
+        ("IS-21",),
+        TARGET,
+        FACES,
+        "dot(y.normal, toward) != 0, lit_cosine",
+        ("back-of-sample-shines",),
+        "variance",
+    ),
+    Mutant(
+        "the back of a sample shines",
+        ("IS-21",),
+        TARGET,
+        FACES,
+        "dot(y.normal, toward) != 0, lit_cosine",
+        ("back-of-sample-shines", "shade-back-of-sample"),
+        "bias",
+        ((TARGET, SIDE, "lit = dot(y.normal, omega) != 0"),),
+    ),
+    Mutant(
+        "the back of a sample shines, in shading alone",
+        ("IS-21",),
+        TARGET,
+        SIDE,
+        "lit = dot(y.normal, omega) != 0",
+        ("shade-back-of-sample",),
+        "equivalent",
+    ),
+    Mutant(
+        "the throughput is in L_o, and applied again",
+        ("IS-23",),
+        SHADE,
+        SHOWN,
+        "return radiance * points.color * reservoirs.W[:, None]",
+        ("shade-albedo-twice",),
+    ),
+    Mutant(
+        "one number for all neighbours",
+        ("IS-25",),
+        STREAM,
+        LOOP,
+        "us = [*decisions[1:3], *decisions[2:3] * len(decisions[3:])]\n"
+        "    for entry, u in zip(entries[1:], us, strict=True):",
+        ("one-number-for-all-neighbors",),
+    ),
+    Mutant(
+        "one number for all decisions",
+        ("IS-25",),
+        STREAM,
+        LOOP,
+        "for entry, u in zip(entries[1:], decisions[1:2] * len(entries[1:])):",
+        ("one-number-for-all-decisions",),
+    ),
+    Mutant(
+        "pure colours are taken for nothing, in the target",
+        ("IS-27",),
+        TARGET,
+        LIGHT,
+        "color = receiver.color * y.radiance\n"
+        "    return np.where((color > 0).all(axis=1), luminance(color), 0.0) * scale",
+        ("pure-colours-are-null",),
+    ),
+    Mutant(
+        "pure colours are taken for nothing, in shading",
+        ("IS-27",),
+        TARGET,
+        SIDE,
+        "lit = (dot(y.normal, omega) < 0) & (y.radiance > 0).all(axis=1)",
+        ("pure-colours-are-null",),
+    ),
+]
+
+REUSE = [
+    Mutant(
+        "M is capped, and the running weight is not",
+        ("TR-01",),
+        RESERVOIR,
+        CAP,
+        "W=r.W * divide_or_zero(r.M, np.minimum(r.M, cap)), M=np.minimum(r.M, cap)",
+        ("capped-before-weight",),
+    ),
+    Mutant(
+        "M is capped before it divides",
+        ("TR-01",),
+        RESAMPLE,
+        "finalize(replace(chosen, y=y), total)",
+        "finalize(\n"
+        "        replace(chosen, y=y), total * (total <= cap) + cap * (total > cap)\n"
+        "    )",
+        ("capped-before-weight",),
+    ),
+    Mutant(
+        "M is capped in the weight alone",
+        ("TR-01", "SR-10"),
+        RESERVOIR,
+        WEIGHT,
+        "w = p_hat * r.W * np.minimum(r.M, 2)",
+        ("confidence-capped-in-weight",),
+    ),
+    Mutant(
+        "the cap is put on W",
+        ("TR-01",),
+        RESERVOIR,
+        CAP,
+        "W=r.W * divide_or_zero(np.minimum(r.M, cap), r.M), M=r.M",
+    ),
+    Mutant(
+        "M is not capped",
+        ("EQ",),
+        RESERVOIR,
+        CAP,
+        "W=r.W, M=r.M",
+        ("never-capped",),
+        "equivalent",
+    ),
+    Mutant(
+        "the cap is one too large",
+        ("EQ",),
+        RESERVOIR,
+        CAP,
+        "W=r.W, M=np.minimum(r.M, cap + 1)",
+        ("cap-off-by-one",),
+        "equivalent",
+    ),
+    Mutant(
+        "the past is capped when it arrives, not when it is stored",
+        ("EQ",),
+        RESERVOIR,
+        CAP,
+        "W=r.W, M=r.M",
+        ("never-capped",),
+        "equivalent",
+        (
+            (
+                ENTRIES,
+                FROM_RESERVOIR,
+                "M = np.minimum(r.M, receivers.settings.temporal_cap)\n"
+                "    candidate = reused_candidates(Reservoirs(places, r.W, M), p_hat)",
+            ),
+        ),
+    ),
+    Mutant(
+        "no temporal Jacobian when the visible point moves",
+        ("TR-03",),
+        ENTRIES,
+        MOVED,
+        f"{MOVED} if place else Shift(None, None)",
+        ("jacobian-omitted",),
+    ),
+    Mutant(
+        "what moved is reused as it stands",
+        ("TR-03", "TR-19"),
+        HISTORY,
+        "if history.as_they_stand:",
+        "if True:",
+        ("reused-as-it-stands",),
+    ),
+    Mutant(
+        "bright samples are taken for fireflies",
+        ("TR-07",),
+        RESERVOIR,
+        WEIGHT,
+        "w = p_hat * r.W * r.M * (r.W < 10)",
+        ("dropped-where-w-large",),
+    ),
+    Mutant(
+        "a new sample counts twice",
+        ("TR-17",),
+        RESERVOIR,
+        FRESH,
+        "M=np.ones_like(w) * 2",
+        ("confidence-off-by-one",),
+    ),
+    Mutant(
+        "M is one too large in the weight",
+        ("TR-17",),
+        RESERVOIR,
+        WEIGHT,
+        "w = p_hat * r.W * (r.M + 1)",
+        ("confidence-plus-one-in-weight",),
+    ),
+    Mutant(
+        "an empty history counts as a sample",
+        ("TR-21",),
+        RESERVOIR,
+        BROUGHT,
+        "return Candidates(y=r.y, p_hat=p_hat, w=w, M=np.maximum(r.M, 1))",
+        ("empty-counts",),
+    ),
+    Mutant(
+        "1/M where 1/Z is needed",
+        ("SR-01", "EQ"),
+        MIS,
+        TERMS,
+        "M for",
+        ("one-over-m",),
+    ),
+    Mutant(
+        "1/Z where 1/M is asked for",
+        ("SR-01",),
+        NORMALIZATION,
+        'if mis == "1/M" or not any(',
+        "if not any(",
+        ("one-over-z-where-m",),
+        "bias",
+        ((NORMALIZATION, 'if mis == "1/Z":', 'if mis in ("1/M", "1/Z"):'),),
+    ),
+    Mutant(
+        "Z adds M of the last neighbour",
+        ("SR-02",),
+        MIS,
+        TERMS,
+        "np.where(holds, M_k[-1], M * 0) for",
+        ("last-confidence-in-z",),
+    ),
+    Mutant(
+        "Z counts reservoirs, not their samples",
+        ("SR-02",),
+        MIS,
+        TERMS,
+        "np.where(holds, M * 0 + 1, M * 0) for",
+        ("one-each-in-z",),
+    ),
+    Mutant(
+        "the pixel's own reservoir is counted with the merged M",
+        ("SR-03",),
+        NORMALIZATION,
+        LENT,
+        "[e.candidate.M if e.origin else chosen.M for e in entries]",
+        ("merged-confidence-in-z",),
+    ),
+    Mutant(
+        "Z asks for light, not for the horizon",
+        ("SR-05",),
+        NORMALIZATION,
+        "return " + DONOR_TARGET,
+        "return y.radiance.max(axis=1)",
+        ("horizon-missing-in-z",),
+    ),
+    Mutant(
+        "Z does not ask on which side the sample shines",
+        ("SR-05",),
+        NORMALIZATION,
+        DONOR_TARGET,
+        "np.where(possible, y.radiance.max(axis=1), 0.0)",
+        ("side-missing-in-z",),
+    ),
+    Mutant(
+        "Z does not ask for visibility",
+        ("SR-05",),
+        NORMALIZATION,
+        LOOKS,
+        "seen = made | possible",
+        ("visibility-missing-in-z",),
+    ),
+    Mutant(
+        "Z asks what the receiver sees",
+        ("SR-05",),
+        NORMALIZATION,
+        "sees(donors.world, x_k, y, possible & ~made)",
+        "receivers.see(y, possible & ~made)",
+        ("receivers-visibility-in-z",),
+    ),
+    Mutant(
+        "Z asks for the receiver's horizon",
+        ("SR-05",),
+        NORMALIZATION,
+        "k = take(surface, donor)",
+        "k = receivers.points",
+        ("receivers-target-in-z",),
+    ),
+    Mutant(
+        "Z forgets who made the sample",
+        ("SR-05",),
+        NORMALIZATION,
+        "return seen.astype(float)",
+        "return (seen & ~made).astype(float)",
+        ("maker-missing-in-z",),
+    ),
+    Mutant(
+        "a neighbour that was rejected still counts",
+        ("SR-07",),
+        ENTRIES,
+        "Reservoirs(places, r.W, M), receivers.target(y), moved.factor",
+        "Reservoirs(places, np.where(there, r.W, 0.0), r.M),\n"
+        "        receivers.target(y), moved.factor",
+        ("rejected-counted",),
+    ),
+    Mutant(
+        "W is divided by the target at the donor",
+        ("SR-09",),
+        ENTRIES,
+        WITHOUT,
+        f"{WITHOUT}\n    candidate = replace(candidate, p_hat={AT_DONOR}.target(y))",
+        ("divided-by-the-donors-target",),
+    ),
+    Mutant(
+        "the target at the donor, in the weight too",
+        ("SR-09",),
+        ENTRIES,
+        "receivers.target(y), moved.factor",
+        f"{AT_DONOR}.target(y), moved.factor",
+        ("donors-target-in-both",),
+        "variance",
+    ),
+    Mutant(
+        "M twice in the weight",
+        ("SR-10",),
+        RESERVOIR,
+        WEIGHT,
+        "w = p_hat * r.W * r.M * r.M",
+        ("confidence-twice",),
+    ),
+    Mutant(
+        "M is missing in the weight",
+        ("SR-10",),
+        RESERVOIR,
+        WEIGHT,
+        "w = p_hat * r.W",
+        ("confidence-missing-in-weight",),
+    ),
+    Mutant(
+        "divided by M twice",
+        ("SR-10",),
+        RESERVOIR,
+        CLOSED,
+        "divide_or_zero(divide_or_zero(c.w, c.p_hat), normalization * normalization)",
+        ("normalized-twice",),
+    ),
+    Mutant(
+        "neighbours are trusted twice",
+        ("SR-10",),
+        ENTRIES,
+        WITHOUT,
+        f"{WITHOUT}\n    candidate = replace(candidate, w=candidate.w * 2)",
+        ("neighbors-counted-double",),
+    ),
+    Mutant(
+        "the sum of weights is not divided by the confidences",
+        ("SR-10",),
+        RESERVOIR,
+        CLOSED,
+        "divide_or_zero(c.w, c.p_hat)",
+        ("not-normalized",),
+    ),
+    Mutant(
+        "W is not divided by the target",
+        ("SR-09",),
+        RESERVOIR,
+        CLOSED,
+        "divide_or_zero(c.w, normalization)",
+        ("not-divided-by-target",),
+    ),
+    Mutant(
+        "the target is missing in the weight",
+        ("SR-09",),
+        RESERVOIR,
+        WEIGHT,
+        "w = r.W * r.M",
+        ("target-missing-in-weight",),
+    ),
+    Mutant(
+        "the target is kept away from 0 where it divides",
+        ("§0",),
+        RESERVOIR,
+        CLOSED,
+        "divide_or_zero(np.maximum(c.p_hat, 1e-3) ** -1 * c.w, normalization)",
+        ("target-floor",),
+    ),
+    *(
+        Mutant(
+            f"W is cut at {most}",
+            ("§0",),
+            RESERVOIR,
+            KEPT,
+            f"return Reservoirs(y=c.y, W=np.minimum(saturate(W), {most}), M=c.M)",
+            (f"weight-cut-at-{most}",),
+        )
+        for most in (4, 10)
+    ),
+    Mutant(
+        "a neighbour outside of the image is pixel 0",
+        ("SR-13",),
+        ENTRIES,
+        "M = np.where(there, r.M, 0.0)",
+        "M = r.M",
+        ("none-is-pixel-0",),
+    ),
+    Mutant(
+        "the second loop replays other neighbours",
+        ("SR-15",),
+        NORMALIZATION,
+        ASKED,
+        "origin = entries[place - 1].origin or entry.origin\n"
+        "        p_k = target_from(receivers, origin, y, kept, made)",
+        ("other-neighbors-in-z",),
+    ),
+    Mutant(
+        "light below the horizon",
+        ("SR-21",),
+        COSINE,
+        LIT_COSINE,
+        "cosine = abs(dot(points.shading, wi))",
+        ("light-below-the-horizon", "shade-below-the-horizon"),
+    ),
+    Mutant(
+        "light below the horizon, in the target alone",
+        ("SR-21",),
+        TARGET,
+        "lit_cosine(table, receiver, toward), 0.0",
+        "abs(dot(receiver.normal, toward)), 0.0",
+        ("light-below-the-horizon",),
+        "variance",
+    ),
+    Mutant(
+        "Equation 10 does not ask for the horizon",
+        ("SR-05", "SR-21"),
+        TARGET,
+        "return np.where(cosine > 0, luminance(y.radiance), 0.0)",
+        "return luminance(y.radiance)",
+        ("outgoing-without-horizon",),
+        "variance",
+    ),
+    Mutant(
+        "hidden samples keep their weight",
+        ("SR-21", "SR-33"),
+        ENTRIES,
+        SEEN,
+        "seen = candidate.w > 0",
+        ("visibility-missing-in-weight",),
+    ),
+    Mutant(
+        "samples that arrive with no weight do not count",
+        ("SR-25",),
+        ENTRIES,
+        "return Entry(candidate, arrived, Origin(donors, rows, x))",
+        "candidate = replace(candidate, M=candidate.M * (candidate.w > 0))\n"
+        "    return Entry(candidate, arrived, Origin(donors, rows, x))",
+        ("reused-nulls-not-counted",),
+        "bias",
+        (
+            (
+                ENTRIES,
+                "return Entry(candidate, r.y)",
+                "candidate = replace(candidate, M=candidate.M * (candidate.w > 0))\n"
+                "    return Entry(candidate, r.y)",
+            ),
+        ),
+    ),
+    Mutant(
+        "samples with no target do not count, hidden ones do",
+        ("SR-25",),
+        RESERVOIR,
+        BROUGHT,
+        "return Candidates(y=r.y, p_hat=p_hat, w=w, M=r.M * (w > 0))",
+        ("reused-nulls-not-counted",),
+    ),
+    Mutant(
+        "hidden samples do not count",
+        ("SR-25",),
+        ENTRIES,
+        SEEN,
+        "seen = receivers.see(y, there)\n"
+        "        candidate = replace(candidate, M=candidate.M * seen)",
+        ("hidden-not-counted",),
+    ),
+    Mutant(
+        "the pixel's own sample is not merged",
+        ("SR-31",),
+        RESAMPLE,
+        "chosen = stream(entries, decisions)",
+        "if shifted:\n"
+        "        own = entries[canonical].candidate\n"
+        "        own = replace(own, w=own.w * 0, M=own.M * 0)\n"
+        "        entries = list(entries)\n"
+        "        entries[canonical] = replace(entries[canonical], candidate=own)\n"
+        "    chosen = stream(entries, decisions)",
+        ("canonical-not-merged",),
+    ),
+    Mutant(
+        "the pixel's own sample is not counted in Z",
+        ("SR-31",),
+        NORMALIZATION,
+        EVERYONE,
+        "holds.append(everyone if place != 1 else ~everyone)",
+        ("canonical-missing-in-z",),
+    ),
+    Mutant(
+        "M of a merged reservoir is one more",
+        ("TR-17", "SR-10"),
+        RESERVOIR,
+        "M=a.M + b.M",
+        "M=a.M + 1",
+        ("merged-confidence-plus-one",),
+    ),
+    Mutant(
+        "the sum of weights forgets what came before",
+        ("IN-03",),
+        RESERVOIR,
+        "w = a.w + b.w",
+        "w = b.w",
+        ("sum-of-weights-lost",),
+    ),
+    Mutant(
+        "the target of the sample that lost",
+        ("SR-09",),
+        RESERVOIR,
+        "np.where(take_b, b.p_hat, a.p_hat)",
+        "a.p_hat",
+        ("target-of-the-loser",),
+    ),
+    Mutant(
+        "the sample that won is not copied",
+        ("IN-03",),
+        RESERVOIR,
+        "where(take_b, b.y, a.y)",
+        "a.y",
+        ("never-accepts",),
+    ),
+    Mutant(
+        "every candidate with a weight is kept",
+        ("IS-25",),
+        RESERVOIR,
+        CHOICE,
+        "w_b > 0)",
+        ("always-accepts",),
+    ),
+    Mutant(
+        "compared with the sum before",
+        ("IS-19",),
+        RESERVOIR,
+        CHOICE,
+        "u * w_a < w_b)",
+        ("accepts-by-the-old-sum",),
+    ),
+    Mutant(
+        "u is used as 1 − u",
+        ("EQ",),
+        RESERVOIR,
+        CHOICE,
+        "(1 - u) * (w_a + w_b) < w_b)",
+        ("keeps-the-other-side",),
+        "equivalent",
+    ),
+    Mutant(
+        "the stream runs backwards",
+        ("EQ",),
+        STREAM,
+        LOOP,
+        "chosen = entries[-1].candidate\n"
+        "    for entry, u in zip(entries[-2::-1], decisions[1:], strict=True):",
+        ("stream-reversed",),
+        "equivalent",
+    ),
+]
+
+TARGETS = [
+    Mutant(
+        f"the target {words}",
+        ("EQ",),
+        TARGET,
+        old,
+        new,
+        expected,
+        "equivalent",
+    )
+    for words, old, new, expected in (
+        ("is twice as large", LIGHT, f"{LIGHT} * 2.0", ("target-doubled",)),
+        (
+            "lacks the cosine",
+            SCALE,
+            "scale = ((cosine > 0) / np.pi).astype(cosine.dtype)",
+            ("target-without-cosine",),
+        ),
+        (
+            "has the cosine twice",
+            SCALE,
+            f"{SCALE}\n    scale = scale * scale * np.pi",
+            ("target-cosine-twice",),
+        ),
+        (
+            "lacks the albedo",
+            LIGHT,
+            "return luminance(y.radiance) * scale",
+            ("target-without-albedo",),
+        ),
+        (
+            "has the luminance of Rec. 601",
+            LUMINANCE,
+            "dot(color, np.array((0.299, 0.587, 0.114), color.dtype))",
+            ("luminance-of-rec-601",),
+        ),
+        (
+            "is the mean of the channels",
+            LUMINANCE,
+            "color.mean(axis=1)",
+            ("mean-of-channels",),
+        ),
+        (
+            "is the largest of the channels",
+            LUMINANCE,
+            "color.max(axis=1)",
+            ("largest-channel",),
+        ),
+        (
+            "has a floor where it is positive",
+            LIGHT,
+            "p_hat = luminance(receiver.color * y.radiance) * scale\n"
+            "    return np.where(p_hat > 0, np.maximum(p_hat, 1e-3), p_hat)",
+            ("target-with-floor",),
+        ),
+        (
+            "is Equation 9 where 10 is asked for",
+            'if kind == "outgoing":',
+            'if kind == "other":',
+            ("scattered-for-outgoing",),
+        ),
+    )
+] + [
+    Mutant(
+        "the target is the red channel",
+        ("IS-27",),
+        TARGET,
+        LUMINANCE,
+        "color[:, 0]",
+        ("red-channel",),
+    )
+]
+
+SHADING = [
+    Mutant(
+        f"shading {words}",
+        ids,
+        module,
+        old,
+        new,
+        expected,
+    )
+    for words, ids, module, old, new, expected in (
+        (
+            "lacks the albedo",
+            ("IS-23",),
+            LAMBERTIAN,
+            REFLECTED,
+            REFLECTED.replace("points.color", "(points.color * 0 + 1)"),
+            ("shade-without-albedo",),
+        ),
+        (
+            "lacks the cosine",
+            ("SR-05",),
+            LAMBERTIAN,
+            REFLECTED,
+            REFLECTED.replace("wi) / np.pi)", "wi) > 0)") + " / np.pi",
+            ("shade-without-cosine",),
+        ),
+        (
+            "has the cosine twice",
+            ("IS-05",),
+            LAMBERTIAN,
+            REFLECTED,
+            REFLECTED.replace("wi) / np.pi", "wi) ** 2 / np.pi"),
+            ("shade-cosine-twice",),
+        ),
+        (
+            "shows the target",
+            ("IS-27", "PK-13"),
+            SHADE,
+            SHOWN,
+            "from reference.resampling.target import target\n"
+            '    p = target("scattered", world.materials, points, reservoirs.y)\n'
+            "    return (radiance * 0 + p[:, None]) * reservoirs.W[:, None]",
+            ("shade-by-the-target",),
+        ),
+        (
+            "lacks W",
+            ("SR-09",),
+            SHADE,
+            SHOWN,
+            "return radiance",
+            ("shade-without-weight",),
+        ),
+    )
+]
+
+SEARCH = [
+    Mutant(
+        name,
+        ids,
+        module,
+        old,
+        new,
+        expected,
+        "variance",
+    )
+    for name, ids, module, old, new, expected in (
+        (
+            "the depth test is relative to the pixel's own depth",
+            ("SR-19",),
+            GBUFFER,
+            "max_depth * far)",
+            "max_depth * depth_a)",
+            ("depth-relative-to-own",),
+        ),
+        (
+            "a fixed depth difference",
+            ("SR-19",),
+            GBUFFER,
+            "max_depth * far)",
+            "max_depth)",
+            ("depth-absolute",),
+        ),
+        (
+            "no test of depths",
+            ("SR-19", "TR-19"),
+            GBUFFER,
+            ALIKE,
+            "alike & (near > 0)",
+            ("depth-not-tested",),
+        ),
+        (
+            "no test of normals",
+            ("SR-19", "TR-19"),
+            GBUFFER,
+            ALIKE,
+            ALIKE.replace("alike & ", ""),
+            ("normal-not-tested",),
+        ),
+        (
+            "degrees are taken for radians",
+            ("IN-05",),
+            GBUFFER,
+            ANGLE,
+            "dot(n_a, n_b) >= np.cos(max_angle)",
+            ("angle-in-radians",),
+        ),
+        (
+            "the angle is a constant of 25.84 degrees",
+            ("IN-05",),
+            GBUFFER,
+            ANGLE,
+            "dot(n_a, n_b) >= 0.9",
+            ("angle-constant",),
+        ),
+        (
+            "normals may point away",
+            ("SR-19",),
+            GBUFFER,
+            ANGLE,
+            "abs(dot(n_a, n_b)) >= np.cos(np.radians(max_angle))",
+            ("normal-unsigned",),
+        ),
+        (
+            "the search radius is not halved",
+            ("SR-19",),
+            NEIGHBORS,
+            "np.maximum(radius / 2.0, least)",
+            "radius",
+            ("radius-not-halved",),
+        ),
+        (
+            "the search radius has no least",
+            ("SR-19",),
+            NEIGHBORS,
+            "np.maximum(radius / 2.0, least)",
+            "radius / 2.0",
+            ("radius-without-least",),
+        ),
+        (
+            "the disk is dense in its middle",
+            ("SR-19",),
+            NEIGHBORS,
+            "radius * np.sqrt(u[0])",
+            "radius * u[0]",
+            ("disk-without-root",),
+        ),
+        (
+            "offsets are rounded down",
+            ("TR-05",),
+            NEIGHBORS,
+            "dx, dy = np.rint(r * np.cos(phi)), np.rint(r * np.sin(phi))",
+            "dx, dy = np.trunc(r * np.cos(phi)), np.trunc(r * np.sin(phi))",
+            ("offset-truncated",),
+        ),
+        (
+            "neighbours outside are moved to the border",
+            ("SR-13",),
+            NEIGHBORS,
+            LANDS,
+            "x_to = np.clip(x + dx, 0, width - 1)\n"
+            "        y_to = np.clip(y + dy, 0, height - 1)",
+            ("border-clamped",),
+        ),
+        (
+            "the pixel is its own neighbour",
+            ("SR-13",),
+            NEIGHBORS,
+            "np.where(usable & (neighbor != rows), neighbor, NONE)",
+            "np.where(usable, neighbor, NONE)",
+            ("itself-a-neighbor",),
+        ),
+    )
+] + [
+    Mutant(
+        "a neighbour may be one column outside",
+        ("SR-13",),
+        NEIGHBORS,
+        "(x_to < width)",
+        "(x_to <= width)",
+        ("border-off-by-one",),
+        "robustness",
+    ),
+    Mutant(
+        "what sees nothing is similar to all",
+        ("TR-21",),
+        GBUFFER,
+        ALIKE,
+        ALIKE.replace("(near > 0) & ", ""),
+        (),
+        "robustness",
+    ),
+]
+
+RANDOM = [
+    Mutant(
+        "the key's last word is ignored: one stream for all passes",
+        ("IN-01",),
+        RNG,
+        "for v in (x, y, z, w))\n    for last_round",
+        "for v in (x, y, z, w * np.uint32(0)))\n    for last_round",
+        ("stream-ignored",),
+    ),
+    Mutant(
+        "the frame is ignored",
+        ("IN-01",),
+        RNG,
+        "for v in (x, y, z, w))\n    for last_round",
+        "for v in (x, y * np.uint32(0), z, w))\n    for last_round",
+        ("frame-ignored",),
+    ),
+    Mutant(
+        "another shift in the hash",
+        ("EQ",),
+        RNG,
+        "v >> np.uint32(16)",
+        "v >> np.uint32(15)",
+        kind="equivalent",
+    ),
+    Mutant(
+        "numbers that round to 1",
+        ("IS-19",),
+        RNG,
+        "(bits >> np.uint32(8)) * 2.0**-24",
+        "bits * 2.0**-32",
+        kind="robustness",
+    ),
+]
+
+UNSEEN = [
+    Mutant(
+        name,
+        ("EQ",),
+        module,
+        old,
+        new,
+        kind="equivalent",
+    )
+    for name, module, old, new in (
+        (
+            "azimuths are counted from another axis",
+            SAMPLING,
+            PHI,
+            "phi = (2.0 * np.pi) * u + 1.0\n",
+        ),
+        (
+            "azimuths are counted the other way round",
+            SAMPLING,
+            PHI,
+            "phi = (-2.0 * np.pi) * u\n",
+        ),
+        (
+            "the Jacobian in another order",
+            SHIFT,
+            JACOBIAN,
+            "jacobian = cosines * (ratio * (ratio * ratio))",
+        ),
+        (
+            "the weight in another order",
+            RESERVOIR,
+            WEIGHT,
+            "w = r.M * (r.W * p_hat)",
+        ),
+        (
+            "the choice with its terms apart",
+            RESERVOIR,
+            CHOICE,
+            "u * w_a < (1 - u) * w_b)",
+        ),
+        (
+            "the choice by division",
+            RESERVOIR,
+            CHOICE,
+            "u < divide_or_zero(w_b, w_a + w_b))",
+        ),
+        (
+            "divided by Z before the target",
+            RESERVOIR,
+            CLOSED,
+            "divide_or_zero(divide_or_zero(c.w, normalization), c.p_hat)",
+        ),
+        (
+            "merged in the other order of terms",
+            RESERVOIR,
+            "w = a.w + b.w",
+            "w = b.w + a.w",
+        ),
+        (
+            "relative depth by division",
+            GBUFFER,
+            "far - near <= max_depth * far",
+            "near >= (1 - max_depth) * far",
+        ),
+    )
+] + [
+    Mutant(
+        "cos² θ is u",
+        ("EQ",),
+        SAMPLING,
+        COSINE_SAMPLE,
+        "_about_z(np.sqrt(u1), np.sqrt(1.0 - u1), u2)",
+        ("cosine-from-the-other-end",),
+        "equivalent",
+    )
+]
+
+MUTANTS = [
+    *JACOBIANS,
+    *INITIAL,
+    *REUSE,
+    *TARGETS,
+    *SHADING,
+    *SEARCH,
+    *RANDOM,
+    *UNSEEN,
+]
+
+NOTHING = Mutant(
+    "nothing at all",
+    (),
+    RESERVOIR,
+    WEIGHT,
+    "w = p_hat * r.W * r.M  # nothing",
+    kind="equivalent",
+)
+"""A planted edit that is none: whatever sees it sees the planting."""
+
+BY_NAME = {mutant.name: mutant for mutant in MUTANTS}

@@ -1,0 +1,190 @@
+"""Climb the ladder with a mistake in the built-in backend, and in nothing else.
+
+The oracle's scenes and cases are made once, by unedited code; a mutant is planted only
+while the backend runs, and its outputs are judged by unedited code again.
+"""
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass, field
+from functools import cache
+from itertools import chain
+from time import perf_counter
+from typing import Any
+from unittest.mock import patch
+
+from reference.oracle import ladder as oracle
+from reference.oracle.builtin.backend import BuiltIn
+from reference.oracle.cases import Case, Failure, Outcome
+from reference.oracle.contract.fields import Passes, Precision
+from reference.oracle.contract.registry import CONTRACT
+from reference.oracle.verdict import Verdict, climb
+from tests.mutants.catalogue import Mutant
+from tests.mutants.plant import planted
+
+EXACT = ("L0", "L1", "L2", "L3")
+ALL = (*EXACT, "L4")
+
+STATISTICAL_SECONDS = 20.0
+"""Of rung L4, for one mutant."""
+
+
+@dataclass(frozen=True, slots=True)
+class Planted:
+    """The built-in backend in this process, with a mistake while it runs.
+
+    Attributes
+    ----------
+    mutant : Mutant or None
+        The mistake; ``None`` for none.
+    precision : 'float32' or 'float64'
+        Of the backend.
+    """
+
+    mutant: Mutant | None
+    precision: Precision = "float32"
+
+    def run(self, passes: Passes, cases: list[Case]) -> list[Outcome]:
+        """Outcome of each case; an exception is a failure to answer."""
+        plant = planted(self.mutant) if self.mutant else nullcontext()
+        with plant, warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return [self._outcome(case) for case in cases]
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+    def _outcome(self, case: Case) -> Outcome:
+        run = getattr(BuiltIn(self.precision), case.pass_name)
+        try:
+            return run(**case.inputs, **case.settings)
+        except Exception as error:
+            words = " ".join(str(error).split())[:300]
+            return Failure(f"{case.name}: {type(error).__name__}: {words}")
+
+
+@dataclass(frozen=True, slots=True)
+class Kill:
+    """What the ladder says of a mutant.
+
+    Attributes
+    ----------
+    mutant : Mutant or None
+        The mistake.
+    seen : dict of str to bool
+        Of each rung that was climbed: whether it found a fault.
+    seconds : float or None
+        Until the end of the first step that found one.
+    climbed : float
+        Seconds of all steps.
+    first : str
+        First fault, one line.
+    diagnoses : dict of str to tuple of str
+        Names of hypotheses, of each pass that is wrong.
+    """
+
+    mutant: Mutant | None
+    seen: dict[str, bool]
+    seconds: float | None
+    climbed: float
+    first: str = ""
+    diagnoses: dict[str, tuple[str, ...]] = field(default_factory=dict)
+
+    @property
+    def rungs(self) -> tuple[str, ...]:
+        """Rungs that see it."""
+        return tuple(rung for rung, seen in self.seen.items() if seen)
+
+    @property
+    def killed(self) -> bool:
+        """Some rung sees it."""
+        return bool(self.rungs)
+
+    @property
+    def named(self) -> str:
+        """How the diagnosis did: 'right', 'several', 'none' or 'WRONG'."""
+        expected = set(self.mutant.expected) if self.mutant else set()
+        told = [set(names) for names in self.diagnoses.values() if names]
+        if any(not names & expected for names in told):
+            return "WRONG"
+        if not told:
+            return "none"
+        return "right" if set.union(*told) <= expected else "several"
+
+
+def kill(
+    mutant: Mutant | None,
+    rungs: tuple[str, ...] = EXACT,
+    statistical: float = STATISTICAL_SECONDS,
+) -> Kill:
+    """Climb the ladder.
+
+    Parameters
+    ----------
+    mutant : Mutant or None
+        To plant; ``None`` climbs with the unedited code.
+    rungs : tuple of str
+        Which of them.
+    statistical : float, s
+        For rung L4, if it is among them.
+
+    Returns
+    -------
+    Kill
+        What each rung found.
+    """
+    backend = Planted(mutant)
+    with _probes_made_once():
+        verdict = climb(
+            CONTRACT,
+            backend.precision,
+            _steps(backend, rungs, statistical),
+            float("inf"),
+            perf_counter,
+            lambda title: None,
+        )
+    return _told(mutant, verdict, rungs)
+
+
+def _told(mutant: Mutant | None, verdict: Verdict, rungs: tuple[str, ...]) -> Kill:
+    seen, seconds, climbed, first = dict.fromkeys(rungs, False), None, 0.0, ""
+    for timed in verdict.steps:
+        climbed += timed.seconds
+        faults = timed.step.faults
+        if faults:
+            seen[timed.step.rung] = True
+            if seconds is None:
+                seconds, first = climbed, faults[0]
+    diagnoses = {
+        d.pass_name: tuple(h.name for h in d.matches) for d in verdict.diagnoses
+    }
+    return Kill(mutant, seen, seconds, climbed, first, diagnoses)
+
+
+def _steps(
+    backend: Planted, rungs: tuple[str, ...], statistical: float
+) -> Iterator[Any]:
+    steps = oracle.ladder(CONTRACT, backend)
+    if "L4" in rungs:
+        steps = chain(steps, _statistical(backend, statistical))
+    return (step for step in steps if step[0] in rungs)
+
+
+def _statistical(backend: Planted, seconds: float) -> Iterator[Any]:
+    start = perf_counter()
+    yield from oracle.statistical_rungs(
+        CONTRACT, backend, lambda: start + seconds - perf_counter()
+    )
+
+
+CACHED = {
+    name: cache(getattr(oracle, name))
+    for name in ("kernel_probes", "lattice_probes", "scene_probes")
+}
+
+
+@contextmanager
+def _probes_made_once() -> Iterator[None]:
+    with patch.multiple(oracle, **CACHED):
+        yield
