@@ -227,7 +227,7 @@ JACOBIANS = [
         for words, name in (
             ("1 / 3, 3", "jacobian-clamped-to-3"),
             ("1 / 2, 2", "jacobian-clamped-to-2"),
-            ("0, 8", "jacobian-clamped-to-8"),
+            ("0, 8", "jacobian-at-most-8"),
             ("0, 10", "jacobian-at-most-10"),
         )
     ),
@@ -370,7 +370,7 @@ INITIAL = [
         SAMPLING,
         COSINE_PDF,
         "np.where(cos_theta > 0, 1.0 / (2.0 * np.pi), 0.0)",
-        ("density-of-the-other-sampler",),
+        ("uniform-density-for-cosine",),
     ),
     Mutant(
         "cosine directions for uniform ones",

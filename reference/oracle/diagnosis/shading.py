@@ -200,7 +200,7 @@ SHADING = (
         _shade_geometry_term,
     ),
     _density_mistake(
-        "density-of-the-other-sampler-twice",
+        "uniform-density-for-cosine",
         "cosine directions are given the uniform density",
         "pdf = 1 / 2π for cosine directions",
         _uniform_density_for_cosine,

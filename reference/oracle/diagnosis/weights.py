@@ -1,8 +1,11 @@
 """Known mistakes with what the sum of weights is divided by."""
 
+from reference.oracle.contract.fields import Value
 from reference.oracle.diagnosis.hypothesis import REUSE, SHIFTED, mistake
 from reference.oracle.replay.bounded import Bounded, exact
-from reference.oracle.replay.verbs import choose
+from reference.oracle.replay.geometry import luminance
+from reference.oracle.replay.points import Point, Receiver
+from reference.oracle.replay.verbs import choose, inner, where_positive
 
 W_RIGHT = "W = Σ w / (p̂(y) Z)"
 Z_RIGHT = "Z = Σ M over those that could have made the kept sample"
@@ -28,6 +31,15 @@ def _at_most_10(w: Bounded, p_hat: Bounded, Z: Bounded) -> Bounded:
 def _at_most_4(w: Bounded, p_hat: Bounded, Z: Bounded) -> Bounded:
     W = w / p_hat / Z
     return choose(W.value <= 4, W, exact(W.value * 0 + 4, W.rounding))
+
+
+def _any_light(kind: Value, x: Receiver, y: Point) -> Bounded:
+    return luminance(y.radiance)
+
+
+def _either_side(kind: Value, x: Receiver, y: Point) -> Bounded:
+    above = inner(x.normal, y.position - x.position)
+    return where_positive(above, luminance(y.radiance))
 
 
 WEIGHTS = (
@@ -203,5 +215,22 @@ WEIGHTS = (
         ("moved",),
         "the paper's Algorithm 3",
         as_stored=True,
+    ),
+    mistake(
+        "horizon-missing-in-z",
+        "Z asks whether there is light, and not on which side of whom",
+        "holds = L_o > 0 and visible",
+        "holds = above the donor's horizon, lit, and visible",
+        SHIFTED,
+        "the paper's Algorithm 4 with Equation 10",
+        domain_target=_any_light,
+    ),
+    mistake(
+        "side-missing-in-z",
+        "Z does not ask on which side the sample shines",
+        "holds = above the donor's horizon and visible",
+        "holds = above the donor's horizon, lit, and visible",
+        SHIFTED,
+        domain_target=_either_side,
     ),
 )

@@ -27,7 +27,8 @@ Judge = Callable[[Case, Buffers, Rules, Precision], Judgement]
 
 
 def _random(case: Case, out: Buffers, rules: Rules, precision: Precision) -> Judgement:
-    key = case.inputs["key"]
+    key = case.inputs["key"].copy()
+    key[:, list(rules.ignored_words)] = 0
     words = np.stack(pcg4d(key[:, 0], key[:, 1], key[:, 2], key[:, 3]), axis=1)
     u = to_unit_interval(words)
     return Judgement((exactly("words", out["words"], words), exactly("u", out["u"], u)))

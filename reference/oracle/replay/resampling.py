@@ -160,10 +160,13 @@ def _normalization(
     if asked == "1":
         return exact(np.ones_like(M.value), M.rounding)
     if asked == "1/M" or not any(slot.domain for slot in slots):
-        return M - slots[0].M if rules.counted_as == "rest" else M
+        total = nothing(M)
+        for k in range(len(slots)):
+            total = total + _counted(slots, k, M, rules)
+        return total
     Z = nothing(M)
     for k, slot in enumerate(slots):
-        counted = _counted(slots, k, M, closing, rules)
+        counted = _counted(slots, k, M, rules)
         if slot.domain is None:
             if k != closing.canonical or rules.canonical_in_z:
                 Z = Z + counted
@@ -177,15 +180,13 @@ def _normalization(
     return Z
 
 
-def _counted(
-    slots: list[Slot], k: int, M: Bounded, closing: Closing, rules: Rules
-) -> Bounded:
+def _counted(slots: list[Slot], k: int, M: Bounded, rules: Rules) -> Bounded:
     """What Z adds for a slot that could have made the sample."""
     if rules.counted_as == "last":
         return slots[-1].M
     if rules.counted_as == "one":
         return exact((slots[k].M.value > 0).astype(float), M.rounding)
-    if rules.counted_as == "merged" and k == closing.canonical:
+    if rules.counted_as == "merged" and slots[k].domain is None:
         return M
     if rules.counted_as == "rest" and k == 0:
         return nothing(M)

@@ -205,6 +205,8 @@ def _neighbor(
     w = _weighted(rules, p_hat, W, trusted, rules.jacobian(x_from, x, y))
     w = choose(there, w, none)
     u = case.inputs["u_neighbors"][:, 0 if rules.shared_decision else k]
+    if rules.shared_decision == "all":
+        u = case.inputs["u_own"]
     visible = case.inputs["visible"]
     count = case.inputs["neighbors"].shape[1]
     bits = [count + 1, 0, *range(1, count + 1)]  # of the slots: past, own, neighbours

@@ -47,16 +47,18 @@ finalized, density, fresh_weight, shaded : callable
     normalization : str
         'asked', or in place of that '1/M', '1/Z' or '1'.
     counted_as : 'own', 'last', 'one', 'merged' or 'rest'
-        What Z adds for a reservoir: its M, that of the last one, 1, for the canonical
-        one the sum of all; or all but that of the first in the stream.
+        What Z adds for a reservoir: its M, that of the last one, 1, for those of the
+        receiver the sum of all; or all but that of the first in the stream.
     as_stored : bool
         What moved is reused as if it had not.
     divides_by_donor : bool
         W is divided by the target of who made the sample.
     neighbor_trust : float
         Factor on M of neighbours in their weight.
-    shared_decision : bool
-        One number decides on all neighbours.
+    shared_decision : '', 'neighbors' or 'all'
+        One number decides on all neighbours, or on all reservoirs.
+    ignored_words : tuple of int
+        Words of the random key that are taken for 0.
     cap_when : 'closed', 'never' or 'first'
         M is capped when the reservoir is closed, never, or before W is calculated.
     depth_test : 'symmetric' or 'own'
@@ -91,7 +93,8 @@ finalized, density, fresh_weight, shaded : callable
     normalization: str = "asked"
     divides_by_donor: bool = False
     neighbor_trust: float = 1.0
-    shared_decision: bool = False
+    shared_decision: str = ""
+    ignored_words: tuple[int, ...] = ()
     cap_when: str = "closed"
     depth_test: str = "symmetric"
     narrows: bool = True
