@@ -56,13 +56,14 @@ from reference.scene.materials import (
     parameters,
     table,
 )
+from reference.scene.materials.parameters import Kind
 from reference.scene.surface import (
     SurfacePoints,
     VisiblePoints,
     direction_and_distance,
 )
 from reference.settings import Settings
-from reference.strategies import EXAMPLES, Kind
+from reference.strategies import EXAMPLES
 
 WIDTH, HEIGHT = 15, 17
 N = WIDTH * HEIGHT
