@@ -35,8 +35,8 @@ from reference.strategies.numbers import (
     tabled_uniforms,
     uniforms,
 )
-from reference.strategies.reservoirs import candidates, reservoirs
-from reference.strategies.surfaces import (
+from reference.strategies.resampling import candidates, reservoirs
+from reference.strategies.scattering import (
     COLOR,
     EXAMPLES,
     Surfaces,

@@ -553,7 +553,16 @@ INITIAL = [
         TARGET,
         SIDE,
         "lit = (dot(y.normal, omega) < 0) & (y.radiance > 0).all(axis=1)",
-        ("pure-colours-are-null",),
+        ("shade-pure-colours-black",),
+    ),
+    Mutant(
+        "what a pure colour reflects is taken for nothing",
+        ("IS-27",),
+        TARGET,
+        "return np.where(lit[:, None], value, 0.0)",
+        "lit = lit & (value > 0).all(axis=1)\n"
+        "    return np.where(lit[:, None], value, 0.0)",
+        ("shade-pure-colours-black",),
     ),
 ]
 
@@ -564,7 +573,7 @@ REUSE = [
         RESERVOIR,
         CAP,
         "W=r.W * divide_or_zero(r.M, np.minimum(r.M, cap)), M=np.minimum(r.M, cap)",
-        ("capped-before-weight",),
+        ("capped-before-weight", "running-weight-kept"),
     ),
     Mutant(
         "M is capped before it divides",
@@ -952,6 +961,16 @@ REUSE = [
         ("hidden-not-counted",),
     ),
     Mutant(
+        "hidden samples with a weight do not count",
+        ("SR-25",),
+        ENTRIES,
+        SEEN,
+        f"{SEEN}\n"
+        "        lost = (candidate.w > 0) & ~seen\n"
+        "        candidate = replace(candidate, M=candidate.M * ~lost)",
+        ("hidden-not-counted", "hidden-weight-not-counted"),
+    ),
+    Mutant(
         "the pixel's own sample is not merged",
         ("SR-31",),
         RESAMPLE,
@@ -1002,6 +1021,14 @@ REUSE = [
         RESERVOIR,
         "where(take_b, b.y, a.y)",
         "a.y",
+        ("sample-not-copied",),
+    ),
+    Mutant(
+        "what came first stays",
+        ("IS-25",),
+        RESERVOIR,
+        CHOICE,
+        "w_b < 0)",
         ("never-accepts",),
     ),
     Mutant(
