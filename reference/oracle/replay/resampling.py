@@ -160,6 +160,8 @@ def _normalization(
     if asked == "1":
         return exact(np.ones_like(M.value), M.rounding)
     if asked == "1/M" or not any(slot.domain for slot in slots):
+        if rules.counted_as == "own":
+            return M
         total = nothing(M)
         for k in range(len(slots)):
             total = total + _counted(slots, k, M, rules)
