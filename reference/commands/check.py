@@ -9,10 +9,10 @@ from reference.commands.arguments import add_json
 from reference.commands.console import emit, progress, show
 from reference.commands.opening import find_scene_or_file
 from reference.commands.values import four_times, seconds, whole
-from reference.oracle.backends.backend import Limits
 from reference.oracle.backends.command import PLACE
 from reference.oracle.backends.files import FilesBackend
 from reference.oracle.backends.find import backend_names, is_python
+from reference.oracle.backends.running import Limits
 from reference.oracle.blackbox.judge import renderer_rungs
 from reference.oracle.blackbox.renderer import PLACES, Renderer
 from reference.oracle.blackbox.truth import Truth, path_traced

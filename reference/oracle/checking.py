@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from reference.errors import UsageError
-from reference.oracle.backends.backend import Backend, Limits
+from reference.oracle.backends.backend import Backend
 from reference.oracle.backends.command import PLACE, ProgramBackend
 from reference.oracle.backends.find import backend_names, is_python
 from reference.oracle.backends.inside import InsideBackend
 from reference.oracle.backends.process import PythonBackend
+from reference.oracle.backends.running import Limits
 from reference.oracle.contract.fields import Precision
 from reference.oracle.contract.registry import CONTRACT
 from reference.oracle.golden import read_golden

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from reference.oracle.backends.backend import Limits
 from reference.oracle.backends.command import ProgramBackend
+from reference.oracle.backends.running import Limits
 from reference.oracle.contract.registry import CONTRACT
 from reference.oracle.ladder import ladder
 from reference.oracle.verdict import climb

@@ -1,14 +1,14 @@
 """Whatever a backend does, the oracle lives on and says in one line what it was."""
 
+import time
 from pathlib import Path
 
 import pytest
 
 from reference.errors import UsageError
-from reference.oracle.backends.backend import Limits
 from reference.oracle.backends.command import ProgramBackend
 from reference.oracle.backends.process import PythonBackend
-from reference.oracle.cases import Failure
+from reference.oracle.backends.running import Limits
 from reference.oracle.contract.registry import CONTRACT
 from reference.oracle.rungs.kernels import kernel_probes
 from reference.oracle.steps import ask_all
@@ -136,11 +136,52 @@ def test_a_program_that_hangs_is_stopped(tmp_path):
     assert all("did not end within" in line for line in text)
 
 
+def test_what_a_program_has_started_is_stopped_with_it(tmp_path):
+    """A wrapper's child would go on, and hold its pipes."""
+    body = f"sleep 600 & echo $! >> {tmp_path}/children; wait"
+    text = faults(program(tmp_path, body, Limits(seconds=0.3)))
+    assert all("did not end within" in line for line in text)
+    children = (tmp_path / "children").read_text().split()
+    deadline = time.monotonic() + 10
+    while any(is_alive(int(child)) for child in children):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+def is_alive(process):
+    """Whether a process still runs; one that waits to be reaped does not."""
+    try:
+        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+    except FileNotFoundError:
+        return False
+    return state not in "ZX"
+
+
+def test_a_backend_that_does_not_start_again_is_told(tmp_path):
+    """It dies in its first call, and the second time it cannot be loaded."""
+    path = tmp_path / "once.py"
+    path.write_text(
+        """
+import os, pathlib
+mark = pathlib.Path(__file__).with_name("mark")
+if mark.exists():
+    raise RuntimeError("device lost")
+mark.touch()
+class Once:
+    def jacobian(self, **given):
+        os._exit(1)
+BACKEND = Once()
+""",
+        encoding="utf-8",
+    )
+    found = answers(PythonBackend(str(path), LIMITS))
+    text = faults(found)
+    assert len(text) == len(found)
+    assert "exit code 1" in text[0]
+    assert all("device lost" in line for line in text[1:])
+
+
 def test_a_program_that_does_not_exist_is_bad_usage():
     backend = ProgramBackend("/no/such/program {directory}", LIMITS)
     with pytest.raises(UsageError, match="cannot run /no/such/program"):
         answers(backend)
-
-
-def test_a_failure_is_no_buffer():
-    assert Failure("x").reason == "x"

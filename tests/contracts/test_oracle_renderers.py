@@ -6,7 +6,7 @@ import pytest
 from reference.errors import UsageError
 from reference.exr import write_exr
 from reference.images import Image
-from reference.oracle.backends.backend import Limits
+from reference.oracle.backends.running import Limits
 from reference.oracle.blackbox.judge import renderer_rungs
 from reference.oracle.blackbox.renderer import Renderer
 from reference.oracle.blackbox.truth import Truth, path_traced, statistics

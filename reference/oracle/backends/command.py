@@ -1,13 +1,12 @@
 """A program as a backend: run on a folder of cases in the raw form."""
 
 import shlex
-import subprocess
 import tempfile
 from pathlib import Path
 
 from reference.errors import UsageError
-from reference.oracle.backends.backend import Limits, bind, how_it_ended, last_line
 from reference.oracle.backends.files import FilesBackend
+from reference.oracle.backends.running import Limits, run_program
 from reference.oracle.cases import Case, Failure, Outcome
 from reference.oracle.contract.fields import Passes, Precision
 from reference.oracle.raw import write_cases
@@ -81,27 +80,7 @@ class ProgramBackend:
         folder = Path(self._folder.name) / str(self._batches)
         self._batches += 1
         write_cases(folder, passes, self.precision, cases)
-        trouble = self._call(folder, self._limits.seconds * len(cases))
-        return FilesBackend(folder, self.precision).run(passes, cases), trouble
-
-    def _call(self, folder: Path, seconds: float) -> str | None:
         words = [word.replace(PLACE, str(folder)) for word in self._words]
-        try:
-            done = subprocess.run(
-                words,
-                stdin=subprocess.DEVNULL,
-                capture_output=True,
-                timeout=seconds,
-                preexec_fn=lambda: bind(self._limits.memory),
-                check=False,
-            )
-        except subprocess.TimeoutExpired:
-            return f"did not end within {seconds:g} s"
-        except OSError as error:
-            raise UsageError(
-                f"cannot run {words[0]}: {error.strerror}; name a program that exists"
-            ) from error
-        if done.returncode == 0:
-            return None
-        said = last_line(done.stderr.decode(errors="replace"))
-        return how_it_ended(done.returncode, said)
+        seconds = self._limits.seconds * len(cases)
+        trouble = run_program(words, seconds, self._limits.memory)
+        return FilesBackend(folder, self.precision).run(passes, cases), trouble

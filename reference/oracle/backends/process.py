@@ -8,10 +8,9 @@ import tempfile
 import threading
 from contextlib import suppress
 from pathlib import Path
-from typing import IO
 
 from reference.errors import UsageError
-from reference.oracle.backends.backend import Limits, bind, how_it_ended, last_line
+from reference.oracle.backends.running import Limits, how_it_ended, last_line, stop
 from reference.oracle.cases import Case, Failure, Outcome
 from reference.oracle.contract.fields import Passes, Precision
 from reference.oracle.raw import read_outputs, write_cases
@@ -36,12 +35,11 @@ class PythonBackend:
     def __init__(self, spec: str, limits: Limits) -> None:
         self._spec, self._limits = spec, limits
         self._folder = tempfile.TemporaryDirectory(prefix="restir-cases-")
-        self._errors: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115
+        self._errors = Path(self._folder.name) / "stderr.txt"
         self._batches = 0
         try:
             self.precision: Precision = self._start()
         except UsageError:
-            self._errors.close()
             self._folder.cleanup()
             raise
 
@@ -63,13 +61,16 @@ class PythonBackend:
         """
         outcomes: list[Outcome] = []
         while len(outcomes) < len(cases):
-            outcomes += self._batch(passes, cases[len(outcomes) :])
+            left = cases[len(outcomes) :]
+            try:
+                outcomes += self._batch(passes, left)
+            except UsageError as error:  # it died, and does not start again
+                outcomes += [Failure(f"{case.name}: {error}") for case in left]
         return outcomes
 
     def close(self) -> None:
         """Stop the process and remove its files."""
         self._stop()
-        self._errors.close()
         self._folder.cleanup()
 
     def _batch(self, passes: Passes, cases: list[Case]) -> list[Outcome]:
@@ -106,17 +107,16 @@ class PythonBackend:
             self._process.stdin.flush()
 
     def _start(self) -> Precision:
-        self._errors.seek(0)
-        self._errors.truncate()
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", "reference.oracle.backends.worker", self._spec],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=self._errors,
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
-            preexec_fn=lambda: bind(self._limits.memory),
-            start_new_session=True,
-        )
+        worker = "reference.oracle.backends.worker"
+        with self._errors.open("wb") as errors:
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", worker, self._spec, str(self._limits.memory)],
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=errors,
+                env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+                start_new_session=True,
+            )
         self._lines: queue.Queue[str | None] = queue.Queue()
         self._listener = threading.Thread(
             target=_listen, args=(self._process, self._lines), daemon=True
@@ -139,14 +139,11 @@ class PythonBackend:
         if line is not None:
             return line
         code = self._process.wait()
-        self._errors.seek(0)
-        words = last_line(self._errors.read().decode(errors="replace"))
-        return how_it_ended(code, words)
+        said = self._errors.read_text(errors="replace")
+        return how_it_ended(code, last_line(said))
 
     def _stop(self) -> None:
-        if self._process.poll() is None:
-            self._process.kill()
-        self._process.wait()
+        stop(self._process)
         assert self._process.stdin is not None
         with suppress(OSError):
             self._process.stdin.close()

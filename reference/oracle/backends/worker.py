@@ -14,18 +14,22 @@ from typing import Any, TextIO
 import numpy as np
 
 from reference.oracle.backends.find import find_object
+from reference.oracle.backends.running import bind
 from reference.oracle.cases import Case
 from reference.oracle.raw import read_cases
 
 
-def main(spec: str) -> None:
+def main(spec: str, memory: int) -> None:
     """Serve until stdin ends.
 
     Parameters
     ----------
     spec : str
         Of the backend.
+    memory : int, bytes
+        That it may use.
     """
+    bind(memory)
     channel = os.fdopen(os.dup(1), "w", buffering=1)
     os.dup2(2, 1)  # a backend's prints must not be taken for answers
     try:
@@ -67,4 +71,4 @@ def _say(channel: TextIO, text: str) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main(sys.argv[1], int(sys.argv[2]))

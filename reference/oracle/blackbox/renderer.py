@@ -1,7 +1,6 @@
 """A renderer as a command line that writes one picture."""
 
 import shlex
-import subprocess
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 
 from reference.errors import UsageError
 from reference.exr import read_exr
-from reference.oracle.backends.backend import Limits, bind, how_it_ended, last_line
+from reference.oracle.backends.running import Limits, run_program
 from reference.oracle.cases import Failure
 
 PLACES = ("{scene}", "{seed}", "{frames}", "{size}", "{out}")
@@ -63,27 +62,10 @@ class Renderer:
         """
         with tempfile.TemporaryDirectory(prefix="restir-render-") as folder:
             out = Path(folder) / "picture.exr"
-            words = self._words(seed, out)
-            try:
-                done = subprocess.run(
-                    words,
-                    stdin=subprocess.DEVNULL,
-                    capture_output=True,
-                    timeout=self.limits.seconds,
-                    preexec_fn=lambda: bind(self.limits.memory),
-                    check=False,
-                )
-            except subprocess.TimeoutExpired:
-                seconds = self.limits.seconds
-                return Failure(f"seed {seed}: did not end within {seconds:g} s")
-            except OSError as error:
-                raise UsageError(
-                    f"cannot run {words[0]}: {error.strerror}; name a program that"
-                    " exists"
-                ) from error
-            said = last_line(done.stderr.decode(errors="replace"))
-            if done.returncode != 0:
-                return Failure(f"seed {seed}: {how_it_ended(done.returncode, said)}")
+            words, limits = self._words(seed, out), self.limits
+            trouble = run_program(words, limits.seconds, limits.memory)
+            if trouble is not None:
+                return Failure(f"seed {seed}: the renderer {trouble}")
             return self._read(seed, out)
 
     def _read(self, seed: int, out: Path) -> NDArray[Any] | Failure:
