@@ -1,21 +1,24 @@
 """The ladder: every rung in turn, the cheap ones first."""
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
 
 from reference.oracle.backends.backend import Backend
 from reference.oracle.contract.fields import Passes, Precision
 from reference.oracle.frames import frame_cases
+from reference.oracle.loop import Ask
 from reference.oracle.rungs.kernels import kernel_probes
 from reference.oracle.rungs.lattice import lattice_probes
 from reference.oracle.rungs.law import SCENES as LAW_SCENES
 from reference.oracle.rungs.law import same_law
-from reference.oracle.rungs.means import mean_over_runs
+from reference.oracle.rungs.means import Mean, mean_over_runs
 from reference.oracle.rungs.probe import Finding, Probe
-from reference.oracle.rungs.relations import relations
+from reference.oracle.rungs.relations import relations_of
 from reference.oracle.rungs.replayed import replayed
 from reference.oracle.rungs.spheres import furnace, half_lit
 from reference.oracle.stage import SCENES, stage
-from reference.oracle.steps import NoAnswer, Rung, Step, ask_all, asking
+from reference.oracle.steps import Rung, Step, ask_all, taken
 from reference.scene.catalogue.registry import find_scene
 
 SIZE, SEED = 48, 1
@@ -41,22 +44,17 @@ def ladder(passes: Passes, backend: Backend) -> Iterator[Rung]:
     precision = backend.precision
 
     def asked(rung: str, title: str, probes: Callable[[], list[Probe]]) -> Rung:
-        return (
-            rung,
-            title,
-            lambda: Step(rung, title, ask_all(passes, backend, probes())),
-        )
+        def take() -> Step:
+            return Step(rung, title, ask_all(passes, backend, probes()))
 
-    yield asked("L0", "kernels", lambda: kernel_probes(precision))
-    yield asked("L1", "lattices", lambda: lattice_probes(precision))
-    yield "L2", "spheres", lambda: _spheres(passes, backend)
-    yield (
-        "L2",
-        "relations",
-        lambda: _if_it_answers("L2", "relations", lambda: _relations(passes, backend)),
-    )
+        return rung, title, take
+
+    yield asked("L0", "kernels", partial(kernel_probes, precision))
+    yield asked("L1", "lattices", partial(lattice_probes, precision))
+    yield "L2", "spheres", partial(_spheres, passes, backend)
+    yield "L2", "relations", partial(_relations, passes, backend)
     for scene in SCENES:
-        yield asked("L3", scene, lambda scene=scene: scene_probes(scene, precision))  # type: ignore[misc]
+        yield asked("L3", scene, partial(scene_probes, scene, precision))
 
 
 def statistical_rungs(
@@ -80,35 +78,9 @@ def statistical_rungs(
     callable
         Takes it.
     """
-    ask, precision = asking(passes, backend), backend.precision
-
-    def mean() -> Step:
-        found = mean_over_runs(ask, precision, remaining)
-        title = f"mean of {found.runs} runs"
-        return Step("L4", title, [], [found.finding], found.certified, found.more)
-
-    yield "L4", "mean", lambda: _if_it_answers("L4", "mean", mean)
+    yield "L4", "mean", partial(_mean, passes, backend, remaining)
     for scene in LAW_SCENES:
-
-        def law(scene: str = scene) -> Step:
-            found = same_law(ask, precision, scene)
-            return Step("L4", f"law in {scene}", findings=[found.finding])
-
-        title = f"law in {scene}"
-        yield (
-            "L4",
-            title,
-            lambda law=law, title=title: _if_it_answers(  # type: ignore[misc]
-                "L4", title, law
-            ),
-        )
-
-
-def _if_it_answers(rung: str, title: str, take: Callable[[], Step]) -> Step:
-    try:
-        return take()
-    except NoAnswer as reason:
-        return Step(rung, title, findings=[Finding(False, str(reason))])
+        yield "L4", f"law in {scene}", partial(_law, passes, backend, scene)
 
 
 def golden_rungs(
@@ -160,19 +132,37 @@ def scene_probes(scene: str, precision: Precision) -> list[Probe]:
     return [replayed("L3", case) for case in frame_cases(at, precision)]
 
 
+def _spheres(passes: Passes, backend: Backend) -> Step:
+    tests = [partial(test, precision=backend.precision) for test in (furnace, half_lit)]
+    return taken("L2", "spheres", passes, backend, tests)
+
+
 def _relations(passes: Passes, backend: Backend) -> Step:
     at = stage(find_scene(SCENES[0]), SIZE // 2, SEED)
-    cases = list(frame_cases(at, backend.precision))
-    found = relations(asking(passes, backend), cases)
-    return Step("L2", "relations", findings=found)
+    tests = [
+        test
+        for case in frame_cases(at, backend.precision)
+        for test in relations_of(case)
+    ]
+    return taken("L2", "relations", passes, backend, tests)
 
 
-def _spheres(passes: Passes, backend: Backend) -> Step:
-    ask = asking(passes, backend)
-    found = []
-    for test in (furnace, half_lit):
-        try:
-            found.append(test(ask, backend.precision))
-        except NoAnswer as reason:
-            found.append(Finding(False, str(reason)))
-    return Step("L2", "spheres", findings=found)
+def _mean(passes: Passes, backend: Backend, remaining: Callable[[], float]) -> Step:
+    found: list[Mean] = []
+
+    def test(ask: Ask) -> Finding:
+        found.append(mean_over_runs(ask, backend.precision, remaining))
+        return found[0].finding
+
+    step = taken("L4", "mean", passes, backend, [test])
+    if not found:
+        return step
+    title = f"mean of {found[0].runs} runs"
+    return replace(step, title=title, certified=found[0].certified, more=found[0].more)
+
+
+def _law(passes: Passes, backend: Backend, scene: str) -> Step:
+    def test(ask: Ask) -> Finding:
+        return same_law(ask, backend.precision, scene).finding
+
+    return taken("L4", f"law in {scene}", passes, backend, [test])

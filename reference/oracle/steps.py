@@ -1,6 +1,6 @@
 """Steps of the ladder, and asking a backend."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -50,10 +50,6 @@ class Step:
 Rung = tuple[str, str, Callable[[], Step]]
 
 
-class NoAnswer(Exception):  # noqa: N818
-    """A backend did not answer in the middle of a loop."""
-
-
 def ask_all(passes: Passes, backend: Backend, probes: list[Probe]) -> list[Answer]:
     """Ask a backend.
 
@@ -86,8 +82,21 @@ def _canary() -> None:
         raise RuntimeError("subnormal numbers became 0 in the oracle's own process")
 
 
-def asking(passes: Passes, backend: Backend) -> Ask:
-    """Ask a backend one case after the other; what it lacks, the built-in one answers.
+class NoAnswerError(Exception):
+    """A backend did not answer in the middle of a step."""
+
+
+class NothingOfItsOwnError(Exception):
+    """A backend has none of the passes that a step is about."""
+
+
+PATIENCE = 8
+"""Calls without a pass of the backend's own, after which a step is given up: a frame of
+the loop has four."""
+
+
+class Asker:
+    """Asks a backend one case after the other; what it lacks, the built-in one answers.
 
     Parameters
     ----------
@@ -95,26 +104,85 @@ def asking(passes: Passes, backend: Backend) -> Ask:
         The contract.
     backend : Backend
         Runs cases.
-
-    Returns
-    -------
-    callable
-        Gives outputs that have the right form.
     """
-    own = BuiltIn(backend.precision)
 
-    def ask(case: Case) -> Buffers:
-        outcome = backend.run(passes, [case])[0]
+    def __init__(self, passes: Passes, backend: Backend) -> None:
+        self._passes, self._backend = passes, backend
+        self._own = BuiltIn(backend.precision)
+        self._lent, self.answered = 0, 0
+
+    def __call__(self, case: Case) -> Buffers:
+        """Outputs of a case, which have the right form.
+
+        Parameters
+        ----------
+        case : Case
+            One call.
+
+        Returns
+        -------
+        Buffers
+            Of the backend, or of the built-in one.
+
+        Raises
+        ------
+        NoAnswerError
+            The backend has the pass, and gives nothing that can be judged.
+        NothingOfItsOwnError
+            Nothing that was asked so far was the backend's: there is nothing to judge.
+        """
+        outcome = self._backend.run(self._passes, [case])[0]
         if outcome is None:
-            answer: Buffers = getattr(own, case.pass_name)(
+            self._lent += 1
+            if self._lent >= PATIENCE and not self.answered:
+                raise NothingOfItsOwnError
+            lent: Buffers = getattr(self._own, case.pass_name)(
                 **case.inputs, **case.settings
             )
-            return answer
+            return lent
+        self.answered += 1
         if not isinstance(outcome, Failure):
-            bad = refused(passes, case, backend.precision, outcome)
+            bad = refused(self._passes, case, self._backend.precision, outcome)
             if bad is None:
                 return outcome
             outcome = bad
-        raise NoAnswer(outcome.reason)
+        raise NoAnswerError(outcome.reason)
 
-    return ask
+
+def taken(
+    rung: str,
+    title: str,
+    passes: Passes,
+    backend: Backend,
+    tests: Iterable[Callable[[Ask], Finding]],
+) -> Step:
+    """A step of tests that ask the backend themselves.
+
+    Parameters
+    ----------
+    rung, title : str
+        Of the step.
+    passes : mapping of str to Pass
+        The contract.
+    backend : Backend
+        Runs cases.
+    tests : iterable of callable
+        Each asks, and gives a finding.
+
+    Returns
+    -------
+    Step
+        Without findings of tests in which nothing was the backend's own.
+    """
+    found = []
+    for test in tests:
+        ask = Asker(passes, backend)
+        try:
+            finding = test(ask)
+        except NoAnswerError as reason:
+            finding = Finding(False, str(reason))
+        except NothingOfItsOwnError:
+            continue
+        if ask.answered:
+            found.append(finding)
+    return Step(rung, title, findings=found)

@@ -26,6 +26,10 @@ class Partial:
     shade = staticmethod(FLOAT32.shade)
 
 
+class Empty:
+    """No pass at all."""
+
+
 class Loud(Right):
     """Prints what looks like answers."""
 
@@ -88,7 +92,7 @@ def changed(change):
     return Changed()
 
 
-RIGHT, PARTIAL, LOUD, RAISES = Right(), Partial(), Loud(), Raises()
+RIGHT, PARTIAL, EMPTY, LOUD, RAISES = Right(), Partial(), Empty(), Loud(), Raises()
 DIES, EXITS, HANGS, HUNGRY = Dies(), Exits(), Hangs(), Hungry()
 NOTHING = changed(lambda out: {})
 NO_MAPPING = changed(lambda out: 3)

@@ -6,7 +6,7 @@ import pytest
 
 from reference.oracle.builtin.backend import FLOAT32
 from reference.pytest_plugin import Oracle
-from tests.contracts.oracle_backends import NAN, PARTIAL
+from tests.contracts.oracle_backends import EMPTY, NAN, PARTIAL
 
 pytest_plugins = ["pytester"]
 
@@ -19,6 +19,14 @@ def test_a_subset_is_judged(restir_oracle):
     verdict = restir_oracle.check(PARTIAL, budget=20)
     assert verdict.status == "PASS"
     assert "spatial" in verdict.absent
+
+
+def test_of_nothing_nothing_is_said(restir_oracle):
+    """The built-in passes stand in for what is missing, and must not be praised."""
+    verdict = restir_oracle.check(EMPTY, budget=60, statistics=True)
+    assert verdict.status == "UNDECIDED"
+    assert verdict.certified is None
+    assert all(timed.step.findings == [] for timed in verdict.steps)
 
 
 def test_a_wrong_backend_fails_the_test():

@@ -189,7 +189,10 @@ def test_control_planted_biases_are_found(bias, limit, runs):
     misses a limit with a probability far below 1 % a run.
     """
     rng, bets = np.random.default_rng(12), open_bets(np.ones(runs), BOUND)
-    draw = lambda: draws(rng, bias, runs)  # noqa: E731
+
+    def draw():
+        return draws(rng, bias, runs)
+
     when = first_rejections(bets, draw, limit, 1e-6 / 769)
     print(f"{bias:+.0%}: median {np.median(when)}, last {when.max()}")
     assert when.all()

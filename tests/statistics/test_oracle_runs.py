@@ -10,7 +10,7 @@ import pytest
 
 from reference.oracle.builtin.backend import FLOAT32, FLOAT64
 from reference.oracle.rungs.law import SCENES, same_law
-from reference.oracle.rungs.means import _replicates, mean_over_runs, truth
+from reference.oracle.rungs.means import mean_over_runs, replicates, truth
 from reference.oracle.rungs.spheres import room
 
 
@@ -55,10 +55,11 @@ def test_without_time_a_bound_is_told_with_what_more_would_buy():
 
 def test_no_run_is_above_the_bound_and_their_mean_is_the_truth():
     """Mean of 2048 runs within 6 standard errors: fails with probability 1e-8."""
-    ask = lambda case: getattr(FLOAT64, case.pass_name)(  # noqa: E731
-        **case.inputs, **case.settings
-    )
-    y = np.concatenate([_replicates(ask, "float64", seed) for seed in range(4)])
+
+    def ask(case):
+        return getattr(FLOAT64, case.pass_name)(**case.inputs, **case.settings)
+
+    y = np.concatenate([replicates(ask, "float64", seed) for seed in range(4)])
     assert y.max() <= 1 + room("float64")
     error = y[:, 0].std(ddof=1) / len(y) ** 0.5
     assert abs(y[:, 0].mean() - truth()) < 6 * error

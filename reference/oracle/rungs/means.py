@@ -129,7 +129,7 @@ def mean_over_runs(
     certificate = open_certificate(exact, most)
     runs, seed = 0, first_seed
     while True:
-        for y in _replicates(ask, precision, seed):
+        for y in replicates(ask, precision, seed):
             bets = place(bets, y)
             certificate = extend(certificate, float(y[0]))
             runs += 1
@@ -149,8 +149,23 @@ def mean_over_runs(
             return Mean(Finding(True), bound, runs, _more(certificate, target, runs))
 
 
-def _replicates(ask: Ask, precision: Precision, seed: int) -> NDArray[np.float64]:
-    """Statistics of independent runs, a row each, relative to the albedo."""
+def replicates(ask: Ask, precision: Precision, seed: int) -> NDArray[np.float64]:
+    """Statistics of independent runs, each from nothing.
+
+    Parameters
+    ----------
+    ask : callable
+        The backend.
+    precision : 'float32' or 'float64'
+        Of the backend.
+    seed : int
+        Of the batch.
+
+    Returns
+    -------
+    (REPLICATES, 1 + TILES) float64
+        Means of the image and of groups of pixels, over the albedo.
+    """
     # Each run has points of its own: none is left out of the test for good.
     sphere = _Banded(points_inside(PIXELS * REPLICATES, seed), 1.0)
     run = Run(frames=FRAMES, seed=seed)

@@ -7,6 +7,7 @@ clamps and caps, which have a scale of their own, cannot hide.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -100,31 +101,35 @@ RELATIONS = (
 )
 
 
-def relations(ask: Ask, cases: list[Case]) -> list[Finding]:
-    """Ask everything twice.
+Test = Callable[[Ask], Finding]
+
+
+def relations_of(case: Case) -> list[Test]:
+    """What can be asked of a case and its changes.
 
     Parameters
     ----------
-    ask : callable
-        The backend.
-    cases : list of Case
+    case : Case
         Of a scene.
 
     Returns
     -------
-    list of Finding
-        A right backend cannot fail: no tolerance is wanted.
+    list of callable
+        Each asks a backend, and cannot fail a right one: no tolerance is wanted.
     """
-    found = []
-    for case in cases:
-        before = ask(case)
-        for relation in RELATIONS:
-            if case.pass_name in relation.passes:
-                after = ask(_changed(case, relation.change))
-                found.append(_compared(case, relation, before, after))
-        if case.pass_name == "shade":
-            found += [_grey_stays_grey(ask, case), _dark_is_black(ask, case)]
-    return found
+    tests: list[Test] = [
+        partial(_holds, relation, case)
+        for relation in RELATIONS
+        if case.pass_name in relation.passes
+    ]
+    if case.pass_name == "shade":
+        tests += [partial(_grey_stays_grey, case), partial(_dark_is_black, case)]
+    return tests
+
+
+def _holds(relation: Relation, case: Case, ask: Ask) -> Finding:
+    before, after = ask(case), ask(_changed(case, relation.change))
+    return _compared(case, relation, before, after)
 
 
 def _changed(case: Case, change: Change) -> Case:
@@ -152,7 +157,7 @@ def _compared(
     return Finding(True)
 
 
-def _grey_stays_grey(ask: Ask, case: Case) -> Finding:
+def _grey_stays_grey(case: Case, ask: Ask) -> Finding:
     color = ask(_changed(case, _grey))["color"]
     same = (color[:, 0] == color[:, 1]) & (color[:, 0] == color[:, 2])
     if same.all():
@@ -162,7 +167,7 @@ def _grey_stays_grey(ask: Ask, case: Case) -> Finding:
     return Finding(False, text)
 
 
-def _dark_is_black(ask: Ask, case: Case) -> Finding:
+def _dark_is_black(case: Case, ask: Ask) -> Finding:
     color = ask(_changed(case, _dark))["color"]
     if not color.any():
         return Finding(True)
