@@ -1,5 +1,7 @@
 """Diagnosis: what reproduces all answers is named, and nothing else."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from reference.oracle.diagnosis.diagnose import HYPOTHESES, diagnose
 from reference.oracle.frames import frame_cases
 from reference.oracle.replay.judges import JUDGES
 from reference.oracle.rungs.kernels import kernel_probes
-from reference.oracle.rungs.probe import Answer, examined
+from reference.oracle.rungs.probe import Answer, Finding, examined
 from reference.oracle.rungs.replayed import replayed
 from reference.oracle.stage import stage
 from reference.scene.catalogue.registry import find_scene
@@ -51,7 +53,7 @@ def under(hypothesis):
         out = right(case)
         judgement = JUDGES[case.pass_name](case, out, hypothesis.rules, "float32")
         for one in judgement.compared:
-            if one.name != "direction":
+            if one.name in out:
                 wanted = np.clip(one.expected, -3e38, 3e38)
                 out[one.name] = wanted.astype(out[one.name].dtype)
         return out
@@ -76,16 +78,23 @@ def test_a_planted_mistake_is_named(probes, hypothesis, pass_name):
         assert found.matches == ()
 
 
-def test_almost_every_mistake_shows_somewhere(probes):
+HIDDEN = {
+    ("jacobian-receiver-cosine", "jacobian"),  # which is given no such normal
+    # A path that was traced meets the lit side, above the horizon.
+    ("back-of-sample-shines", "initial"),
+    ("light-below-the-horizon", "initial"),
+    ("pure-colours-are-null", "initial"),  # and these scenes have none
+}
+
+
+def test_every_other_mistake_shows(probes):
     """Else the test above would prove nothing."""
-    hidden = [
+    hidden = {
         (h.name, name)
         for h, name in PAIRS
         if all(a.finding.passed for a in answered(probes, name, under(h)))
-    ]
-    # A uniform variable meets equality, and a rejected J inside its limits is no
-    # mistake; all others show.
-    assert len(hidden) <= 0.1 * len(PAIRS), hidden
+    }
+    assert hidden == HIDDEN
 
 
 @pytest.mark.parametrize("pass_name", sorted(CONTRACT))
@@ -118,6 +127,14 @@ def test_two_mistakes_at_once_are_not_one_of_them(probes):
 
     answers = answered(probes, "shade", both)
     assert diagnose("shade", answers, "float32").matches == ()
+
+
+@pytest.mark.parametrize("pass_name", ["jacobian", "temporal", "spatial"])
+def test_what_the_contract_explains_has_no_name(probes, pass_name):
+    """Right answers beside a fault of another kind, as NaN in another case."""
+    fault = Finding(False, "crashed")
+    answers = [replace(a, finding=fault) for a in answered(probes, pass_name, right)]
+    assert diagnose(pass_name, answers, "float32").matches == ()
 
 
 def test_without_answers_there_is_no_name():

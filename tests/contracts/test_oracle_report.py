@@ -222,11 +222,6 @@ def test_several_mistakes_may_explain_a_pass(wrong, tmp_path):
         assert f"<code>{mistake.wrong}</code>" in text
 
 
-def test_mistakes_that_explain_right_answers_alone_are_not_named(wrong):
-    verdict = replace(wrong[0], diagnoses=[Diagnosis("shade", JACOBIANS[:1])])
-    assert of_pass(as_plain(verdict, "", CONTRACT), "shade")["diagnosis"] == []
-
-
 def test_the_worst_rows_carry_both_sides_and_all_terms(wrong):
     found = of_pass(wrong[1], "spatial")
     assert (found["cases"], found["rows"]) == (3, 3 * 256)

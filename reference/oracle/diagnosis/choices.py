@@ -25,7 +25,8 @@ def _other_side(u: Bounded, w_before: Bounded, w: Bounded) -> Bounded:
 
 
 def _never(u: Bounded, w_before: Bounded, w: Bounded) -> Bounded:
-    return constant(-1.0, w)
+    alone = w_before.value == 0
+    return choose(alone, w, constant(-1.0, w))
 
 
 CHOICES = (

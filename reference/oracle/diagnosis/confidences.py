@@ -77,7 +77,7 @@ CONFIDENCES = (
         M_RIGHT,
         SHIFTED,
         "RTXDI #42",
-        hidden_counts=False,
+        hidden_counts="none",
     ),
     mistake(
         "confidence-off-by-one",
@@ -169,5 +169,23 @@ CONFIDENCES = (
         "M = min(Σ M, cap)",
         REUSE,
         capped=_one_more,
+    ),
+    mistake(
+        "hidden-lights-not-counted",
+        "samples with light that the receiver does not see do not count, nulls do",
+        "M is skipped where a sample with w > 0 turns out to be hidden",
+        M_RIGHT,
+        SHIFTED,
+        "RTXDI #42",
+        hidden_counts="nulls",
+    ),
+    mistake(
+        "running-weight-kept",
+        "M is capped, and the running sum of weights is kept as it was",
+        "the next frame has w = Σ w, and not p̂ W min(Σ M, cap)",
+        "M = min(Σ M, cap) leaves W as it is",
+        REUSE,
+        "the paper's Algorithm 3 beside its section 5",
+        cap_when="late",
     ),
 )

@@ -12,6 +12,7 @@ from reference.oracle.diagnosis.shading import SHADING
 from reference.oracle.diagnosis.targets import TARGETS
 from reference.oracle.diagnosis.weights import WEIGHTS
 from reference.oracle.replay.judges import JUDGES
+from reference.oracle.replay.rules import CONTRACT_RULES, Rules
 from reference.oracle.rungs.probe import Answer
 
 HYPOTHESES: tuple[Hypothesis, ...] = (
@@ -64,15 +65,14 @@ def diagnose(
     """
     judge = JUDGES[pass_name]
     given = [a for a in answers if a.outputs is not None]
-    shows = any(a.finding is not None and not a.finding.passed for a in given)
-    matches = tuple(
-        h
-        for h in HYPOTHESES
-        if shows
-        and pass_name in h.passes
-        and all(
-            judge(a.probe.case, a.outputs or {}, h.rules, precision).passed
-            for a in given
+
+    def explained_by(rules: Rules) -> bool:
+        return all(
+            judge(a.probe.case, a.outputs or {}, rules, precision).passed for a in given
         )
-    )
-    return Diagnosis(pass_name, matches)
+
+    # What the contract explains needs no mistake, and every mistake explains it too.
+    if explained_by(CONTRACT_RULES):
+        return Diagnosis(pass_name, ())
+    able = (h for h in HYPOTHESES if pass_name in h.passes)
+    return Diagnosis(pass_name, tuple(h for h in able if explained_by(h.rules)))

@@ -66,6 +66,12 @@ def _without_W(f: Bounded, W: Bounded) -> Bounded:
 
 def _shade_pure_is_null(x: Receiver, y: Point) -> Bounded:
     f = reflected(x, y)
+    full: Masks = np.all(y.radiance.value > 0, axis=1)
+    return choose(full, f, constant(0.0, f))
+
+
+def _shade_pure_reflection_is_null(x: Receiver, y: Point) -> Bounded:
+    f = reflected(x, y)
     full: Masks = np.all(f.value > 0, axis=1)
     return choose(full, f, constant(0.0, f))
 
@@ -189,8 +195,8 @@ SHADING = (
     ),
     _shade_mistake(
         "shade-pure-colours-black",
-        "colours without one of the channels are shaded black",
-        "color = 0 unless R, G and B are above 0",
+        "light without one of the channels is taken for none",
+        "color = 0 unless R, G and B of L_o are above 0",
         _shade_pure_is_null,
     ),
     _shade_mistake(
@@ -204,5 +210,11 @@ SHADING = (
         "cosine directions are given the uniform density",
         "pdf = 1 / 2π for cosine directions",
         _uniform_density_for_cosine,
+    ),
+    _shade_mistake(
+        "shade-pure-reflections-black",
+        "what is reflected without one of the channels is taken for nothing",
+        "color = 0 unless R, G and B of albedo · L_o are above 0",
+        _shade_pure_reflection_is_null,
     ),
 )

@@ -65,38 +65,38 @@ def _at(x: Receiver) -> Point:
     return Point(x.position, x.normal, x.normal)
 
 
-def _rec601(p_hat: Bounded, x: Receiver, y: Point) -> Bounded:
-    color = x.albedo * y.radiance
-    shares = np.broadcast_to([0.299, 0.587, 0.114], color.value.shape)
-    unit = color.rounding.unit
-    light = inner(color, Bounded(shares, unit * shares, color.rounding))
-    return on_both_sides(x, y, light * cosine_at(x, y) / constant(pi, light))
+def _with_light(light: Callable[[Bounded], Bounded]) -> Any:
+    """Target of both equations, with another number in place of luminance."""
+
+    def changed(kind: Value, x: Receiver, y: Point) -> Bounded:
+        if kind == "outgoing":
+            return on_both_sides(x, y, light(y.radiance))
+        found = light(x.albedo * y.radiance)
+        return on_both_sides(x, y, found * cosine_at(x, y) / constant(pi, found))
+
+    return changed
 
 
-def _mean_of_channels(p_hat: Bounded, x: Receiver, y: Point) -> Bounded:
-    color = x.albedo * y.radiance
-    third = np.full(color.value.shape, 1 / 3)
-    unit = color.rounding.unit
-    light = inner(color, Bounded(third, unit * third, color.rounding))
-    return on_both_sides(x, y, light * cosine_at(x, y) / constant(pi, light))
+def _shares(red: float, green: float, blue: float) -> Callable[[Bounded], Bounded]:
+    def light(color: Bounded) -> Bounded:
+        shares = np.broadcast_to([red, green, blue], color.value.shape)
+        error = color.rounding.unit * shares
+        return inner(color, Bounded(shares, error, color.rounding))
+
+    return light
 
 
-def _red(p_hat: Bounded, x: Receiver, y: Point) -> Bounded:
-    light = (x.albedo * y.radiance)[:, 0]
-    return on_both_sides(x, y, light * cosine_at(x, y) / constant(pi, light))
+def _red(color: Bounded) -> Bounded:
+    return color[:, 0]
 
 
-def _largest(p_hat: Bounded, x: Receiver, y: Point) -> Bounded:
-    color = x.albedo * y.radiance
+def _largest(color: Bounded) -> Bounded:
     most = color.value.argmax(axis=1)
-    light = color[np.arange(len(most)), most]
-    return on_both_sides(x, y, light * cosine_at(x, y) / constant(pi, light))
+    return color[np.arange(len(most)), most]
 
 
-def _pure_is_null(kind: Value, x: Receiver, y: Point) -> Bounded:
-    p_hat = target(kind, x, y)
-    color = x.albedo * y.radiance if kind == "scattered" else y.radiance
-    full: Masks = np.all(color.value > 0, axis=1)
+def _pure_is_null(p_hat: Bounded, x: Receiver, y: Point) -> Bounded:
+    full: Masks = np.all((x.albedo * y.radiance).value > 0, axis=1)
     return choose(full, p_hat, constant(0.0, p_hat))
 
 
@@ -161,14 +161,14 @@ TARGETS = (
         "luminance-of-rec-601",
         "luminance has the weights of Rec. 601",
         "Y = 0.299 R + 0.587 G + 0.114 B",
-        _scattered(_rec601),
+        _with_light(_shares(0.299, 0.587, 0.114)),
         "ReSTIR_PT",
     ),
     _target_mistake(
         "mean-of-channels",
         "the mean of the channels stands for luminance",
         "Y = (R + G + B) / 3",
-        _scattered(_mean_of_channels),
+        _with_light(_shares(1 / 3, 1 / 3, 1 / 3)),
     ),
     _target_mistake(
         "back-of-sample-shines",
@@ -189,19 +189,19 @@ TARGETS = (
         "red-channel",
         "the red channel stands for luminance",
         "Y = R",
-        _scattered(_red),
+        _with_light(_red),
     ),
     _target_mistake(
         "largest-channel",
         "the largest channel stands for luminance: right in law",
         "Y = max(R, G, B)",
-        _scattered(_largest),
+        _with_light(_largest),
     ),
     _target_mistake(
         "pure-colours-are-null",
         "colours without one of the channels are taken for nothing",
         "p̂ = 0 unless R, G and B are above 0",
-        _pure_is_null,
+        _scattered(_pure_is_null),
         "bevy 01804ded1c",
     ),
 )

@@ -161,7 +161,7 @@ WEIGHTS = (
         "the pixel's own reservoir is counted in Z with M after the merge",
         "Z = Σ M + M of the neighbours that hold the sample",
         Z_RIGHT,
-        SHIFTED,
+        REUSE,
         counted_as="merged",
     ),
     mistake(

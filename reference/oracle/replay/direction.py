@@ -61,9 +61,9 @@ def judge_direction(
     ones = np.ones(case.rows)
     return Judgement(
         (
-            Compared("direction", found, cosine.value, cosine.error + room),
-            Compared("direction", length, ones, np.full(case.rows, room)),
-            Compared("direction", turned, wanted, loose),
+            Compared("cos θ", found, cosine.value, cosine.error + room),
+            Compared("length", length, ones, np.full(case.rows, room)),
+            Compared("azimuth", turned, wanted, loose),
             beside("pdf", outputs["pdf"], p),
         ),
         {"cos θ": found, "azimuth from the first of its normal": turned},

@@ -7,7 +7,7 @@ import numpy as np
 
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
-from reference.oracle.replay.bounded import Bounded, constant, exact, rounding_of
+from reference.oracle.replay.bounded import Bounded, exact, rounding_of
 from reference.oracle.replay.direction import judge_direction
 from reference.oracle.replay.judgement import (
     Decisions,
@@ -132,12 +132,12 @@ def _initial(case: Case, out: Buffers, rules: Rules, precision: Precision) -> Ju
     pdf = exact(case.inputs["pdf"], rounding)
     p_hat = rules.target(case.settings["target"], x, y)
     w = rules.fresh_weight(p_hat, pdf)
-    W = rules.finalized(w, p_hat, constant(1.0, w))
+    M = rules.fresh_confidence(w)
+    W = rules.finalized(w, p_hat, M)
     found = beside("p_hat", out["p_hat"], p_hat)
     # A target that rounding cannot tell from 0 may be 0, and then W is.
     unsure = ~np.isfinite(W.error)
     W = choose(unsure, Bounded(W.value, np.abs(W.value) * 2, rounding), W)
-    M = rules.fresh_confidence(w)
     return Judgement(
         (found, beside("W", out["W"], W), beside("M", out["M"], M)),
         {"p_hat": p_hat.value, "pdf": pdf.value},

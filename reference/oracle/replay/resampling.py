@@ -123,15 +123,17 @@ def _closed(
     M = slots[0].M
     for slot in slots[1:]:
         M = M + slot.M
-    if rules.cap_when == "first":
-        M = rules.capped(M, closing.cap)
     Z = _normalization(slots, kept, y, M, closing, rules)
+    if rules.cap_when == "first":
+        Z = rules.capped(Z, closing.cap)
     divisor = (
         _donor_target(slots, kept, y, p_hat, closing)
         if rules.divides_by_donor
         else p_hat
     )
     W = rules.finalized(total, divisor, Z)
+    if rules.cap_when == "late":
+        W = W * (M / rules.capped(M, closing.cap))
     if rules.cap_when != "never":
         M = rules.capped(M, closing.cap)
     return {"W": W, "p_hat": divisor, "Z": Z, "sum of w": total}, M
@@ -160,12 +162,7 @@ def _normalization(
     if asked == "1":
         return exact(np.ones_like(M.value), M.rounding)
     if asked == "1/M" or not any(slot.domain for slot in slots):
-        if rules.counted_as == "own":
-            return M
-        total = nothing(M)
-        for k in range(len(slots)):
-            total = total + _counted(slots, k, M, rules)
-        return total
+        return _all_counted(slots, M, rules)
     Z = nothing(M)
     for k, slot in enumerate(slots):
         counted = _counted(slots, k, M, rules)
@@ -182,6 +179,18 @@ def _normalization(
     return Z
 
 
+def _all_counted(slots: list[Slot], M: Bounded, rules: Rules) -> Bounded:
+    """The divisor of 1/M."""
+    if rules.counted_as == "rest":
+        return M - slots[0].M
+    if rules.counted_as != "merged":
+        return M
+    total = nothing(M)
+    for slot in slots:
+        total = total + (slot.M if slot.domain else M)
+    return total
+
+
 def _counted(slots: list[Slot], k: int, M: Bounded, rules: Rules) -> Bounded:
     """What Z adds for a slot that could have made the sample."""
     if rules.counted_as == "last":
@@ -190,8 +199,6 @@ def _counted(slots: list[Slot], k: int, M: Bounded, rules: Rules) -> Bounded:
         return exact((slots[k].M.value > 0).astype(float), M.rounding)
     if rules.counted_as == "merged" and slots[k].domain is None:
         return M
-    if rules.counted_as == "rest" and k == 0:
-        return nothing(M)
     return slots[k].M
 
 

@@ -32,8 +32,9 @@ finalized, density, fresh_weight, shaded : callable
         Formulas, as the functions of this module.
     reuse_target, domain_target : callable
         Target of reused samples at the receiver, and of the kept sample at donors.
-    hidden_counts : bool
-        M of a sample that the receiver does not see.
+    hidden_counts : 'all', 'nulls' or 'none'
+        Which samples that the receiver does not see have their M counted: those with no
+        light alone are nulls.
     nulls_count : bool
         M of a reused reservoir whose sample arrives with no weight.
     visibility_in_weight, visibility_in_z : bool
@@ -47,8 +48,8 @@ finalized, density, fresh_weight, shaded : callable
     normalization : str
         'asked', or in place of that '1/M', '1/Z' or '1'.
     counted_as : 'own', 'last', 'one', 'merged' or 'rest'
-        What Z adds for a reservoir: its M, that of the last one, 1, for those of the
-        receiver the sum of all; or all but that of the first in the stream.
+        What Z adds for a reservoir: its M, that of the last one, 1, or for those of the
+        receiver the sum of all.  'rest': 1/M leaves out the first in the stream.
     as_stored : bool
         What moved is reused as if it had not.
     divides_by_donor : bool
@@ -59,8 +60,9 @@ finalized, density, fresh_weight, shaded : callable
         One number decides on all neighbours, or on all reservoirs.
     ignored_words : tuple of int
         Words of the random key that are taken for 0.
-    cap_when : 'closed', 'never' or 'first'
-        M is capped when the reservoir is closed, never, or before W is calculated.
+    cap_when : 'closed', 'never', 'first' or 'late'
+        M is capped when the reservoir is closed, never, before W is calculated, or
+        after it with the sum of weights left as it was.
     depth_test : 'symmetric' or 'own'
         Relative to the larger depth, or to the pixel's own.
     narrows : bool
@@ -80,7 +82,7 @@ finalized, density, fresh_weight, shaded : callable
     domain_target: Callable[[Value, Receiver, Point], Bounded] = target
     fresh_weight: Callable[[Bounded, Bounded], Bounded] = fresh_weight
     shaded: Callable[[Bounded, Bounded], Bounded] = shaded
-    hidden_counts: bool = True
+    hidden_counts: str = "all"
     nulls_count: bool = True
     visibility_in_weight: bool = True
     visibility_in_z: bool = True

@@ -112,7 +112,12 @@ def with_hidden(slot: Slot, seen: Masks, rules: Rules) -> Slot:
     """
     none = nothing(slot.w)
     w = choose(seen, slot.w, none) if rules.visibility_in_weight else slot.w
-    M = slot.M if rules.hidden_counts else choose(seen, slot.M, none)
+    counts = {
+        "all": np.ones_like(seen),
+        "nulls": seen | (slot.w.value <= 0),
+        "none": seen,
+    }
+    M = choose(counts[rules.hidden_counts], slot.M, none)
     return replace(slot, w=w, M=M)
 
 

@@ -98,9 +98,7 @@ def _pass(verdict: Verdict, pass_name: str) -> dict[str, Any]:
         if a.finding and a.finding.judgement
     ]
     worst = worst_answer(answers)
-    found = [d for d in verdict.diagnoses if d.pass_name == pass_name]
-    # Right replays match every mistake that they do not meet: they explain nothing.
-    matches = found if worst else []
+    matches = [d for d in verdict.diagnoses if d.pass_name == pass_name]
     return {
         "name": pass_name,
         "status": "wrong" if faults else "right" if answers else "not judged",
@@ -144,9 +142,9 @@ def _excuses(judged: list[tuple[Case, Judgement]]) -> dict[str, Any] | None:
 
 
 def _conclusion(matches: list[Diagnosis], worst: Answer | None) -> str:
-    if worst is None:
-        return "no wrong answer that a replay could explain"
     names = [h.name for diagnosis in matches for h in diagnosis.matches]
+    if not names and worst is None:
+        return "no wrong answer that a replay could explain"
     if not names:
         return "no known mistake"
     return f"is{'' if len(names) == 1 else ' one of'}: {', '.join(names)}"

@@ -6,7 +6,9 @@ The radiances are such that p̂_q(x) · 5 mu_q(x) is a whole number: then so are
 weights that arrive at q, whoever drew them, and a decision between whole numbers w of S
 is integrated by the midpoints of S cells, each at least 1 / 2S away from the threshold:
 no rounding excuses a flip.  What must come out, E[W 1{y = x}] = mu_q(x), knows nothing
-of how samples are resampled: any weights that are unbiased pass, and no others.
+of what the weights are divided by: any division that is unbiased passes, and no other.
+With another target or another order of the stream the weights are not whole, and the
+sums are not the expectation: such a backend fails although its law may be right.
 """
 
 from itertools import product
@@ -87,7 +89,8 @@ def _expectation(probability: Scalars, rows: Indices, M: float) -> Examine:
                 return Finding(
                     False,
                     f"{case.name}: E[W 1(y = x)] of patch {x} is {found:.6g} instead of"
-                    f" {truth[x]:.6g} ({off:+.3g} %), exactly and for every integrand",
+                    f" {truth[x]:.6g} ({off:+.3g} %), summed over all outcomes and"
+                    " decisions of the contract's stream",
                 )
         wrong = out["M"][rows] != M
         if wrong.any():

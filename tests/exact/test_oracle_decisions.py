@@ -1,0 +1,137 @@
+"""Forced and free decisions, and the budget of those that rounding excuses.
+
+Both samples weigh about the same, so that the threshold of u is near 1/2, and u is put
+beside it in units of the bound that the replay itself states.
+"""
+
+import numpy as np
+import pytest
+from scipy.stats import poisson
+
+from reference.oracle.builtin.backend import FLOAT32
+from reference.oracle.cases import Case
+from reference.oracle.replay.bounded import exact, rounding_of
+from reference.oracle.replay.formulas import preference
+from reference.oracle.replay.judgement import EXCUSE_ALARM, Decisions
+from reference.oracle.replay.judges import JUDGES
+from reference.oracle.replay.rules import CONTRACT_RULES
+from reference.oracle.rungs.patches import eye, patch_reservoirs
+
+ROWS = 64
+ROUNDING = rounding_of("float32")
+
+
+def merge_case(u, random=False):
+    """Weights 1 and 1: the second is kept where u < 1/2."""
+    ones = np.ones(len(u), np.float32)
+    inputs = {"w_a": ones, "M_a": ones, "w_b": ones, "M_b": ones, "u": np.float32(u)}
+    return Case("merge", "merge", {}, inputs, random)
+
+
+def merged(case, second):
+    out = dict(FLOAT32.merge(**case.inputs))
+    out["second"] = np.full(case.rows, second, np.uint32)
+    return JUDGES["merge"](case, out, CONTRACT_RULES, "float32")
+
+
+def bound():
+    """Of w − u (w_a + w_b) at the threshold."""
+    one, half = (exact(np.full(1, v), ROUNDING) for v in (1.0, 0.5))
+    return float(preference(half, one, one).error[0])
+
+
+def test_at_the_threshold_both_branches_are_free():
+    case = merge_case(np.full(ROWS, 0.5))
+    assert merged(case, 0).passed
+    assert merged(case, 1).passed
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_beyond_the_bound_the_other_branch_is_refused(side):
+    """The preference is 1 − 2u: it leaves the bound at half of it in u."""
+    step = 2.0**-24
+    just = (bound() / 2 // step + 1) * step
+    case = merge_case(np.full(ROWS, 0.5 + side * just))
+    right = 1 if side < 0 else 0
+    assert merged(case, right).passed
+    assert merged(case, 1 - right).wrong.all()
+
+
+def test_the_bound_is_a_few_units():
+    """Neither vacuous nor less than the two roundings of the comparison."""
+    assert 2 * 2.0**-24 <= bound() <= 32 * 2.0**-24
+
+
+def temporal_case(u):
+    """Past and new sample weigh the same at pixel 0."""
+    cells = np.zeros(len(u), np.int64)
+    past, new = patch_reservoirs(0, cells), patch_reservoirs(0, cells + 2)
+    inputs = eye(0, len(u)) | {f"past_{name}": a for name, a in past.items()}
+    inputs |= {f"new_{n}": new[n] for n in ("position", "normal", "radiance")}
+    inputs |= {"new_pdf": 1 / new["W"], "u": u}
+    single = {name: np.float32(array) for name, array in inputs.items()}
+    return Case("temporal", "temporal", {"target": "scattered", "cap": 9.0}, single)
+
+
+def with_other_branch(case):
+    """Outputs of a backend that draws with a u on the other side."""
+    other = dict(case.inputs) | {"u": np.float32(1) - case.inputs["u"]}
+    return FLOAT32.temporal(**other, **case.settings)
+
+
+@pytest.mark.parametrize(("away", "excused"), [(2.0**-23, True), (2.0**-10, False)])
+def test_a_reservoir_is_judged_along_the_branch_that_was_taken(away, excused):
+    """Weights have some 20 roundings, of four units: 2⁻²³ is inside, 2⁻¹⁰ far out."""
+    case = temporal_case(np.full(ROWS, 0.5 + away))
+    right = JUDGES["temporal"](
+        case,
+        FLOAT32.temporal(**case.inputs, **case.settings),
+        CONTRACT_RULES,
+        "float32",
+    )
+    out = with_other_branch(case)
+    other = JUDGES["temporal"](case, out, CONTRACT_RULES, "float32")
+    assert right.passed
+    assert other.wrong.any() != excused
+    assert other.decisions.illegal.all() != excused
+
+
+def test_a_free_branch_still_needs_the_weight_that_belongs_to_it():
+    case = temporal_case(np.full(ROWS, 0.5 + 2.0**-23))
+    out = with_other_branch(case)
+    out["W"] = out["W"] * np.float32(1.0001)
+    judged = JUDGES["temporal"](case, out, CONTRACT_RULES, "float32")
+    assert judged.wrong.all()
+
+
+# ---------------------------------------------------------------- budget
+
+
+def test_excuses_beyond_their_budget_are_a_fault():
+    """256 of 256 rows lean on rounding, where none is expected to."""
+    u = np.full(256, 0.5)
+    lenient, strict = merge_case(u), merge_case(u, random=True)
+    assert merged(lenient, 1).passed
+    judged = merged(strict, 1)
+    assert judged.decisions.excused == 256
+    assert judged.over_budget
+    assert not judged.passed
+
+
+@pytest.mark.parametrize("mean", [0.0, 1e-3, 0.1, 3.0])
+def test_the_budget_is_exceeded_with_the_stated_probability(mean):
+    budget = Decisions(np.zeros(1, bool), 0, mean).budget
+    assert poisson.sf(budget, mean) <= EXCUSE_ALARM
+    assert budget == 0 or poisson.sf(budget - 1, mean) > EXCUSE_ALARM
+
+
+def test_the_expected_number_of_open_decisions_is_their_share_of_all_numbers():
+    """Counted on the whole grid of u about the threshold, to a cell on either side."""
+    cell, reach = 2.0**-24, 64
+    u = 0.5 + np.arange(-reach, reach + 1) * cell
+    ones = exact(np.ones(len(u)), ROUNDING)
+    margin = preference(exact(u, ROUNDING), ones, ones)
+    open_cells = int((np.abs(margin.value) <= margin.error).sum())
+    assert 2 < open_cells < reach
+    stated = merged(merge_case(np.full(1, 0.5)), 1).decisions.expected_excuses
+    assert abs(stated / cell - open_cells) <= 2
