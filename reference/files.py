@@ -79,3 +79,25 @@ def _write_and_rename(target: Path, contents: bytes) -> None:
     except BaseException:  # Ctrl-C too
         part.unlink(missing_ok=True)
         raise
+
+
+def make_folder(path: Path) -> None:
+    """Make a folder, and those above it, if they do not exist.
+
+    Parameters
+    ----------
+    path : Path
+        Of the folder.
+
+    Raises
+    ------
+    UsageError
+        It cannot be made.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(
+            f"cannot make the folder {path}: {error.strerror}; name one that can be"
+            " made"
+        ) from error

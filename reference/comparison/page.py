@@ -12,8 +12,7 @@ from reference.comparison.histogram import histogram_bars
 from reference.comparison.labels import NUMBERS
 from reference.comparison.maps import ErrorMap
 from reference.display import encode_png, to_display
-from reference.errors import UsageError
-from reference.files import write_file
+from reference.files import make_folder, write_file
 from reference.images import Image
 
 MOST_PROBED = 2**18  # pixels whose values the page carries: 8 MiB of text at most
@@ -55,12 +54,7 @@ def write_pages(
     files = {"a": encode_png(shown[0]), "b": encode_png(shown[1])}
     files |= {error.name: encode_png(error.pixels()) for error in maps}
     page = _page(images, names, numbers, maps, files)
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UsageError(
-            f"cannot make the folder {out}: {error.strerror}; name one that can be made"
-        ) from error
+    make_folder(out)
     for name, contents in files.items():
         write_file(out / f"{name}.png", contents)
     write_file(out / "index.html", page.encode(errors="backslashreplace"))

@@ -18,13 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.errors import UsageError
-from reference.files import read_file
+from reference.files import make_folder, read_file
 from reference.oracle.buffers import given
 from reference.oracle.builtin.backend import BuiltIn
 from reference.oracle.cases import Case
 from reference.oracle.contract.fields import Passes, Precision
 from reference.oracle.exr_frames import write_frames
-from reference.oracle.raw import make_folder, read_cases, write_cases
+from reference.oracle.raw import read_cases, write_cases
 from reference.oracle.rungs.kernels import kernel_probes
 from reference.oracle.rungs.lattice import lattice_probes
 from reference.oracle.rungs.probe import Probe

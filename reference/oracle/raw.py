@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.errors import UsageError
-from reference.files import read_file
+from reference.files import make_folder, read_file
 from reference.oracle.cases import Case, Failure, Outcome, output_shapes
 from reference.oracle.contract.fields import Passes, Precision, Value, dtype_of
 
@@ -144,28 +144,6 @@ def read_outputs(
             )
         found[field.name] = np.frombuffer(contents, dtype).reshape(shape)
     return found or None
-
-
-def make_folder(path: Path) -> None:
-    """Make a folder, and those above it, if they do not exist.
-
-    Parameters
-    ----------
-    path : Path
-        Of the folder.
-
-    Raises
-    ------
-    UsageError
-        It cannot be made.
-    """
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UsageError(
-            f"cannot make the folder {path}: {error.strerror}; name one that may be"
-            " written"
-        ) from error
 
 
 def _write(path: Path, contents: bytes) -> None:

@@ -32,7 +32,10 @@ own operations can round. A decision may fall either way where rounding leaves i
 open; how often that happens is counted against what chance allows.
 
 **Rows that are not there.** A reservoir with W = 0 and M = 0 is empty; a sample with
-radiance 0 is a null. A quotient by 0 is 0. Outputs are finite.
+radiance 0 is a null, and one with pdf 0 has w = 0. Where all weights of a stream are 0
+nothing is kept: W = 0, M counts, and which sample stands in the row is not looked at. A
+quotient by 0 is 0, whether the denominator is exactly 0 or has rounded to it. Outputs
+are finite.
 
 **Random numbers** are given as `u`. Whoever wants to make them: u of dimension d of
 stream s of a pixel is the four lanes of `random` with the key (pixel, frame, seed, 64

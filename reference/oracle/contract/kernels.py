@@ -55,7 +55,7 @@ TARGET_FUNCTION = Pass(
     formula=(
         "ω = (x_s − x) / |x_s − x|, luminance Y = 0.2126 R + 0.7152 G + 0.0722 B;\n"
         "scattered: p̂ = Y(albedo / π · L_o) · cos θ;  outgoing: p̂ = Y(L_o);\n"
-        "both 0 where n·ω ≤ 0, or n_s·ω ≥ 0"
+        "both 0 unless the sample is above the horizon, n·ω > 0, and lit, n_s·ω < 0"
     ),
     inputs=(*RECEIVER, *SAMPLE),
     outputs=(real("p_hat", "target, without visibility"),),
@@ -73,14 +73,23 @@ JACOBIAN = Pass(
         vector("position", "sample point x_s, m"),
         vector("normal", "unit normal at x_s"),
     ),
-    outputs=(real("jacobian", "factor on W; 0 where cos φ_from, d_from or d_to is 0"),),
+    outputs=(
+        real(
+            "jacobian",
+            "factor on W; 0 where cos φ_from, d_from or d_to is 0; finite where d² or J"
+            " leaves the type's range, and then any number from 0 on",
+        ),
+    ),
     source="[Ouyang21, Eq. 11]",
 )
 
 MERGE = Pass(
     name="merge",
     summary="Whether the second of two candidates is kept",
-    formula="second where u (w_a + w_b) < w_b; w = w_a + w_b; M = M_a + M_b",
+    formula=(
+        "second where u (w_a + w_b) < w_b, and where w_a = 0 < w_b;\n"
+        "w = w_a + w_b; M = M_a + M_b"
+    ),
     inputs=(
         real("w_a", "sum of resampling weights of the first"),
         real("M_a", "its confidence"),
@@ -105,7 +114,13 @@ FINALIZE = Pass(
         real("p_hat", "target of the kept sample"),
         real("Z", "what the sum is divided by: M, or Z"),
     ),
-    outputs=(real("W", "unbiased contribution weight, sr; finite"),),
+    outputs=(
+        real(
+            "W",
+            "unbiased contribution weight, sr; where it overflows any number from a"
+            " quarter of the largest on",
+        ),
+    ),
     source="[Ouyang21, Eq. 7]",
 )
 

@@ -26,7 +26,7 @@ TEMPORAL = Pass(
     summary="Algorithm 3: the new sample meets the pixel's past; nothing moves",
     formula=(
         "the past with w₀ = p̂(y₀) W₀ M₀, then the new sample with w₁ = p̂(y₁) / pdf;\n"
-        "the new one is kept where u (w₀ + w₁) < w₁;\n"
+        "the new one is kept where u (w₀ + w₁) < w₁, and where w₀ = 0 < w₁;\n"
         "W = (w₀ + w₁) / (p̂(y) (M₀ + 1)), M = min(M₀ + 1, cap)"
     ),
     inputs=(
@@ -46,8 +46,13 @@ MOVED = Pass(
     summary="Algorithm 3 where the past was seen from another point",
     formula=(
         "the past with w₀ = p̂(y₀) W₀ M₀ J(x_past → x), 0 where x does not see y₀;\n"
-        "then the new sample with w₁ = p̂(y₁) / pdf; kept where u (w₀ + w₁) < w₁;\n"
-        "Z = M₀ [x_past holds y] + 1, W = (w₀ + w₁) / (p̂(y) Z)"
+        "then the new sample with w₁ = p̂(y₁) / pdf; it is kept where u (w₀ + w₁) < w₁,"
+        " and where w₀ = 0 < w₁;\n"
+        "1/M: Z = M₀ + 1;  1/Z: Z = M₀ + 1 where x_past holds the kept sample, else "
+        "1;\n"
+        "x_past holds y where p̂(y) > 0 at x_past, with its normal and albedo, and "
+        "x_past sees y;\n"
+        "W = (w₀ + w₁) / (p̂(y) Z), M = min(M₀ + 1, cap), whatever x sees"
     ),
     inputs=(
         *RECEIVER,
@@ -58,7 +63,7 @@ MOVED = Pass(
         bits(
             "visible",
             "who sees which sample: column 0 is x, 1 is x_past; bit 0 the new sample,"
-            " bit 1 the past's",
+            " bit 1 the past's; bit 0 of column 0 is not looked at",
             2,
         ),
         real("u", "number in [0, 1)"),
@@ -72,8 +77,8 @@ NEIGHBORS = Pass(
     name="neighbors",
     summary="Which pixels lend their samples",
     formula=(
-        "r = max(radius · width, min_radius); for each k: offset = r √u₀ (cos 2πu₁, "
-        "sin 2πu₁), each component rounded to the nearest whole, ties to even;\n"
+        "N = width · height; r = max(radius · width, min_radius);\n"
+        "for each k: offset = r √u₀ (cos 2πu₁, sin 2πu₁), each component rounded to the nearest whole, ties to even;\n"
         "usable where the pixel lies in the image and is similar; else the neighbour is"
         " −1 and r = max(r / 2, min_radius); the pixel itself is −1, and usable"
     ),
@@ -99,12 +104,13 @@ SPATIAL = Pass(
     formula=(
         "in this order: the pixel's spatial past, its own reservoir, neighbour 0 … K−1,"
         " with w = p̂(y) W M J; J = 1 for the first two;\n"
-        "w = 0 where the receiver does not see a neighbour's sample; neighbour −1 has "
-        "w = 0 and M = 0;\n"
-        "the candidate is kept where u (w_before + w) < w;\n"
-        "1/M: Z = Σ M;  1/Z: Z = Σ M over those that hold the kept sample: it is lit "
-        "and above their horizon, p̂ > 0, and they see it; past and own always do;\n"
-        "W = Σ w / (p̂(y) Z), M = min(Σ M, cap)"
+        "w = 0 where the receiver does not see a neighbour's sample, whose M counts "
+        "all the same; neighbour −1 has w = 0 and M = 0;\n"
+        "a candidate is kept where u (w_before + w) < w, and where w_before = 0 < w;\n"
+        "1/M: Z = Σ M;  1/Z: Z = Σ M over those that hold the kept sample; a neighbour "
+        "does where p̂(y) > 0 at its visible point, with its normal and albedo, and it "
+        "sees the sample; past and own always do;\n"
+        "W = Σ w / (p̂(y) Z), and then M = min(Σ M, cap)"
     ),
     inputs=(
         *RECEIVER,
@@ -114,7 +120,8 @@ SPATIAL = Pass(
         bits(
             "visible",
             "who sees which sample: column 0 is the pixel, 1 + k neighbour k; bit 0 is"
-            " the pixel's own sample, 1 + k neighbour k's, 1 + K the past's",
+            " the pixel's own sample, 1 + k neighbour k's, 1 + K the past's; K is 30 at"
+            " most, and of column 0 the bits 0 and 1 + K are not looked at",
             "K+1",
         ),
         real("u_own", "number in [0, 1) that decides on the pixel's own reservoir"),

@@ -10,8 +10,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from reference.comparison.maps import ErrorMap
 from reference.display import encode_png
-from reference.errors import UsageError
-from reference.files import write_file
+from reference.files import make_folder, write_file
 from reference.oracle.report.maps import error_maps
 from reference.oracle.report.worst import answers_of, worst_answer
 from reference.oracle.verdict import Verdict
@@ -36,12 +35,7 @@ def write_page(out: Path, verdict: Verdict, plain: Mapping[str, Any]) -> None:
     """
     maps = {one["name"]: _maps(verdict, one["name"]) for one in plain["passes"]}
     page = _page(plain, maps)
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UsageError(
-            f"cannot make the folder {out}: {error.strerror}; name one that can be made"
-        ) from error
+    make_folder(out)
     numbers = json.dumps(plain, indent=2, allow_nan=False) + "\n"
     write_file(out / "verdict.json", numbers.encode())
     write_file(out / "index.html", page.encode(errors="backslashreplace"))
