@@ -78,7 +78,8 @@ NEIGHBORS = Pass(
     summary="Which pixels lend their samples",
     formula=(
         "N = width · height; r = max(radius · width, min_radius);\n"
-        "for each k: offset = r √u₀ (cos 2πu₁, sin 2πu₁), each component rounded to the nearest whole, ties to even;\n"
+        "for each k: offset = r √u₀ (cos 2πu₁, sin 2πu₁), each component rounded to the"
+        " nearest whole, ties to even;\n"
         "usable where the pixel lies in the image and is similar; else the neighbour is"
         " −1 and r = max(r / 2, min_radius); the pixel itself is −1, and usable"
     ),
