@@ -562,7 +562,7 @@ INITIAL = [
         "return np.where(lit[:, None], value, 0.0)",
         "lit = lit & (value > 0).all(axis=1)\n"
         "    return np.where(lit[:, None], value, 0.0)",
-        ("shade-pure-colours-black",),
+        ("shade-pure-reflections-black",),
     ),
 ]
 
@@ -968,7 +968,7 @@ REUSE = [
         f"{SEEN}\n"
         "        lost = (candidate.w > 0) & ~seen\n"
         "        candidate = replace(candidate, M=candidate.M * ~lost)",
-        ("hidden-not-counted", "hidden-weight-not-counted"),
+        ("hidden-lights-not-counted",),
     ),
     Mutant(
         "the pixel's own sample is not merged",

@@ -25,6 +25,11 @@ it, with the seconds until then on one core; "named" says whether the diagnosis 
 the right name for every pass that it named. A mistake that keeps the law of the
 estimate, or its expectation, is no bias; but the replays hold a backend against the
 contract's numbers, not against its law, so most of these are seen all the same.
+
+Most of the known mistakes were written down after
+these were planted, and some cases made for them: so the shares are no estimate of how a
+mistake fares that nobody has thought of. Before that, 99 of the first 101 biases were
+killed and 51 named rightly.
 """
 
 
