@@ -17,8 +17,8 @@ from reference.oracle.blackbox.judge import renderer_rungs
 from reference.oracle.blackbox.renderer import PLACES, Renderer
 from reference.oracle.blackbox.truth import Truth, path_traced
 from reference.oracle.checking import judge
-from reference.oracle.contract.registry import CONTRACT
 from reference.oracle.golden import read_golden
+from reference.oracle.parts import whole_contract
 from reference.oracle.report.page import write_page
 from reference.oracle.report.plain import as_plain
 from reference.oracle.report.table import table
@@ -129,7 +129,7 @@ def run(arguments: argparse.Namespace) -> int:
         There is no such backend or folder.
     """
     verdict = _judge(arguments)
-    plain = as_plain(verdict, arguments.backend, CONTRACT)
+    plain = as_plain(verdict, arguments.backend, whole_contract())
     if arguments.out is not None:
         write_page(arguments.out, verdict, plain)
     if arguments.json:

@@ -7,9 +7,9 @@ from reference.commands.arguments import add_json
 from reference.commands.console import emit, progress, show
 from reference.commands.opening import find_scene_or_file
 from reference.commands.values import whole
-from reference.oracle.contract.registry import CONTRACT
 from reference.oracle.frames import frame_cases
 from reference.oracle.golden import write_golden
+from reference.oracle.parts import parts, whole_contract
 from reference.oracle.rungs.kernels import kernel_probes
 from reference.oracle.rungs.lattice import lattice_probes
 from reference.oracle.rungs.replayed import replayed
@@ -73,10 +73,11 @@ def run(arguments: argparse.Namespace) -> None:
     scene = find_scene_or_file(arguments.scene)
     at = stage(scene, arguments.size, arguments.seed)
     probes = [*kernel_probes(precision), *lattice_probes(precision)]
+    probes += [probe for part in parts() for probe in part.probes(precision)]
     probes += [replayed("L3", case) for case in frame_cases(at, precision)]
     about = {"scene": scene.name, "size": arguments.size, "seed": arguments.seed}
     with progress("golden") as tick:
-        write_golden(out, CONTRACT, precision, probes, about, tick)
+        write_golden(out, whole_contract(), precision, probes, about, tick)
     if arguments.json:
         emit({"out": str(out), "cases": [p.case.name for p in probes], **about})
         return

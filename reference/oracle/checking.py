@@ -14,9 +14,9 @@ from reference.oracle.backends.inside import InsideBackend
 from reference.oracle.backends.process import PythonBackend
 from reference.oracle.backends.running import Limits
 from reference.oracle.contract.fields import Precision
-from reference.oracle.contract.registry import CONTRACT
 from reference.oracle.golden import read_golden
 from reference.oracle.ladder import golden_rungs, ladder, statistical_rungs
+from reference.oracle.parts import whole_contract
 from reference.oracle.verdict import Verdict, climb
 
 
@@ -66,6 +66,7 @@ def judge(
     golden = read_golden(against) if against is not None else None
     given = golden[0] if golden else precision
     opened = open_backend(backend, limits or Limits(), given)
+    passes = whole_contract()
     start = time.monotonic()
 
     def remaining() -> float:
@@ -78,14 +79,14 @@ def judge(
                 f" {opened.precision}; make one by restir golden --precision"
             )
         if golden:
-            rungs = golden_rungs(CONTRACT, opened, golden[1])
+            rungs = golden_rungs(passes, opened, golden[1])
         else:
-            rungs = ladder(CONTRACT, opened)
+            rungs = ladder(passes, opened)
             if statistics:
-                runs = statistical_rungs(CONTRACT, opened, remaining)
+                runs = statistical_rungs(passes, opened, remaining)
                 rungs = chain(rungs, runs)
         clock = time.monotonic
-        return climb(CONTRACT, opened.precision, rungs, budget, clock, tell)
+        return climb(passes, opened.precision, rungs, budget, clock, tell)
     finally:
         opened.close()
 

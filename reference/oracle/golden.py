@@ -24,6 +24,7 @@ from reference.oracle.builtin.backend import BuiltIn
 from reference.oracle.cases import Case
 from reference.oracle.contract.fields import Passes, Precision
 from reference.oracle.exr_frames import write_frames
+from reference.oracle.parts import parts
 from reference.oracle.raw import read_cases, write_cases
 from reference.oracle.rungs.kernels import kernel_probes
 from reference.oracle.rungs.lattice import lattice_probes
@@ -165,7 +166,11 @@ def read_golden(folder: Path) -> tuple[Precision, list[Probe]]:
     precision, cases = read_cases(folder)
     known = {
         probe.case.name: probe
-        for probe in (*kernel_probes(precision), *lattice_probes(precision))
+        for probe in (
+            *kernel_probes(precision),
+            *lattice_probes(precision),
+            *(probe for part in parts() for probe in part.probes(precision)),
+        )
     }
     probes = []
     for case in cases:

@@ -8,6 +8,7 @@ from reference.oracle.backends.backend import Backend
 from reference.oracle.contract.fields import Passes, Precision
 from reference.oracle.frames import frame_cases
 from reference.oracle.loop import Ask
+from reference.oracle.parts import parts
 from reference.oracle.rungs.kernels import kernel_probes
 from reference.oracle.rungs.lattice import lattice_probes
 from reference.oracle.rungs.law import SCENES as LAW_SCENES
@@ -49,12 +50,24 @@ def ladder(passes: Passes, backend: Backend) -> Iterator[Rung]:
 
         return rung, title, take
 
+    questions = [(part.title, part.probes(precision)) for part in parts()]
+
+    def of_parts(rung: str) -> Iterator[Rung]:
+        for title, probes in questions:
+            chosen = [probe for probe in probes if probe.rung == rung]
+            if chosen:
+                yield asked(rung, title, partial(list, chosen))
+
     yield asked("L0", "kernels", partial(kernel_probes, precision))
+    yield from of_parts("L0")
     yield asked("L1", "lattices", partial(lattice_probes, precision))
+    yield from of_parts("L1")
     yield "L2", "spheres", partial(_spheres, passes, backend)
     yield "L2", "relations", partial(_relations, passes, backend)
+    yield from of_parts("L2")
     for scene in SCENES:
         yield asked("L3", scene, partial(scene_probes, scene, precision))
+    yield from of_parts("L3")
 
 
 def statistical_rungs(

@@ -6,15 +6,17 @@ import numpy as np
 import pytest
 
 from reference.oracle.builtin.backend import FLOAT32
-from reference.oracle.contract.registry import CONTRACT
 from reference.oracle.diagnosis.diagnose import HYPOTHESES, diagnose
 from reference.oracle.frames import frame_cases
+from reference.oracle.parts import whole_contract
 from reference.oracle.replay.judges import JUDGES
 from reference.oracle.rungs.kernels import kernel_probes
 from reference.oracle.rungs.probe import Answer, Finding, examined
 from reference.oracle.rungs.replayed import replayed
 from reference.oracle.stage import stage
 from reference.scene.catalogue.registry import find_scene
+
+CONTRACT = whole_contract()
 
 WITHOUT_CHOICE = (
     "jacobian",

@@ -10,11 +10,11 @@ import pytest
 
 from reference.errors import UsageError
 from reference.oracle.backends.files import FilesBackend
-from reference.oracle.contract.registry import CONTRACT
 from reference.oracle.exr_frames import write_frames
 from reference.oracle.frames import frame_cases
 from reference.oracle.golden import expected, read_golden, write_golden
 from reference.oracle.ladder import golden_rungs
+from reference.oracle.parts import whole_contract
 from reference.oracle.raw import read_cases
 from reference.oracle.rungs.kernels import kernel_probes
 from reference.oracle.rungs.lattice import lattice_probes
@@ -22,6 +22,8 @@ from reference.oracle.rungs.replayed import replayed
 from reference.oracle.stage import stage
 from reference.oracle.verdict import climb
 from reference.scene.catalogue.registry import find_scene
+
+CONTRACT = whole_contract()
 
 SIZE = 12
 

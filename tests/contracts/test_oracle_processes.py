@@ -9,9 +9,11 @@ from reference.errors import UsageError
 from reference.oracle.backends.command import ProgramBackend
 from reference.oracle.backends.process import PythonBackend
 from reference.oracle.backends.running import Limits
-from reference.oracle.contract.registry import CONTRACT
+from reference.oracle.parts import whole_contract
 from reference.oracle.rungs.kernels import kernel_probes
 from reference.oracle.steps import ask_all
+
+CONTRACT = whole_contract()
 
 MODULE = f"{Path(__file__).parent / 'oracle_backends.py'}"
 LIMITS = Limits(seconds=20, memory=2 * 2**30)

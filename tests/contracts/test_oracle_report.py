@@ -17,10 +17,10 @@ from reference.display import encode_png
 from reference.errors import UsageError
 from reference.oracle.builtin.backend import FLOAT32
 from reference.oracle.cases import Failure
-from reference.oracle.contract.registry import CONTRACT
 from reference.oracle.diagnosis.diagnose import Diagnosis
 from reference.oracle.diagnosis.jacobians import JACOBIANS
 from reference.oracle.frames import frame_cases
+from reference.oracle.parts import parts, whole_contract
 from reference.oracle.replay.judgement import Compared, Decisions, Judgement, exactly
 from reference.oracle.report.maps import error_maps, signed_map
 from reference.oracle.report.page import pieces, write_page
@@ -35,6 +35,8 @@ from reference.oracle.steps import Step
 from reference.oracle.verdict import Timed, Verdict, climb
 from reference.scene.catalogue.registry import find_scene
 
+CONTRACT = whole_contract()
+
 EVIL = "</style><script>alert(1)</script>\"'<img src=x>\x1b[2J\udcff"
 EMPTY = Verdict("UNDECIDED", [], [], [], [])
 
@@ -45,7 +47,8 @@ def probes():
     at = stage(find_scene("cornell-box"), 16, 1)
     cases = frame_cases(at, "float32")
     frames = [replayed("L3", case) for case in cases]
-    return {"L0": kernel_probes("float32"), "L3": frames}
+    further = [probe for part in parts() for probe in part.probes("float32")]
+    return {"L0": [*kernel_probes("float32"), *further], "L3": frames}
 
 
 def answered(change, probe):
@@ -194,7 +197,8 @@ def test_what_each_rung_has_killed(wrong):
     _, plain = wrong
     first, spheres, frames = plain["steps"]
     assert first["wrong_passes"] == ["shade", "jacobian"]
-    assert (first["asked"], first["unanswered"], first["failed"]) == (10, 2, 2)
+    assert first["asked"] == len(probes()["L0"])
+    assert (first["unanswered"], first["failed"]) == (2, 2)
     assert spheres["faults"] == ["furnace: too bright"]
     assert (spheres["asked"], spheres["wrong_passes"]) == (1, [])
     assert frames["wrong_passes"] == ["temporal", "spatial", "shade"]
@@ -289,7 +293,7 @@ def test_a_bound_is_told(fine, tmp_path):
     plain = as_plain(verdict, "float32", CONTRACT)
     assert plain["certified"] == plain["steps"][-1]["certified"] == 0.00449
     assert "at most 0.449 %" in written(tmp_path, verdict, plain)
-    assert "in 13 passes; bias of the mean ≤ 0.45%" in printed(plain)
+    assert "in 21 passes; bias of the mean ≤ 0.45%" in printed(plain)
 
 
 def test_what_more_time_would_buy(fine, tmp_path):

@@ -18,10 +18,12 @@ from reference.oracle import ladder as oracle
 from reference.oracle.builtin.backend import BuiltIn
 from reference.oracle.cases import Case, Failure, Outcome
 from reference.oracle.contract.fields import Passes, Precision
-from reference.oracle.contract.registry import CONTRACT
+from reference.oracle.parts import whole_contract
 from reference.oracle.verdict import Verdict, climb
 from tests.mutants.catalogue import Mutant
 from tests.mutants.plant import planted
+
+CONTRACT = whole_contract()
 
 EXACT = ("L0", "L1", "L2", "L3")
 ALL = (*EXACT, "L4")

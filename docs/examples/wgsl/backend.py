@@ -4,11 +4,13 @@
     restir check docs/examples/wgsl/backend.py
 
 The environment variable ``RESTIR_ADAPTER`` picks an adapter by a part of its name, and
-``RESTIR_PLANT`` plants a mistake; ``python backend.py`` lists both.
+``RESTIR_PLANT`` plants a mistake; ``python backend.py`` lists both, and with
+``--list-plants`` the mistakes alone.
 """
 
 import math
 import os
+import sys
 from functools import partial
 from pathlib import Path
 
@@ -102,12 +104,22 @@ PLANTS = (
 """Mistakes, in the order of their numbers in the shader."""
 
 
-class Wgsl:
-    """The passes on a device, which is opened on the first call."""
+class WgslBackend:
+    """The passes on a device, which is opened on the first call.
+
+    Parameters
+    ----------
+    plant : str, optional
+        Mistake to make; by default what ``RESTIR_PLANT`` says.
+    """
 
     precision = "float32"
 
-    def __init__(self, plant=""):
+    def __init__(self, plant=None):
+        if plant is None:
+            plant = os.environ.get("RESTIR_PLANT", "")
+        if plant and plant not in PLANTS:
+            raise ValueError(f"no plant {plant}; see --list-plants")
         self._plant = 1 + PLANTS.index(plant) if plant else 0
         self._pipelines = {}
         self._device = None
@@ -120,7 +132,12 @@ class Wgsl:
     def _open(self):
         import wgpu
 
-        device = best_adapter().request_device_sync()
+        adapter = best_adapter()
+        # What every device grants is too small for large images.
+        large = ("max-buffer-size", "max-storage-buffer-binding-size")
+        device = adapter.request_device_sync(
+            required_limits={name: adapter.limits[name] for name in large}
+        )
         source = (Path(__file__).parent / "restir.wgsl").read_text(encoding="utf-8")
         self._wgpu, self._device = wgpu, device
         self._module = device.create_shader_module(code=source)
@@ -148,7 +165,7 @@ class Wgsl:
 
     def _run(self, name, **given):
         inputs, outputs = PASSES[name]
-        arrays = {key: np.ascontiguousarray(given.pop(key)) for key in inputs}
+        arrays = {key: as_read(given.pop(key)) for key in inputs}
         rows = len(arrays[inputs[0]])
         columns = {"neighbors": "u", "spatial": "neighbors"}.get(name)
         count = arrays[columns].shape[1] if columns else 0
@@ -203,7 +220,8 @@ class Wgsl:
         device, usage = self._device, self._wgpu.BufferUsage
 
         def filled(parts, dtype):
-            data = np.concatenate(parts) if parts else np.zeros(1, dtype)
+            # One number more, since no buffer may be empty.
+            data = np.concatenate([*parts, np.zeros(1, dtype)])
             return device.create_buffer_with_data(data=data, usage=usage.STORAGE)
 
         def empty(size):
@@ -237,6 +255,13 @@ class Wgsl:
         }
 
 
+def as_read(array):
+    """The array in the number type in which the shader reads its kind."""
+    array = np.asarray(array)
+    dtype = {"f": "<f4", "i": "<i4", "u": "<u4"}[array.dtype.kind]
+    return np.ascontiguousarray(array, dtype)
+
+
 def adapters():
     """Adapters of this machine, those on real devices first."""
     # Mesa complains on stderr where this is not set.
@@ -263,10 +288,13 @@ def best_adapter():
     return found[0]
 
 
-BACKEND = Wgsl(os.environ.get("RESTIR_PLANT", ""))
+BACKEND = WgslBackend()
 
 if __name__ == "__main__":
-    for name in PLANTS:
-        print("plant", name)
-    for adapter in adapters():
-        print("adapter", adapter.summary)
+    if "--list-plants" in sys.argv:
+        print("\n".join(PLANTS))
+    else:
+        for name in PLANTS:
+            print("plant", name)
+        for adapter in adapters():
+            print("adapter", adapter.summary)

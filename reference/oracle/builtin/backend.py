@@ -1,12 +1,14 @@
 """The production kernels and passes behind the contract's interface."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 from reference.oracle.builtin.kernels import KERNELS
 from reference.oracle.builtin.passes import PASSES
 from reference.oracle.contract.fields import Precision
+from reference.oracle.parts import PassFunction, parts
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,9 +26,17 @@ class BuiltIn:
     def __getattr__(self, pass_name: str) -> Any:
         """A pass, as a function of its buffers and settings."""
         try:
-            return partial({**KERNELS, **PASSES}[pass_name], self.precision)
+            return partial(_own_passes()[pass_name], self.precision)
         except KeyError as error:
             raise AttributeError(pass_name) from error
+
+
+@cache
+def _own_passes() -> Mapping[str, PassFunction]:
+    found = {**KERNELS, **PASSES}
+    for part in parts():
+        found |= part.own
+    return found
 
 
 FLOAT32 = BuiltIn("float32")

@@ -11,7 +11,7 @@ from reference.oracle.diagnosis.jacobians import JACOBIANS
 from reference.oracle.diagnosis.shading import SHADING
 from reference.oracle.diagnosis.targets import TARGETS
 from reference.oracle.diagnosis.weights import WEIGHTS
-from reference.oracle.replay.judges import JUDGES
+from reference.oracle.parts import judge_of, parts
 from reference.oracle.replay.rules import CONTRACT_RULES, Rules
 from reference.oracle.rungs.probe import Answer
 
@@ -23,6 +23,17 @@ HYPOTHESES: tuple[Hypothesis, ...] = (
     *TARGETS,
     *SHADING,
 )
+
+
+def known_mistakes() -> tuple[Hypothesis, ...]:
+    """Hypotheses of all parts of the contract.
+
+    Returns
+    -------
+    tuple of Hypothesis
+        Those of the core first.
+    """
+    return (*HYPOTHESES, *(h for part in parts() for h in part.hypotheses))
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +74,7 @@ def diagnose(
         accident in one case it must explain in the others, and a second mistake beside
         the first leaves none.
     """
-    judge = JUDGES[pass_name]
+    judge = judge_of(pass_name)
     given = [a for a in answers if a.outputs is not None]
 
     def explained_by(rules: Rules) -> bool:
@@ -74,5 +85,5 @@ def diagnose(
     # What the contract explains needs no mistake, and every mistake explains it too.
     if explained_by(CONTRACT_RULES):
         return Diagnosis(pass_name, ())
-    able = (h for h in HYPOTHESES if pass_name in h.passes)
+    able = (h for h in known_mistakes() if pass_name in h.passes)
     return Diagnosis(pass_name, tuple(h for h in able if explained_by(h.rules)))

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from reference.oracle.contract.fields import Value
 from reference.oracle.replay.bounded import Bounded
@@ -67,6 +68,8 @@ finalized, density, fresh_weight, shaded : callable
         Relative to the larger depth, or to the pixel's own.
     narrows : bool
         The search radius is halved after a failure.
+    part : object
+        What passes of another part of the contract calculate with; ``None`` for theirs.
     """
 
     target: Callable[[Value, Receiver, Point], Bounded] = target
@@ -100,6 +103,7 @@ finalized, density, fresh_weight, shaded : callable
     cap_when: str = "closed"
     depth_test: str = "symmetric"
     narrows: bool = True
+    part: Any = None
 
 
 CONTRACT_RULES = Rules()

@@ -4,8 +4,8 @@ import numpy as np
 
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
+from reference.oracle.parts import judge_of
 from reference.oracle.replay.judgement import EXCUSE_ALARM, Judgement
-from reference.oracle.replay.judges import JUDGES
 from reference.oracle.replay.rules import CONTRACT_RULES
 from reference.oracle.rungs.probe import Finding, Probe
 
@@ -29,8 +29,7 @@ def replayed(rung: str, case: Case) -> Probe:
 
 
 def _examine(case: Case, outputs: Buffers, precision: Precision) -> Finding:
-    judge = JUDGES[case.pass_name]
-    judgement = judge(case, outputs, CONTRACT_RULES, precision)
+    judgement = judge_of(case.pass_name)(case, outputs, CONTRACT_RULES, precision)
     if judgement.passed:
         return Finding(True, judgement=judgement)
     return Finding(False, f"{case.name}: {_told(case, judgement)}", judgement)

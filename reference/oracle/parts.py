@@ -1,0 +1,118 @@
+"""Parts of the contract beside its core: passes, with all that is needed to judge them.
+
+Whoever has passes of their own announces a `Part` through the entry-point group
+``restir.passes``; the further passes of this floor are one such part.  From then on the
+ladder asks for them, golden folders hold them and the diagnosis knows their mistakes.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from importlib.metadata import entry_points
+from pkgutil import resolve_name
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import NDArray
+
+from reference.errors import UsageError
+from reference.oracle.contract.fields import Pass, Passes, Precision
+from reference.oracle.contract.registry import CONTRACT
+from reference.oracle.diagnosis.hypothesis import Hypothesis
+from reference.oracle.replay.judges import JUDGES, Judge
+
+if TYPE_CHECKING:
+    from reference.oracle.rungs.probe import Probe
+
+GROUP = "restir.passes"
+OWN = ("reference.oracle.rungs.further_part:FURTHER_PART",)
+
+PassFunction = Callable[..., dict[str, NDArray[Any]]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """Passes that belong together.
+
+    Attributes
+    ----------
+    title : str
+        Of their steps of the ladder.
+    passes : tuple of Pass
+        With names that no other part has.
+    judges : mapping of str to callable
+        What judges each pass: its case, outputs, rules and precision give a
+        `Judgement`.
+    own : mapping of str to callable
+        The project's own passes: a precision, the buffers and the settings give the
+        outputs.
+    probes : callable
+        From a precision to what a backend is asked, on any rungs.
+    hypotheses : tuple of Hypothesis
+        Known mistakes; `Rules.part` holds what these judges calculate with.
+    """
+
+    title: str
+    passes: tuple[Pass, ...]
+    judges: Mapping[str, Judge]
+    own: Mapping[str, PassFunction]
+    probes: "Callable[[Precision], list[Probe]]"
+    hypotheses: tuple[Hypothesis, ...] = field(default=())
+
+
+@cache
+def parts() -> tuple[Part, ...]:
+    """All parts beside the core, ours first, then those that packages announce.
+
+    Returns
+    -------
+    tuple of Part
+        In the order of the names under which they are announced.
+
+    Raises
+    ------
+    UsageError
+        A package announces what is no part, or a pass that exists.
+    """
+    found = [resolve_name(place) for place in OWN]
+    announced = sorted(entry_points(group=GROUP), key=lambda point: point.name)
+    for point in announced:
+        part = point.load()
+        if not isinstance(part, Part):
+            raise UsageError(
+                f"entry point {point.name} of {GROUP} is {type(part).__name__}, no Part"
+            )
+        found.append(part)
+    names = [*CONTRACT, *(p.name for part in found for p in part.passes)]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise UsageError(f"{GROUP}: several parts have a pass {', '.join(twice)}")
+    return tuple(found)
+
+
+def whole_contract() -> Passes:
+    """All passes of the contract: the core's, then those of all parts.
+
+    Returns
+    -------
+    mapping of str to Pass
+        By name.
+    """
+    return {**CONTRACT, **{p.name: p for part in parts() for p in part.passes}}
+
+
+def judge_of(pass_name: str) -> Judge:
+    """What judges a pass.
+
+    Parameters
+    ----------
+    pass_name : str
+        Of the whole contract.
+
+    Returns
+    -------
+    callable
+        From case, outputs, rules and precision to a `Judgement`.
+    """
+    if pass_name in JUDGES:
+        return JUDGES[pass_name]
+    return next(p.judges[pass_name] for p in parts() if pass_name in p.judges)

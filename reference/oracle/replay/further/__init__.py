@@ -1,0 +1,1 @@
+"""Replay of the passes that stand around the resampling of a frame."""

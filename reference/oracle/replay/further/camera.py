@@ -1,0 +1,156 @@
+"""Pinhole camera of the contract's settings, on numbers with error bounds."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from reference.arrays import Indices
+from reference.oracle.contract.fields import Value
+from reference.oracle.replay.bounded import Bounded, Rounding, constant, exact
+from reference.oracle.replay.further.numbers import product, setting, unit
+from reference.oracle.replay.neighbors import SINE
+from reference.oracle.replay.verbs import inner, times
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Eye:
+    """A camera.
+
+    Attributes
+    ----------
+    position, right, upward, forward : Bounded
+        (1, 3) each: the pinhole, and unit vectors.
+    half_width : Bounded
+        (1,): tangent of half the angle of view.
+    width, height : Bounded
+        (1,) each, pixels.
+    """
+
+    position: Bounded
+    right: Bounded
+    upward: Bounded
+    forward: Bounded
+    half_width: Bounded
+    width: Bounded
+    height: Bounded
+
+
+def eye_of(settings: Mapping[str, Value], rounding: Rounding) -> Eye:
+    """The camera of a case.
+
+    Parameters
+    ----------
+    settings : mapping of str to number
+        ``eye_x`` to ``height``.
+    rounding : Rounding
+        Of the backend.
+
+    Returns
+    -------
+    Eye
+        Its axes as a backend calculates them, from the settings.
+    """
+    position, target, up = (
+        _vector(settings, name, rounding) for name in ("eye", "target", "up")
+    )
+    forward = unit(target - position)
+    right = unit(product(forward, up))
+    angle = setting(settings["fov_x"], rounding)
+    return Eye(
+        position=position,
+        right=right,
+        upward=product(right, forward),
+        forward=forward,
+        half_width=_tangent(angle * constant(pi / 360, angle)),
+        width=setting(settings["width"], rounding),
+        height=setting(settings["height"], rounding),
+    )
+
+
+def _vector(settings: Mapping[str, Value], name: str, rounding: Rounding) -> Bounded:
+    parts = [setting(settings[f"{name}_{axis}"], rounding) for axis in "xyz"]
+    value, error = (
+        np.stack(p, axis=1)
+        for p in zip(*((part.value, part.error) for part in parts), strict=True)
+    )
+    return Bounded(value, error, rounding)
+
+
+def _tangent(angle: Bounded) -> Bounded:
+    """The angle's error times the slope 1 / cos², and that of a sine over a cosine."""
+    value = np.tan(angle.value)
+    slope = 1 + value**2
+    own = (2 * SINE + 1) * angle.rounding.unit * np.abs(value)
+    return Bounded(value, angle.error * slope + own, angle.rounding)
+
+
+def rays(eye: Eye, pixel: Indices) -> Bounded:
+    """Directions through the centres of pixels.
+
+    Parameters
+    ----------
+    eye : Eye
+        The camera.
+    pixel : (N,) int
+        y · width + x.
+
+    Returns
+    -------
+    Bounded
+        (N, 3), of which the component along the axis is 1.
+    """
+    y, x = np.divmod(pixel, int(eye.width.value[0]))
+    twice_x, twice_y = (exact(2 * v + 1, eye.width.rounding) for v in (x, y))
+    right = (twice_x / eye.width - constant(1.0, twice_x)) * eye.half_width
+    upward = (eye.height - twice_y) / eye.width * eye.half_width
+    return times(eye.right, right) + times(eye.upward, upward) + eye.forward
+
+
+def seen_at(eye: Eye, points: Bounded) -> tuple[Bounded, Bounded, Bounded]:
+    """Where points appear in the image.
+
+    Parameters
+    ----------
+    eye : Eye
+        The camera.
+    points : Bounded
+        (N, 3), m.
+
+    Returns
+    -------
+    x, y : Bounded
+        (N,), pixels; without meaning where the depth is not above 0.
+    depth : Bounded
+        (N,), m, along the axis.
+    """
+    offset = offset_from(eye, points)
+    depth = inner(offset, eye.forward)
+    two = constant(2.0, depth)
+    scale = eye.width / (two * depth * eye.half_width)
+    x = eye.width / two + inner(offset, eye.right) * scale
+    y = eye.height / two - inner(offset, eye.upward) * scale
+    return x, y, depth
+
+
+def offset_from(eye: Eye, points: Bounded) -> Bounded:
+    """Vectors from the pinhole to points.
+
+    Parameters
+    ----------
+    eye : Eye
+        The camera.
+    points : Bounded
+        (N, 3), m.
+
+    Returns
+    -------
+    Bounded
+        (N, 3).  A view matrix turns point and pinhole before it subtracts one from the
+        other: each component then has a rounding of the length of both.
+    """
+    offset = points - eye.position
+    lengths = [np.linalg.norm(v.value, axis=1) for v in (points, eye.position)]
+    turned = offset.rounding.unit * (lengths[0] + lengths[1])[:, None]
+    return Bounded(offset.value, offset.error + turned, offset.rounding)

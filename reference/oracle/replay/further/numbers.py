@@ -1,0 +1,187 @@
+"""Settings, vectors and choices, on numbers with error bounds."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reference.arrays import Masks
+from reference.oracle.contract.fields import Value
+from reference.oracle.replay.bounded import Bounded, Rounding
+from reference.oracle.replay.judgement import Decisions
+from reference.oracle.replay.verbs import inner, square_root
+
+
+def setting(value: Value, rounding: Rounding) -> Bounded:
+    """A number that holds for all rows.
+
+    Parameters
+    ----------
+    value : int or float
+        As the case has it.
+    rounding : Rounding
+        Of the backend.
+
+    Returns
+    -------
+    Bounded
+        (1,): one rounding, or none where float32 holds the number.
+    """
+    wide = np.array([float(value)])
+    held = wide.astype(np.float32) == wide
+    error = np.where(held, 0.0, rounding.unit * np.abs(wide))
+    return Bounded(wide, error, rounding)
+
+
+def product(a: Bounded, b: Bounded) -> Bounded:
+    """Vector product of the rows of two arrays of vectors.
+
+    Parameters
+    ----------
+    a, b : Bounded
+        (N, 3) each; either may have one row.
+
+    Returns
+    -------
+    Bounded
+        (N, 3)
+    """
+    plus = a[:, [1, 2, 0]] * b[:, [2, 0, 1]]
+    minus = a[:, [2, 0, 1]] * b[:, [1, 2, 0]]
+    return plus - minus
+
+
+def unit(v: Bounded) -> Bounded:
+    """Vectors of length 1.
+
+    Parameters
+    ----------
+    v : Bounded
+        (N, 3)
+
+    Returns
+    -------
+    Bounded
+        (N, 3)
+    """
+    return v / square_root(inner(v, v))[:, None]
+
+
+def larger(a: Bounded, b: Bounded) -> Bounded:
+    """The larger of two numbers.
+
+    Parameters
+    ----------
+    a, b : Bounded
+        Of one shape.
+
+    Returns
+    -------
+    Bounded
+        A maximum moves by no more than the one of the two that moves most.
+    """
+    value, error = np.maximum(a.value, b.value), np.maximum(a.error, b.error)
+    return Bounded(value, error, a.rounding)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Choice:
+    """A yes or no of each row.
+
+    Attributes
+    ----------
+    own : (N,) bool
+        Without rounding.
+    certain : (N,) bool
+        Rounding does not change it; the others are open.
+    """
+
+    own: Masks
+    certain: Masks
+
+    def settled(self, found: Masks) -> Masks:
+        """What to go on with.
+
+        Parameters
+        ----------
+        found : (N,) bool
+            Choice of the backend.
+
+        Returns
+        -------
+        (N,) bool
+            The backend's, where it is open.
+        """
+        return np.where(self.certain, self.own, found)
+
+    def decisions(self, found: Masks) -> Decisions:
+        """The backend's choices, whose faults stand in the buffers themselves.
+
+        Parameters
+        ----------
+        found : (N,) bool
+            Choice of the backend.
+
+        Returns
+        -------
+        Decisions
+            No more rows can be excused than are open, so that all may be.
+        """
+        excused = ~self.certain & (found != self.own)
+        none = np.zeros(len(self.own), bool)
+        return Decisions(none, int(excused.sum()), float((~self.certain).sum()))
+
+
+def where_not_negative(slack: Bounded) -> Choice:
+    """Yes where a number is at least 0.
+
+    Parameters
+    ----------
+    slack : Bounded
+        (N,)
+
+    Returns
+    -------
+    Choice
+        An exact 0 is a certain yes.
+    """
+    own = slack.value >= 0
+    with np.errstate(invalid="ignore"):
+        yes, no = slack.value - slack.error >= 0, slack.value + slack.error < 0
+    return Choice(own, yes | no)
+
+
+def where_all_positive(tests: list[Bounded]) -> Choice:
+    """Yes where several numbers are above 0.
+
+    Parameters
+    ----------
+    tests : list of Bounded
+        (N,) each.
+
+    Returns
+    -------
+    Choice
+        One certain no is enough.
+    """
+    yes = np.all([test.surely_positive for test in tests], axis=0)
+    no = np.any([test.surely_not_positive for test in tests], axis=0)
+    own = np.all([test.value > 0 for test in tests], axis=0)
+    return Choice(own, yes | no)
+
+
+def bounded_somehow(x: Bounded) -> Bounded:
+    """Numbers of which nothing is known where the bound itself is no number.
+
+    Parameters
+    ----------
+    x : Bounded
+        Any.
+
+    Returns
+    -------
+    Bounded
+        Infinity times 0 in a bound becomes infinity.
+    """
+    unknown = np.isnan(x.error) | np.isnan(x.value)
+    value = np.where(np.isfinite(x.value), x.value, 0.0)
+    return Bounded(value, np.where(unknown, np.inf, x.error), x.rounding)

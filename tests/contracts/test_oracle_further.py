@@ -1,0 +1,484 @@
+"""The further passes of the contract: who is right passes, and mistakes are found."""
+
+import re
+from functools import cache
+
+import numpy as np
+import pytest
+
+from reference.oracle.builtin.further import FURTHER
+from reference.oracle.cases import refused
+from reference.oracle.contract.fields import dtype_of
+from reference.oracle.contract.further import FURTHER_PASSES
+from reference.oracle.replay.further.judges import FURTHER_JUDGES
+from reference.oracle.replay.rules import CONTRACT_RULES
+from reference.oracle.rungs.further import further_cases
+from reference.passes.gbuffer import visible_points
+from reference.rng import pcg4d, to_unit_interval
+from reference.scene.camera import pixel_centers
+from reference.scene.catalogue.registry import find_scene
+from reference.scene.origins import contact
+from reference.scene.validation import validate
+from reference.world import build_world
+
+PASSES = {p.name: p for p in FURTHER_PASSES}
+WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
+
+both_precisions = pytest.mark.parametrize("precision", ["float32", "float64"])
+every_pass = pytest.mark.parametrize("name", PASSES)
+
+
+@cache
+def cases(precision, name):
+    """Cases of one pass."""
+    return [c for c in further_cases(precision) if c.pass_name == name]
+
+
+def judgements(precision, name, backend):
+    """What the judge makes of a backend, a judgement a case, and none if refused."""
+    found = []
+    for case in cases(precision, name):
+        with np.errstate(all="ignore"):
+            raw = backend(**case.inputs, **case.settings)
+        fields = {f.name: dtype_of(f.kind, precision) for f in PASSES[name].outputs}
+        out = {n: np.ascontiguousarray(raw[n], dtype) for n, dtype in fields.items()}
+        if refused(PASSES, case, precision, out) is not None:
+            found.append(None)
+            continue
+        judge = FURTHER_JUDGES[name]
+        found.append(judge(case, out, CONTRACT_RULES, precision))
+    return found
+
+
+# ------------------------------------------------ another backend, in its own type
+
+
+def units(v):
+    """Normalized with a reciprocal."""
+    return v * (1 / np.sqrt((v * v).sum(axis=-1, keepdims=True)))
+
+
+def dots(a, b):
+    """Summed backwards."""
+    return a[..., 2] * b[..., 2] + a[..., 1] * b[..., 1] + a[..., 0] * b[..., 0]
+
+
+def frame_of(real, mistake, s):
+    """Pinhole and axes."""
+    vectors = [[s[f"{n}_{axis}"] for axis in "xyz"] for n in ("eye", "target", "up")]
+    eye, target, up = (np.array(v, real) for v in vectors)
+    forward = units(target - eye)
+    right = units(np.cross(forward, up))
+    upward = up if mistake == "up as it is" else np.cross(right, forward)
+    return eye, right, upward, forward, np.tan(real(np.radians(s["fov_x"]) / 2))
+
+
+def gbuffer(real, mistake, pixel, a, b, c, **s):
+    """Rays of length 1 and the intersection of Möller and Trumbore."""
+    eye, right, upward, forward, h = frame_of(real, mistake, s)
+    width, height = real(s["width"]), real(s["height"])
+    x, y = (v.astype(real) for v in (pixel % s["width"], pixel // s["width"]))
+    if mistake != "corner of the pixel":
+        x, y = x + real(0.5), y + real(0.5)
+    rise = height / 2 - y
+    if mistake == "y counts upwards":
+        rise = -rise
+    if mistake == "angle of the height":
+        h = h * width / height
+    across, rise = (x - width / 2) * (2 * h / width), rise * (2 * h / width)
+    d = units(across[:, None] * right + rise[:, None] * upward + forward)
+    edge_b, edge_c = b - a, c - a
+    p = np.cross(d, edge_c)
+    determinant = dots(edge_b, p)
+    q = np.cross(eye - a, edge_b)
+    inverse = np.where(determinant != 0, 1 / determinant, 0).astype(real)
+    u, v = dots(eye - a, p) * inverse, dots(d, q) * inverse
+    distance = dots(edge_c, q) * inverse
+    hit = (u > 0) & (v > 0) & (u + v < 1) & (distance > 0)
+    if mistake == "behind":
+        hit |= (u > 0) & (v > 0) & (u + v < 1)
+    if mistake == "back faces are not met":
+        hit &= determinant > 0
+    if mistake == "parallelogram":
+        hit = (u > 0) & (v > 0) & (u < 1) & (v < 1) & (distance > 0)
+    normal = units(np.cross(edge_b, edge_c))
+    if mistake != "normal of the front":
+        normal = np.where((dots(normal, d) > 0)[:, None], -normal, normal)
+    depth = distance * (1 if mistake == "distance" else dots(d, forward))
+    found = {"position": eye + d * distance[:, None], "normal": normal, "depth": depth}
+    if mistake == "misses keep their numbers":
+        return {"hit": hit, **{n: np.nan_to_num(v) for n, v in found.items()}}
+    return {"hit": hit, **{n: np.where(hit, v.T, 0).T for n, v in found.items()}}
+
+
+def reproject(real, mistake, position, normal, hit, normal_before, depth_before, **s):
+    """A matrix of the view, applied to points before the pinhole is taken away."""
+    eye, right, upward, forward, h = frame_of(real, mistake, s)
+    width, height = s["width"], s["height"]
+    view = np.stack([right, upward, forward])
+    x, y, depth = (position @ view.T - view @ eye).T
+    front = (depth > 0) | (mistake == "behind")
+    safe = np.where(depth != 0, depth, 1)
+    x = (x / (safe * h) + 1) * real(width / 2)
+    y = real(height / 2) - y / (safe * h) * real(width / 2)
+    if mistake == "half a pixel":
+        x, y = x - real(0.5), y - real(0.5)
+    if mistake == "y counts upwards":
+        y = height - y
+    whole = {"rounds": np.rint, "truncates": np.trunc}.get(mistake, np.floor)
+    x, y = (whole(v).clip(-1e6, 1e6).astype(int) for v in (x, y))
+    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+    if mistake == "clamped to the image":
+        x, y, inside = x.clip(0, width - 1), y.clip(0, height - 1), True
+    if mistake == "behind":
+        depth = abs(depth)
+    row = np.where(inside, y * width + x, 0)
+    before = depth_before[row]
+    if mistake == "distance":
+        depth = np.sqrt(dots(position - eye, position - eye))
+    scale = np.maximum(depth, before) if mistake != "relative to its own" else depth
+    change = abs(depth - before) if mistake != "one side" else depth - before
+    alike = change / np.where(scale != 0, scale, 1) <= real(s["max_depth"])
+    if mistake != "normals are not compared":
+        least = np.cos(real(np.radians(s["max_angle"])))
+        alike &= dots(normal, normal_before[row]) >= least
+    seen = (hit == 1) | (mistake == "misses go on")
+    alike &= before > 0
+    return {"row": np.where(seen & front & inside & alike, row, -1)}
+
+
+def validation(real, mistake, W, M, radiance_then, radiance_now, met, null, tolerance):
+    """Luminance summed backwards, and a quotient in place of a product."""
+    a, b = (dots(v, WEIGHTS.astype(real)) for v in (radiance_then, radiance_now))
+    change = abs(a - b)
+    if mistake == "only what darkens":
+        change = a - b
+    if mistake == "only what brightens":
+        change = b - a
+    most = {"relative to then": a, "relative to now": b}.get(mistake, np.maximum(a, b))
+    alike = change / np.where(most > 0, most, 1) <= real(tolerance)
+    if mistake == "strict":
+        alike = change / np.where(most > 0, most, 1) < real(tolerance)
+    stays = alike & ((met == 1) | (mistake == "no ray"))
+    if mistake != "nulls are asked":
+        stays |= null == 1
+    M_stays = stays | (mistake == "M stays")
+    return {"W": np.where(stays, W, 0), "M": np.where(M_stays, M, 0)}
+
+
+def boiling(real, mistake, radiance, W, M, width, strength):
+    """Summed one after the other, from the last pixel, in the backend's own type."""
+    light = dots(radiance, WEIGHTS.astype(real)) * W
+    if mistake == "without W":
+        light = dots(radiance, WEIGHTS.astype(real)) * (W > 0)
+    size = 8 if mistake == "tiles of 8" else 16
+    y, x = np.divmod(np.arange(len(W)), width)
+    if mistake == "tiles from below":
+        y = y.max() - y
+    tile = y // size * width + x // size
+    total = np.zeros(tile.max() + 1, real)
+    np.add.at(total, tile[::-1], light[::-1])
+    counts = (light > 0) | (mistake == "dark pixels count")
+    count = np.bincount(tile, counts).astype(real)
+    mean = (total / np.maximum(count, 1))[tile]
+    less = {"a limit too high": 8, "a limit too low": 10}.get(mistake, 9)
+    limit = real(10) / real(strength) - less
+    stays = light <= mean * limit
+    M_stays = stays | (mistake == "M stays")
+    return {"W": np.where(stays, W, 0), "M": np.where(M_stays, M, 0)}
+
+
+def checkerboard(real, mistake, pixel, has_history, width, frame):
+    """Parities by their lowest bits."""
+    places = [pixel % width, pixel // width, frame]
+    if mistake == "other colour":
+        places.append(1)
+    if mistake == "time stands still":
+        places = places[:2]
+    if mistake == "parity of the pixel":
+        places = [pixel, frame]
+    turn = np.bitwise_xor.reduce(
+        [np.asarray(p) & 1 for p in np.broadcast_arrays(*places)]
+    )
+    anew = turn == 0
+    if mistake != "history does not matter":
+        anew |= has_history == 0
+    return {"draws": anew}
+
+
+def roulette(real, mistake, pixel, width, frame, seed, probability):
+    """A probability in the backend's own type."""
+    across = width // 64 if mistake == "tiles cut off" else -(-width // 64)
+    tall = 64 if mistake == "square tiles" else 32
+    y, x = np.divmod(pixel, width)
+    tile = pixel if mistake == "pixel by pixel" else y // tall * across + x // 64
+    stream = 6 if mistake == "stream of the path" else 7
+    key = [np.full(len(pixel), v, np.uint32) for v in (frame, seed, 64 * stream)]
+    words = pcg4d(tile.astype(np.uint32), *key)
+    u = to_unit_interval(words[1 if mistake == "lane 1" else 0])
+    p = real(probability)
+    lives = u <= p if mistake == "equal goes on" else u < p
+    weight = 1 if mistake == "not divided" else 1 / p
+    return {"weight": np.where(lives, weight, 0)}
+
+
+def signs(x, mistake):
+    """1 for 0, or 0 as shaders have it."""
+    return np.sign(x) if mistake == "sign of 0 is 0" else np.where(x < 0, -1, 1)
+
+
+def folded(u, v, below, mistake, real):
+    """The lower half of the octahedron."""
+    outside = [
+        (1 - abs(b)) * signs(a, mistake).astype(real) for a, b in ((u, v), (v, u))
+    ]
+    if mistake == "not folded":
+        return u, v
+    return [np.where(below, o, a) for o, a in zip(outside, (u, v), strict=True)]
+
+
+def packed_normal(real, mistake, n):
+    """Two integers in a word, ties away from 0."""
+    s = abs(n[:, 2]) + abs(n[:, 1]) + abs(n[:, 0])
+    u, v = (n[:, i] / np.where(s > 0, s, 1) for i in range(2))
+    u, v = (c * real(32767) for c in folded(u, v, n[:, 2] < 0, mistake, real))
+    if mistake == "normals truncated":
+        u, v = np.trunc(u), np.trunc(v)
+    u, v = (np.trunc(c + np.copysign(real(0.5), c)).astype(np.int32) for c in (u, v))
+    if mistake == "v first":
+        u, v = v, u
+    low = u if mistake == "sign extended" else u & 0xFFFF
+    return (low | (v << 16)).astype(np.int32).view(np.uint32)
+
+
+def halves(mistake, x):
+    """Rounded in whole numbers: 11 bits, ties upwards."""
+    most = np.inf if mistake == "infinite halves" else 65504
+    if mistake != "halves truncated":
+        with np.errstate(over="ignore"):
+            return np.minimum(x, most).astype(np.float16).view(np.uint16)
+    near = np.minimum(x, 65504).astype(np.float16)
+    down = np.nextafter(near, np.float16(-1))
+    return np.where(near.astype(float) > x, down, near).view(np.uint16)
+
+
+def pack(real, mistake, **f):
+    """Shifts and masks."""
+    words = np.zeros((len(f["W"]), 12), np.uint32)
+    f32 = {n: f[n].astype(np.float32) for n in ("visible_position", "position", "W")}
+    words[:, 0:3] = f32["visible_position"].view(np.uint32)
+    words[:, 4:7] = f32["position"].view(np.uint32)
+    words[:, 3] = packed_normal(real, mistake, f["visible_normal"])
+    words[:, 7] = packed_normal(real, mistake, f["normal"])
+    red, green, blue = (
+        halves(mistake, f["radiance"][:, i]).astype(np.uint32) for i in range(3)
+    )
+    M = np.rint(f["M"]).clip(0, 2**31)
+    if mistake != "M wraps around":
+        M = M.clip(0, 65535)
+    if mistake != "M below 1":
+        M = np.where(f["M"] > 0, np.maximum(M, 1), 0)
+    M = M.astype(np.uint32) & np.uint32(0xFFFF)
+    if mistake == "red above":
+        red, green = green, red
+    words[:, 8] = red | green << np.uint32(16)
+    words[:, 9] = blue | M << np.uint32(16)
+    if mistake == "M below blue":
+        words[:, 9] = M | blue << np.uint32(16)
+    words[:, 10] = f32["W"].view(np.uint32)
+    words[:, 11] = f["seed"]
+    return {"words": words}
+
+
+def unpacked_normal(real, mistake, word):
+    """Sign extension by shifts."""
+    signed = word.view(np.int32)
+    u, v = signed << 16 >> 16, signed >> 16
+    if mistake == "not sign extended":
+        u = signed & 0xFFFF
+    if mistake != "−32768 as it is":
+        u, v = np.maximum(u, -32767), np.maximum(v, -32767)
+    scale = real(1 / (32768 if mistake == "by 32768" else 32767))
+    u, v = u.astype(real) * scale, v.astype(real) * scale
+    z = 1 - abs(u) - abs(v)
+    n = np.stack([*folded(u, v, z < 0, mistake, real), z], axis=1)
+    return n if mistake == "not normalized" else units(n)
+
+
+def unpack(real, mistake, words):
+    """Each word on its own; what is not finite is made so."""
+
+    def finite(x, most):
+        if mistake == "NaN goes on":
+            return x
+        return np.where(np.isnan(x), 0, np.clip(x, -most, most))
+
+    largest = np.finfo(np.float32).max
+    words = np.ascontiguousarray(words)
+    floats = finite(words.view(np.float32), largest)
+    shorts = words.view(np.uint16)[:, 16:20]
+    L = finite(np.ascontiguousarray(shorts[:, :3]).view(np.float16).astype(real), 65504)
+    if mistake == "small halves are 0":
+        L = np.where(abs(L) < 2.0**-14, 0, L)
+    first, second = (3, 7) if mistake != "normals exchanged" else (7, 3)
+    return {
+        "visible_position": floats[:, 0:3],
+        "visible_normal": unpacked_normal(real, mistake, words[:, first].copy()),
+        "position": floats[:, 4:7],
+        "normal": unpacked_normal(real, mistake, words[:, second].copy()),
+        "radiance": L[:, ::-1] if mistake == "blue first" else L,
+        "W": floats[:, 10],
+        "M": shorts[:, 3].view(np.int16) if mistake == "M has a sign" else shorts[:, 3],
+        "seed": words[:, 11],
+    }
+
+
+OTHERS = {
+    "gbuffer": gbuffer,
+    "reproject": reproject,
+    "validation": validation,
+    "boiling": boiling,
+    "checkerboard": checkerboard,
+    "roulette": roulette,
+    "pack": pack,
+    "unpack": unpack,
+}
+
+PLANTED = {
+    "gbuffer": "up as it is; corner of the pixel; y counts upwards; behind;"
+    " angle of the height; back faces are not met; parallelogram; normal of the front;"
+    " distance; misses keep their numbers",
+    "reproject": "up as it is; behind; half a pixel; y counts upwards; rounds;"
+    " truncates; clamped to the image; distance; relative to its own; one side;"
+    " normals are not compared; misses go on",
+    "validation": "only what darkens; only what brightens; relative to then;"
+    " relative to now; strict; no ray; nulls are asked; M stays",
+    "boiling": "without W; tiles of 8; tiles from below; dark pixels count;"
+    " a limit too high; a limit too low; M stays",
+    "checkerboard": "other colour; time stands still; parity of the pixel;"
+    " history does not matter",
+    "roulette": "tiles cut off; square tiles; pixel by pixel; stream of the path;"
+    " lane 1; equal goes on; not divided",
+    "pack": "sign of 0 is 0; not folded; normals truncated; v first; sign extended;"
+    " infinite halves; halves truncated; M wraps around; M below 1; red above;"
+    " M below blue",
+    "unpack": "not folded; not sign extended; −32768 as it is; by 32768;"
+    " not normalized; NaN goes on; small halves are 0; normals exchanged; blue first;"
+    " M has a sign",
+}
+MISTAKES = [(n, mistake) for n, text in PLANTED.items() for mistake in text.split("; ")]
+
+
+def other(precision, name, mistake):
+    """The other backend, perhaps with a mistake."""
+    real = {"float32": np.float32, "float64": np.float64}[precision]
+    return lambda **arguments: OTHERS[name](real, mistake, **arguments)
+
+
+# ------------------------------------------------ tests
+
+
+@both_precisions
+@every_pass
+def test_the_production_code_passes(precision, name):
+    def backend(**arguments):
+        return FURTHER[name](precision, **arguments)
+
+    found = judgements(precision, name, backend)
+    assert found
+    assert all(j is not None and j.passed for j in found)
+
+
+@both_precisions
+@every_pass
+def test_another_order_of_operations_passes(precision, name):
+    found = judgements(precision, name, other(precision, name, None))
+    faults = [
+        (case.name, c.name, int(np.argmax(c.excess)), float(c.excess.max()))
+        for case, j in zip(cases(precision, name), found, strict=True)
+        if j is not None
+        for c in j.compared
+        if (c.excess > 1).any()
+    ]
+    assert None not in found
+    assert faults == []
+    assert all(j.passed for j in found)
+
+
+@both_precisions
+@pytest.mark.parametrize(("name", "mistake"), MISTAKES)
+def test_a_planted_mistake_is_found(precision, name, mistake):
+    found = judgements(precision, name, other(precision, name, mistake))
+    assert not all(j is not None and j.passed for j in found)
+
+
+@every_pass
+def test_the_cases_have_what_the_contract_asks_for(name):
+    wanted = PASSES[name]
+    for precision in ("float32", "float64"):
+        for case in cases(precision, name):
+            assert list(case.settings) == [s.name for s in wanted.settings]
+            assert set(case.inputs) == {f.name for f in wanted.inputs}
+            assert re.fullmatch(r"[a-z0-9-]+", case.name)
+            for field in wanted.inputs:
+                array = case.inputs[field.name]
+                assert array.shape == (case.rows, *field.columns)
+                assert array.dtype == dtype_of(field.kind, precision)
+
+
+def test_the_cases_are_always_the_same():
+    for one, two in zip(
+        further_cases("float32"), further_cases("float32"), strict=True
+    ):
+        assert one.settings == two.settings
+        for name, array in one.inputs.items():
+            assert array.tobytes() == two.inputs[name].tobytes()
+
+
+def test_few_decisions_are_open_among_ordinary_rows():
+    for name in ("gbuffer", "reproject", "validation", "boiling", "roulette"):
+        first = judgements("float32", name, other("float32", name, None))[0]
+        assert first.decisions.expected_excuses <= 5
+
+
+def test_a_word_that_is_no_flag_is_refused():
+    def backend(**arguments):
+        out = gbuffer(np.float32, None, **arguments)
+        return out | {"hit": out["hit"] * np.uint32(2)}
+
+    assert not all(j.passed for j in judgements("float32", "gbuffer", backend))
+
+
+def test_the_pass_is_what_the_renderer_does_on_a_real_scene():
+    world = build_world(validate(find_scene("cornell-box")))
+    camera = world.camera
+    x, y = (v[::97] for v in pixel_centers(camera.width, camera.height))
+    seen = visible_points(world, x, y)
+    on_triangle = seen.surface.primitive < world.geometry.triangles
+    rows = np.flatnonzero(seen.surface.hit & on_triangle)
+    corners = world.geometry.triangle[seen.surface.primitive[rows], :3]
+    settings = {
+        f"{name}_{axis}": value
+        for name in ("position", "target", "up")
+        for axis, value in zip("xyz", getattr(camera, name), strict=True)
+    }
+    settings = {name.replace("position", "eye"): v for name, v in settings.items()}
+    found = FURTHER["gbuffer"](
+        "float64",
+        (np.floor(y) * camera.width + np.floor(x)).astype(np.int32)[rows],
+        corners[:, 0],
+        corners[:, 0] + corners[:, 1],
+        corners[:, 0] + corners[:, 2],
+        **settings,
+        fov_x=camera.fov_x,
+        width=camera.width,
+        height=camera.height,
+    )
+    # Embree looks at float32, and hits are kept inside of their triangles.
+    near = world.geometry.extent * 2.0**-15
+    hit = found["hit"] == 1
+    assert hit.mean() > 0.99
+    there = contact(world.geometry, seen.surface)[rows]
+    assert abs(found["position"] - there)[hit].max() < near
+    assert abs(found["depth"] - seen.depth[rows])[hit].max() < near
+    assert abs(found["normal"] - seen.surface.normal[rows])[hit].max() < 1e-12

@@ -1,0 +1,148 @@
+"""A part of the contract that another package announces: asked, judged and named."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from reference.errors import UsageError
+from reference.oracle import parts as module
+from reference.oracle.backends.inside import InsideBackend
+from reference.oracle.builtin.backend import FLOAT32
+from reference.oracle.cases import Case
+from reference.oracle.checking import judge
+from reference.oracle.contract.fields import Pass, real
+from reference.oracle.diagnosis.hypothesis import mistake
+from reference.oracle.golden import expected
+from reference.oracle.parts import Part, parts, whole_contract
+from reference.oracle.replay.bounded import constant, exact, rounding_of
+from reference.oracle.replay.judgement import Judgement, beside
+from reference.oracle.rungs.replayed import replayed
+
+DOUBLED = Pass(
+    name="doubled",
+    summary="Twice a number",
+    formula="y = 2 x",
+    inputs=(real("x", "any"),),
+    outputs=(real("y", "twice as much"),),
+)
+
+
+def judge_doubled(case, outputs, rules, precision):
+    x = exact(case.inputs["x"], rounding_of(precision))
+    factor = 2.0 if rules.part is None else rules.part
+    return Judgement((beside("y", outputs["y"], x * constant(factor, x)),))
+
+
+def probes(precision):
+    x = {"x": np.arange(1, 9).astype(precision)}
+    return [
+        replayed(rung, Case(f"doubled-{rung}", "doubled", {}, x))
+        for rung in ["L0", "L3"]
+    ]
+
+
+PART = Part(
+    title="doubling",
+    passes=(DOUBLED,),
+    judges={"doubled": judge_doubled},
+    own={"doubled": lambda precision, x: {"y": x * x.dtype.type(2)}},
+    probes=probes,
+    hypotheses=(
+        mistake(
+            "tripled", "three for two", "y = 3 x", "y = 2 x", ("doubled",), part=3.0
+        ),
+    ),
+)
+
+
+def announce(monkeypatch, *found):
+    points = [
+        SimpleNamespace(name=f"p{i}", load=lambda part=part: part)
+        for i, part in enumerate(found)
+    ]
+    monkeypatch.setattr(module, "entry_points", lambda group: points)
+    parts.cache_clear()
+
+
+@pytest.fixture
+def announced(monkeypatch):
+    announce(monkeypatch, PART)
+    yield
+    parts.cache_clear()
+
+
+@pytest.fixture(autouse=True)
+def _afterwards():
+    yield
+    parts.cache_clear()
+
+
+def doubling(factor):
+    backend = SimpleNamespace(doubled=lambda x: {"y": x * np.float32(factor)})
+    return judge(InsideBackend(backend), 60.0, statistics=False)
+
+
+def asked(verdict):
+    return [
+        (timed.step.rung, timed.step.title)
+        for timed in verdict.steps
+        if any(a.probe.case.pass_name == "doubled" for a in timed.step.answers)
+    ]
+
+
+@pytest.mark.usefixtures("announced")
+def test_it_is_asked_on_its_rungs_and_passes():
+    verdict = doubling(2)
+    assert verdict.status == "PASS"
+    assert asked(verdict) == [("L0", "doubling"), ("L3", "doubling")]
+    assert "doubled" not in verdict.absent
+    assert "gbuffer" in verdict.absent
+
+
+@pytest.mark.usefixtures("announced")
+def test_its_mistakes_are_named():
+    verdict = doubling(3)
+    assert verdict.status == "FAIL"
+    (found,) = verdict.diagnoses
+    assert [h.name for h in found.matches] == ["tripled"]
+
+
+@pytest.mark.usefixtures("announced")
+def test_what_is_no_known_mistake_has_no_name():
+    (found,) = doubling(4).diagnoses
+    assert found.matches == ()
+
+
+@pytest.mark.usefixtures("announced")
+def test_it_is_in_the_contract():
+    assert list(whole_contract())[-1] == "doubled"
+
+
+def test_two_parts_cannot_have_the_same_pass(monkeypatch):
+    announce(monkeypatch, PART, replace(PART, title="again"))
+    with pytest.raises(UsageError, match="several parts have a pass doubled"):
+        parts()
+
+
+def test_the_core_is_not_replaced(monkeypatch):
+    announce(monkeypatch, replace(PART, passes=(replace(DOUBLED, name="merge"),)))
+    with pytest.raises(UsageError, match="several parts have a pass merge"):
+        parts()
+
+
+def test_what_is_no_part_is_refused(monkeypatch):
+    announce(monkeypatch, "no part")
+    with pytest.raises(UsageError, match=r"p0 of restir\.passes is str"):
+        parts()
+
+
+def test_golden_outputs_of_the_further_passes_are_those_of_the_backend():
+    for part in parts():
+        for probe in part.probes("float64"):
+            case = probe.case
+            own = getattr(FLOAT32, case.pass_name)
+            assert set(expected(case, "float64")) == set(
+                own(**case.inputs, **case.settings)
+            )
