@@ -76,13 +76,13 @@ def output_shapes(passes: Passes, case: Case) -> dict[str, tuple[int, ...]]:
     Returns
     -------
     dict of str to tuple of int
-        By name, in the order of the contract.
+        By name, in the order of the contract; terms come last.
     """
     found = passes[case.pass_name]
     counts = _counts(found.inputs, case)
     return {
         f.name: (case.rows, *(_columns(c, counts) for c in f.columns))
-        for f in found.outputs
+        for f in (*found.outputs, *found.terms)
     }
 
 
@@ -105,13 +105,17 @@ def refused(
     Returns
     -------
     Failure or None
-        Names, type, shape, and that all reals are finite, in this order.
+        Names, type, shape, and that all reals are finite, in this order.  Of terms only
+        type and shape, where they are given.
     """
     shapes = output_shapes(passes, case)
-    for field in passes[case.pass_name].outputs:
+    wanted_fields = passes[case.pass_name].outputs
+    terms = [f for f in passes[case.pass_name].terms if f.name in outputs]
+    for field in (*wanted_fields, *terms):
         what = f"{case.name}: {field.name}"
         if field.name not in outputs:
-            return Failure(f"{what} is missing; the pass returns {', '.join(shapes)}")
+            names = ", ".join(f.name for f in wanted_fields)
+            return Failure(f"{what} is missing; the pass returns {names}")
         found = np.asarray(outputs[field.name])
         wanted = dtype_of(field.kind, precision)
         if found.dtype.kind == wanted.kind and found.dtype != wanted:
@@ -124,7 +128,9 @@ def refused(
             return Failure(
                 f"{what} has shape {found.shape} instead of {shapes[field.name]}"
             )
-        if field.kind == "real" and not np.isfinite(found).all():
+        if field in terms or field.kind != "real":
+            continue
+        if not np.isfinite(found).all():
             return Failure(_not_finite(what, found))
     return None
 
@@ -147,4 +153,7 @@ def _counts(inputs: tuple[Field, ...], case: Case) -> dict[str, int]:
 
 
 def _columns(column: int | str, counts: Mapping[str, int]) -> int:
-    return column if isinstance(column, int) else counts[column]
+    if isinstance(column, int):
+        return column
+    letter, _, more = column.partition("+")
+    return counts[letter] + int(more or 0)

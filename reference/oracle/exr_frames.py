@@ -59,7 +59,7 @@ def read_frames(
         return Failure(f"{case.name}: {error}")
     found: dict[str, NDArray[Any]] = {}
     shapes = output_shapes(passes, case)
-    for field in passes[case.pass_name].outputs:
+    for field in (*passes[case.pass_name].outputs, *passes[case.pass_name].terms):
         if field.name not in parts:
             continue
         shape, channels = shapes[field.name], parts[field.name]

@@ -26,6 +26,7 @@ from reference.oracle.contract.fields import Passes, Precision
 from reference.oracle.exr_frames import write_frames
 from reference.oracle.parts import parts
 from reference.oracle.raw import read_cases, write_cases
+from reference.oracle.rungs.exact import exact_outputs, examined_exactly
 from reference.oracle.rungs.kernels import kernel_probes
 from reference.oracle.rungs.lattice import lattice_probes
 from reference.oracle.rungs.probe import Probe
@@ -35,7 +36,9 @@ from reference.version import project_version
 MANIFEST, FORM = "manifest.json", "restir-golden 1"
 
 
-def expected(case: Case, precision: Precision) -> dict[str, NDArray[Any]]:
+def expected(
+    case: Case, precision: Precision, exactly: bool = False
+) -> dict[str, NDArray[Any]]:
     """What a case should give: in double precision, rounded once.
 
     Parameters
@@ -44,14 +47,23 @@ def expected(case: Case, precision: Precision) -> dict[str, NDArray[Any]]:
         With inputs of any precision.
     precision : 'float32' or 'float64'
         Of the result.
+    exactly : bool
+        Of a kernel whose case is held against exact numbers.
 
     Returns
     -------
     dict of str to array
-        Of the built-in passes; at most the largest number of the precision.
+        Of the built-in passes, and of kernels in 50 digits; at most the largest number
+        of the precision.
     """
     wide = given(case.inputs, "float64")
     outputs = getattr(BuiltIn("float64"), case.pass_name)(**wide, **case.settings)
+    if exactly:
+        known = exact_outputs(case)
+        outputs = {
+            name: known.get(name, array).astype(array.dtype)
+            for name, array in outputs.items()
+        }
     most = float(np.finfo(precision).max)
     finite = {
         name: np.clip(array, -most, most) if array.dtype.kind == "f" else array
@@ -101,9 +113,9 @@ def write_golden(
     try:
         cases = [probe.case for probe in probes]
         write_cases(new, passes, precision, cases)
-        for number, case in enumerate(cases):
-            _write_case(new / case.name, precision, case)
-            tell(number + 1, len(cases), "cases")
+        for number, probe in enumerate(probes):
+            _write_case(new / probe.case.name, precision, probe)
+            tell(number + 1, len(probes), "cases")
         entries = [
             {
                 "name": p.case.name,
@@ -192,8 +204,9 @@ def read_golden(folder: Path) -> tuple[Precision, list[Probe]]:
     return precision, probes
 
 
-def _write_case(folder: Path, precision: Precision, case: Case) -> None:
-    outputs = expected(case, precision)
+def _write_case(folder: Path, precision: Precision, probe: Probe) -> None:
+    case = probe.case
+    outputs = expected(case, precision, probe.examine is examined_exactly)
     np.savez_compressed(folder / "in.npz", allow_pickle=False, **dict(case.inputs))
     np.savez_compressed(folder / "expected.npz", allow_pickle=False, **outputs)
     make_folder(folder / "expected")

@@ -6,6 +6,7 @@ from functools import partial
 
 from reference.oracle.backends.backend import Backend
 from reference.oracle.contract.fields import Passes, Precision
+from reference.oracle.diagnosis.hypothesis import Departure
 from reference.oracle.frames import frame_cases
 from reference.oracle.loop import Ask
 from reference.oracle.parts import parts
@@ -126,7 +127,7 @@ def golden_rungs(
         yield rung, "golden", take
 
 
-def scene_probes(scene: str, precision: Precision) -> list[Probe]:
+def scene_probes(scene: str, precision: Precision, seed: int = SEED) -> list[Probe]:
     """Replays of all passes in a frame of a scene.
 
     Parameters
@@ -135,19 +136,21 @@ def scene_probes(scene: str, precision: Precision) -> list[Probe]:
         Built-in, of paint alone.
     precision : 'float32' or 'float64'
         Of the backend.
+    seed : int
+        Of the frame.
 
     Returns
     -------
     list of Probe
         Of rung L3.
     """
-    at = stage(find_scene(scene), SIZE, SEED)
+    at = stage(find_scene(scene), SIZE, seed)
     return [replayed("L3", case) for case in frame_cases(at, precision)]
 
 
 def _spheres(passes: Passes, backend: Backend) -> Step:
     tests = [partial(test, precision=backend.precision) for test in (furnace, half_lit)]
-    return taken("L2", "spheres", passes, backend, tests)
+    return taken("L2", "spheres", passes, backend, tests, ("target",))
 
 
 def _relations(passes: Passes, backend: Backend) -> Step:
@@ -157,7 +160,7 @@ def _relations(passes: Passes, backend: Backend) -> Step:
         for case in frame_cases(at, backend.precision)
         for test in relations_of(case)
     ]
-    return taken("L2", "relations", passes, backend, tests)
+    return taken("L2", "relations", passes, backend, tests, ("target",))
 
 
 def _mean(passes: Passes, backend: Backend, remaining: Callable[[], float]) -> Step:
@@ -167,7 +170,7 @@ def _mean(passes: Passes, backend: Backend, remaining: Callable[[], float]) -> S
         found.append(mean_over_runs(ask, backend.precision, remaining))
         return found[0].finding
 
-    step = taken("L4", "mean", passes, backend, [test])
+    step = taken("L4", "mean", passes, backend, [test], ("target",))
     if not found:
         return step
     title = f"mean of {found[0].runs} runs"
@@ -178,4 +181,5 @@ def _law(passes: Passes, backend: Backend, scene: str) -> Step:
     def test(ask: Ask) -> Finding:
         return same_law(ask, backend.precision, scene).finding
 
-    return taken("L4", f"law in {scene}", passes, backend, [test])
+    departures: tuple[Departure, ...] = ("confidence", "target")
+    return taken("L4", f"law in {scene}", passes, backend, [test], departures)

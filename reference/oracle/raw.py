@@ -8,9 +8,11 @@ A folder of cases holds ``cases.txt``, a line a thing, words apart by one space:
     set cap 30
     in u float32 1 4096 temporal-cornell-box/in/u.raw
     out W float32 1 4096 temporal-cornell-box/out/W.raw
+    may term_Z float32 1 4096 temporal-cornell-box/out/term_Z.raw
     end
 
-After ``in`` and ``out`` stand the name, the type (float32, float64, int32, uint32), the
+``may`` is what a report shows where a backend writes it.  After these words stand the
+name, the type (float32, float64, int32, uint32), the
 number of dimensions, each dimension, and the file, relative to the folder.  Files hold
 nothing but the numbers, in C order.  Folders of outputs exist already.
 """
@@ -62,11 +64,13 @@ def write_cases(
             path = f"{case.name}/in/{name}.raw"
             _write(folder / path, np.ascontiguousarray(array).tobytes())
             lines.append(_line("in", name, array.dtype, array.shape, path))
-        for field in passes[case.pass_name].outputs:
+        asked = passes[case.pass_name]
+        words = dict.fromkeys(asked.outputs, "out") | dict.fromkeys(asked.terms, "may")
+        for field, word in words.items():
             shape = output_shapes(passes, case)[field.name]
             path = f"{case.name}/out/{field.name}.raw"
             dtype = dtype_of(field.kind, precision)
-            lines.append(_line("out", field.name, dtype, shape, path))
+            lines.append(_line(word, field.name, dtype, shape, path))
         lines.append("end")
     _write(folder / INDEX, ("\n".join(lines) + "\n").encode())
 
@@ -128,7 +132,7 @@ def read_outputs(
         if packed.exists():
             return _unpack(packed)
     found: dict[str, NDArray[Any]] = {}
-    for field in passes[case.pass_name].outputs:
+    for field in (*passes[case.pass_name].outputs, *passes[case.pass_name].terms):
         path = folder / case.name / "out" / f"{field.name}.raw"
         if not path.exists():
             continue

@@ -9,6 +9,7 @@ from reference.oracle.backends.backend import Backend
 from reference.oracle.builtin.backend import BuiltIn
 from reference.oracle.cases import Buffers, Case, Failure, refused
 from reference.oracle.contract.fields import Passes
+from reference.oracle.diagnosis.hypothesis import Departure
 from reference.oracle.loop import Ask
 from reference.oracle.rungs.probe import Answer, Finding, Probe, examined
 
@@ -31,6 +32,8 @@ class Step:
         Bound on the relative bias, where one was found.
     more : str
         What more time would buy; empty where it buys nothing.
+    relies_on : tuple of str
+        Departures from the contract under which its findings say nothing.
     """
 
     rung: str
@@ -39,6 +42,7 @@ class Step:
     findings: list[Finding] = field(default_factory=list)
     certified: float | None = None
     more: str = ""
+    relies_on: tuple[Departure, ...] = ()
 
     @property
     def faults(self) -> list[str]:
@@ -144,7 +148,8 @@ class Asker:
         if not isinstance(outcome, Failure):
             bad = refused(self._passes, case, self._backend.precision, outcome)
             if bad is None:
-                return outcome
+                asked = self._passes[case.pass_name].outputs
+                return {field.name: outcome[field.name] for field in asked}
             outcome = bad
         raise NoAnswerError(outcome.reason)
 
@@ -155,6 +160,7 @@ def taken(
     passes: Passes,
     backend: Backend,
     tests: Iterable[Callable[[Ask], Finding]],
+    relies_on: tuple[Departure, ...] = (),
 ) -> Step:
     """A step of tests that ask the backend themselves.
 
@@ -168,6 +174,8 @@ def taken(
         Runs cases.
     tests : iterable of callable
         Each asks, and gives a finding.
+    relies_on : tuple of str
+        Departures under which these say nothing.
 
     Returns
     -------
@@ -185,4 +193,4 @@ def taken(
             continue
         if ask.answered:
             found.append(finding)
-    return Step(rung, title, findings=found)
+    return Step(rung, title, findings=found, relies_on=relies_on)

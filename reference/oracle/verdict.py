@@ -1,7 +1,7 @@
 """The verdict: what the rungs have shown, within the time that was given."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from reference.oracle.contract.fields import Passes, Precision
@@ -41,7 +41,7 @@ class Verdict:
     left : list of str
         Titles of steps for which there was no time.
     diagnoses : list of Diagnosis
-        Of passes that are wrong, in the order of the contract.
+        Of passes that are not the contract's, in its order.
     absent : list of str
         Passes that the backend does not have.
     """
@@ -55,13 +55,25 @@ class Verdict:
     @property
     def certified(self) -> float | None:
         """Bound on the relative bias of the mean; ``None`` where there is none."""
-        bounds = [timed.step.certified for timed in self.steps]
+        bounds = [step.certified for step in self.binding]
         return min((b for b in bounds if b is not None), default=None)
 
     @property
     def more(self) -> list[str]:
         """What more time would buy."""
-        return [timed.step.more for timed in self.steps if timed.step.more]
+        return [step.more for step in self.binding if step.more]
+
+    @property
+    def departures(self) -> list[Diagnosis]:
+        """Passes that are other than the contract's, and yet bring no bias."""
+        return [d for d in self.diagnoses if departs(d)]
+
+    @property
+    def binding(self) -> list[Step]:
+        """Steps whose findings hold for a backend that departs as this one does."""
+        kinds = {h.departure for d in self.departures for h in d.matches}
+        steps = [timed.step for timed in self.steps]
+        return [step for step in steps if not kinds & set(step.relies_on)]
 
 
 def climb(
@@ -112,25 +124,63 @@ def climb(
         for name in passes
         if name in wrong
     ]
-    faults = any(timed.step.faults for timed in steps)
     judged = {a.probe.case.pass_name for a in answers if a.finding}
     asked = {a.probe.case.pass_name for a in answers}
     findings = [f for timed in steps for f in timed.step.findings]
-    status: Status = "PASS"
-    if faults:
-        status = "FAIL"
-    elif left or not (judged or findings) or any(t.step.more for t in steps):
-        status = "UNDECIDED"
     absent = [name for name in passes if name in asked - judged]
-    return Verdict(status, steps, left, diagnoses, absent)
+    verdict = Verdict("PASS", steps, left, diagnoses, absent)
+    if _is_wrong(verdict, answers):
+        return replace(verdict, status="FAIL")
+    if left or not (judged or findings) or verdict.more:
+        return replace(verdict, status="UNDECIDED")
+    return verdict
+
+
+def departs(diagnosis: Diagnosis) -> bool:
+    """Whether a pass is only other than the contract's, and no bias comes of it.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        Of one pass.
+
+    Returns
+    -------
+    bool
+        All that reproduce its answers are departures.
+    """
+    return bool(diagnosis.matches) and all(h.departure for h in diagnosis.matches)
+
+
+def _is_wrong(verdict: Verdict, answers: list[Answer]) -> bool:
+    """Whether anything is wrong that no departure explains."""
+    departed = {d.pass_name for d in verdict.departures}
+    unexplained = [
+        a.finding
+        for a in answers
+        if a.finding and not (a.probe.case.pass_name in departed and explicable(a))
+    ]
+    whole = [finding for step in verdict.binding for finding in step.findings]
+    return any(not finding.passed for finding in (*unexplained, *whole))
+
+
+def explicable(answer: Answer) -> bool:
+    """Whether a replay can explain an answer; at some extremes it cannot.
+
+    Parameters
+    ----------
+    answer : Answer
+        Right or wrong.
+
+    Returns
+    -------
+    bool
+        There are outputs, and exact arithmetic has numbers to hold against them.
+    """
+    if answer.finding is None or answer.outputs is None:
+        return False
+    return answer.finding.judgement is not None or answer.probe.rung == "L1"
 
 
 def _of_pass(answers: list[Answer], name: str) -> list[Answer]:
-    """Answers that a replay can explain; those at the extremes it cannot."""
-    return [
-        a
-        for a in answers
-        if a.probe.case.pass_name == name
-        and a.finding
-        and (a.finding.judgement or a.probe.rung == "L1")
-    ]
+    return [a for a in answers if a.probe.case.pass_name == name and explicable(a)]

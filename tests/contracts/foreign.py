@@ -34,6 +34,7 @@ NAMED = {
     "depth-relative-to-own": "depth-relative-to-own",
     "radius-not-halved": "radius-not-halved",
     "albedo-missing": "shade-without-albedo",
+    "cap-before-weight": "capped-before-weight",
 }
 """Planted mistakes, and what diagnosis calls them."""
 
@@ -59,15 +60,21 @@ def all_probes():
 
 ALSO = {
     "missing-one-over-pi": {"shade-without-pi"},
+    "cosine-omitted": {"shade-without-cosine"},
+    "cosine-twice": {"shade-cosine-twice"},
     "visibility-ignored-in-z": {"receivers-visibility-in-z"},
 }
 """Other names that are right: of another pass, or of what gives the same numbers."""
+
+
+DEPARTS = {"cap-missing"}
+"""No bias comes of it: named, and not held against the backend."""
 
 
 def assert_named(verdict, plant):
     """Each pass that is wrong has the mistake's name, or a right one beside it."""
     right = {NAMED[plant]} | ALSO.get(plant, set())
     names = [{h.name for h in one.matches} for one in verdict.diagnoses]
-    assert verdict.status == "FAIL"
+    assert verdict.status == ("PASS" if plant in DEPARTS else "FAIL")
     assert any(NAMED[plant] in found for found in names)
     assert all(found & right and len(found) <= 2 for found in names), names

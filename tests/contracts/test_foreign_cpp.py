@@ -69,7 +69,7 @@ def test_its_list_of_mistakes_is_complete(program):
 
 
 @pytest.mark.parametrize("plant", NAMED)
-def test_a_planted_mistake_fails_under_its_name(program, probes, plant):
+def test_a_planted_mistake_is_told_by_its_name(program, probes, plant):
     template = f"{program} {{directory}} --plant {plant}"
     verdict = short_ladder(ProgramBackend(template, Limits()), probes)
     assert_named(verdict, plant)

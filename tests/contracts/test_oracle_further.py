@@ -10,9 +10,13 @@ from reference.oracle.builtin.further import FURTHER
 from reference.oracle.cases import refused
 from reference.oracle.contract.fields import dtype_of
 from reference.oracle.contract.further import FURTHER_PASSES
+from reference.oracle.diagnosis.diagnose import HYPOTHESES, diagnose
+from reference.oracle.diagnosis.further import FURTHER_MISTAKES
 from reference.oracle.replay.further.judges import FURTHER_JUDGES
 from reference.oracle.replay.rules import CONTRACT_RULES
 from reference.oracle.rungs.further import further_cases
+from reference.oracle.rungs.probe import examined
+from reference.oracle.rungs.replayed import replayed
 from reference.passes.gbuffer import visible_points
 from reference.rng import pcg4d, to_unit_interval
 from reference.scene.camera import pixel_centers
@@ -156,9 +160,11 @@ def validation(real, mistake, W, M, radiance_then, radiance_now, met, null, tole
     if mistake == "only what brightens":
         change = b - a
     most = {"relative to then": a, "relative to now": b}.get(mistake, np.maximum(a, b))
-    alike = change / np.where(most > 0, most, 1) <= real(tolerance)
+    nothing = np.where(change > 0, np.inf, 0).astype(real)
+    relative = np.divide(change, most, out=nothing, where=most > 0)
+    alike = relative <= real(tolerance)
     if mistake == "strict":
-        alike = change / np.where(most > 0, most, 1) < real(tolerance)
+        alike = relative < real(tolerance)
     stays = alike & ((met == 1) | (mistake == "no ray"))
     if mistake != "nulls are asked":
         stays |= null == 1
@@ -241,10 +247,14 @@ def packed_normal(real, mistake, n):
     """Two integers in a word, ties away from 0."""
     s = abs(n[:, 2]) + abs(n[:, 1]) + abs(n[:, 0])
     u, v = (n[:, i] / np.where(s > 0, s, 1) for i in range(2))
-    u, v = (c * real(32767) for c in folded(u, v, n[:, 2] < 0, mistake, real))
+    one = real(32768 if mistake == "by 32768" else 32767)
+    u, v = (c * one for c in folded(u, v, n[:, 2] < 0, mistake, real))
     if mistake == "normals truncated":
         u, v = np.trunc(u), np.trunc(v)
-    u, v = (np.trunc(c + np.copysign(real(0.5), c)).astype(np.int32) for c in (u, v))
+    u, v = (
+        np.clip(np.trunc(c + np.copysign(real(0.5), c)), -32767, 32767).astype(np.int32)
+        for c in (u, v)
+    )
     if mistake == "v first":
         u, v = v, u
     low = u if mistake == "sign extended" else u & 0xFFFF
@@ -256,7 +266,9 @@ def halves(mistake, x):
     most = np.inf if mistake == "infinite halves" else 65504
     if mistake != "halves truncated":
         with np.errstate(over="ignore"):
-            return np.minimum(x, most).astype(np.float16).view(np.uint16)
+            near = np.minimum(x, most).astype(np.float16)
+        small = (mistake == "small halves are 0") & (near < 2.0**-14)
+        return np.where(small, np.float16(0), near).view(np.uint16)
     near = np.minimum(x, 65504).astype(np.float16)
     down = np.nextafter(near, np.float16(-1))
     return np.where(near.astype(float) > x, down, near).view(np.uint16)
@@ -360,8 +372,8 @@ PLANTED = {
     "roulette": "tiles cut off; square tiles; pixel by pixel; stream of the path;"
     " lane 1; equal goes on; not divided",
     "pack": "sign of 0 is 0; not folded; normals truncated; v first; sign extended;"
-    " infinite halves; halves truncated; M wraps around; M below 1; red above;"
-    " M below blue",
+    " infinite halves; halves truncated; small halves are 0; by 32768; M wraps around;"
+    " M below 1; red above; M below blue",
     "unpack": "not folded; not sign extended; −32768 as it is; by 32768;"
     " not normalized; NaN goes on; small halves are 0; normals exchanged; blue first;"
     " M has a sign",
@@ -482,3 +494,180 @@ def test_the_pass_is_what_the_renderer_does_on_a_real_scene():
     assert abs(found["position"] - there)[hit].max() < near
     assert abs(found["depth"] - seen.depth[rows])[hit].max() < near
     assert abs(found["normal"] - seen.surface.normal[rows])[hit].max() < 1e-12
+
+
+# ------------------------------------------------ diagnosis
+
+KNOWN = {h.name: h for h in FURTHER_MISTAKES}
+PAIRS = [(h, name) for h in FURTHER_MISTAKES for name in h.passes]
+
+THE_SAME = {
+    "gbuffer": {
+        "up as it is": "up-as-it-is",
+        "corner of the pixel": "pixel-corner",
+        "y counts upwards": "image-upside-down",
+        "behind": "behind-the-camera",
+        "angle of the height": "angle-of-the-height",
+        "back faces are not met": "back-faces-not-met",
+        "normal of the front": "normal-not-turned",
+        "distance": "distance-for-depth",
+    },
+    "reproject": {
+        "up as it is": "up-as-it-is",
+        "behind": "behind-the-camera",
+        "half a pixel": "place-half-a-pixel-aside",
+        "y counts upwards": "image-upside-down",
+        "rounds": "place-rounded",
+        "truncates": "place-truncated",
+        "clamped to the image": "place-clamped",
+        "distance": "distance-for-depth",
+        "relative to its own": "place-depth-relative-to-own",
+        "normals are not compared": "normals-not-tested",
+        "misses go on": "misses-go-on",
+    },
+    "validation": {
+        "only what darkens": "validation-of-darker-alone",
+        "only what brightens": "validation-of-brighter-alone",
+        "relative to then": "validation-relative-to-then",
+        "relative to now": "validation-relative-to-now",
+        "no ray": "validation-without-ray",
+        "nulls are asked": "validation-asks-nulls",
+        "M stays": "validation-keeps-m",
+    },
+    "boiling": {
+        "tiles of 8": "boiling-tiles-of-8",
+        "dark pixels count": "boiling-mean-over-all",
+        "M stays": "boiling-keeps-m",
+    },
+    "checkerboard": {
+        "other colour": "checkerboard-other-half",
+        "time stands still": "checkerboard-stands-still",
+        "parity of the pixel": "checkerboard-of-pixel-numbers",
+        "history does not matter": "checkerboard-without-history",
+    },
+    "roulette": {
+        "tiles cut off": "roulette-tiles-rounded-down",
+        "pixel by pixel": "roulette-by-pixels",
+        "not divided": "roulette-not-divided",
+    },
+    "pack": {
+        "sign of 0 is 0": "sign-of-0-is-0",
+        "not folded": "octahedron-not-folded",
+        "normals truncated": "pack-normals-toward-0",
+        "v first": "v-before-u",
+        "sign extended": "pack-sign-runs-over",
+        "infinite halves": "pack-halves-overflow",
+        "halves truncated": "pack-halves-toward-0",
+        "small halves are 0": "small-halves-are-0",
+        "by 32768": "octahedron-by-32768",
+        "M wraps around": "pack-m-wraps",
+        "M below 1": "pack-m-becomes-0",
+        "M below blue": "m-before-blue",
+    },
+    "unpack": {
+        "not folded": "octahedron-not-folded",
+        "by 32768": "octahedron-by-32768",
+        "not normalized": "unpack-not-normalized",
+        "small halves are 0": "small-halves-are-0",
+        "normals exchanged": "normals-exchanged",
+        "blue first": "blue-first",
+        "M has a sign": "unpack-m-with-sign",
+    },
+}
+"""Mistakes of the other backend, and what they are called."""
+
+NAMED = [(n, m, called) for n, of in THE_SAME.items() for m, called in of.items()]
+
+
+def diagnosed(precision, name, backend):
+    """Whether anything is wrong, and what explains it."""
+    answers = []
+    for case in cases(precision, name):
+        with np.errstate(all="ignore"):
+            raw = backend(case)
+        fields = {f.name: dtype_of(f.kind, precision) for f in PASSES[name].outputs}
+        out = {n: np.ascontiguousarray(raw[n], dtype) for n, dtype in fields.items()}
+        answers.append(examined(PASSES, precision, replayed("L0", case), out))
+    shows = not all(answer.finding.passed for answer in answers)
+    return shows, [h.name for h in diagnose(name, answers, precision).matches]
+
+
+def right(precision, case):
+    """The answer of the production code."""
+    out = FURTHER[case.pass_name](precision, **case.inputs, **case.settings)
+    return dict(out)
+
+
+def under(hypothesis):
+    """The answers of a backend that makes a mistake: what its own replay expects."""
+
+    def answer(case):
+        out = right("float32", case)
+        if case.pass_name == "pack":
+            return {"words": wrong_words(hypothesis, out["words"], case)}
+        judge = FURTHER_JUDGES[case.pass_name]
+        judgement = judge(case, out, hypothesis.rules, "float32")
+        for one in judgement.compared:
+            wanted = np.clip(one.expected, -3e38, np.maximum(3e38, one.expected))
+            out[one.name] = wanted.astype(out[one.name].dtype)
+        return out
+
+    return answer
+
+
+def wrong_words(hypothesis, words, case):
+    """In another layout, or by the other backend."""
+    halves = list(hypothesis.rules.part.halves)
+    if halves != list(range(24)):
+        found = np.empty((len(words), 24), "<u2")
+        found[:, halves] = np.ascontiguousarray(words).view("<u2")
+        return found.view("<u4")
+    same = {called: mistake for mistake, called in THE_SAME["pack"].items()}
+    return pack(np.float32, same[hypothesis.name], **case.inputs)["words"]
+
+
+@pytest.mark.parametrize(
+    ("hypothesis", "name"), PAIRS, ids=[f"{h.name}-{name}" for h, name in PAIRS]
+)
+def test_a_known_mistake_shows_and_is_called_by_its_name(hypothesis, name):
+    shows, names = diagnosed("float32", name, under(hypothesis))
+    assert shows
+    assert names == [hypothesis.name]
+
+
+@both_precisions
+@pytest.mark.parametrize(("name", "mistake", "called"), NAMED)
+def test_a_mistake_of_the_other_backend_is_called_by_its_name(
+    precision, name, mistake, called
+):
+    other_backend = other(precision, name, mistake)
+    shows, names = diagnosed(
+        precision, name, lambda case: other_backend(**case.inputs, **case.settings)
+    )
+    assert shows
+    assert names == [called]
+
+
+UNKNOWN = [pair for pair in MISTAKES if pair not in {(n, m) for n, m, _ in NAMED}]
+
+
+@pytest.mark.parametrize(("name", "mistake"), UNKNOWN)
+def test_a_mistake_that_nobody_knows_has_no_name(name, mistake):
+    backend = other("float32", name, mistake)
+    _, names = diagnosed(
+        "float32", name, lambda case: backend(**case.inputs, **case.settings)
+    )
+    assert names == []
+
+
+@every_pass
+def test_what_is_right_has_no_name(name):
+    assert diagnosed("float32", name, lambda case: right("float32", case)) == (
+        False,
+        [],
+    )
+
+
+def test_no_two_mistakes_share_a_name():
+    names = [h.name for h in (*HYPOTHESES, *FURTHER_MISTAKES)]
+    assert len(set(names)) == len(names)

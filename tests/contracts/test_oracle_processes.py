@@ -85,7 +85,7 @@ def test_each_failure_is_named_and_the_other_passes_are_judged(name, words):
 def test_a_backend_that_hangs_is_stopped():
     found = python("HANGS", Limits(seconds=2.0))
     assert all("no answer within 2 s" in line for line in faults(found))
-    assert len(faults(found)) == 2
+    assert len(faults(found)) == sum(p.case.pass_name == "jacobian" for p in probes())
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 import json
 import re
 import time
+from collections import Counter
 from dataclasses import replace
 from functools import cache, partial
 from html.parser import HTMLParser
@@ -88,6 +89,9 @@ def planted(case, out):
             out["jacobian"] = np.minimum(inverse, 1e38).astype(np.float32)
         case "spatial":
             out["W"] = out["W"] * np.float32(1.01)
+            out["term_Z"] = out["W"] * 0 + np.float32(7)
+            slots = case.inputs["neighbors"].shape[1] + 2
+            out["term_w"] = np.zeros((case.rows, slots), np.float32) + np.float32(3)
         case "temporal":
             moved = np.flatnonzero(out["W"] > 0)[::9]
             out["position"] = out["position"].copy()
@@ -198,7 +202,10 @@ def test_what_each_rung_has_killed(wrong):
     first, spheres, frames = plain["steps"]
     assert first["wrong_passes"] == ["shade", "jacobian"]
     assert first["asked"] == len(probes()["L0"])
-    assert (first["unanswered"], first["failed"]) == (2, 2)
+    count = Counter(p.case.pass_name for p in probes()["L0"])
+    assert first["unanswered"] == count["merge"]
+    # One of those of the Jacobian asks for less than its value.
+    assert first["failed"] == count["shade"] + count["jacobian"] - 1
     assert spheres["faults"] == ["furnace: too bright"]
     assert (spheres["asked"], spheres["wrong_passes"]) == (1, [])
     assert frames["wrong_passes"] == ["temporal", "spatial", "shade"]
@@ -236,7 +243,11 @@ def test_the_worst_rows_carry_both_sides_and_all_terms(wrong):
         W = row["outputs"]["W"]
         assert W["found"] == pytest.approx(1.01 * W["expected"], rel=1e-5)
         assert W["excess"] > 1 > W["allowed"]
-        assert {"Z", "p_hat", "sum of w", "kept slot"} <= set(row["terms"])
+        terms = row["terms"]
+        assert {"Z", "p_hat", "sum of w", "kept slot"} <= set(terms)
+        assert (terms["Z"]["found"], terms["w of slot 1"]["found"]) == (7, 3)
+        assert terms["p_hat"]["found"] is None
+        assert terms["Z"]["expected"] == pytest.approx(round(terms["Z"]["expected"]))
     sizes = [row["outputs"]["W"]["excess"] for row in rows]
     assert sizes == sorted(sizes, reverse=True)
     assert sizes[0] == found["excess"]["W"]
@@ -460,3 +471,18 @@ def test_numbers_as_they_are_read():
     assert pieces(None, "anything") == ["anything"]
     assert pieces([None, None], "anything") == ["anything"]
     assert pieces([1.5, None], "–") == ["1.5", "–"]
+
+
+@pytest.mark.parametrize(
+    ("term", "told"),
+    [
+        (np.zeros(3, np.float32), "term_Z has shape (3,) instead of (256,)"),
+        (np.zeros(256), "term_Z is float64 instead of float32"),
+    ],
+)
+def test_terms_have_their_form_and_need_not_be_finite(term, told):
+    probe = next(p for p in probes()["L3"] if p.case.pass_name == "temporal")
+    bad = answered(lambda case, out: out | {"term_Z": term}, probe)
+    assert told in bad.finding.text
+    unknown = np.full(256, np.nan, np.float32)
+    assert answered(lambda case, out: out | {"term_Z": unknown}, probe).finding.passed

@@ -204,8 +204,47 @@ def test_relations_pass_what_is_right(cases):
             lambda case, out: {"color": out["color"] + np.float32(1e-6)},
             "not black",
         ),
+        (
+            "shade",
+            lambda case, out: {
+                "color": out["color"] * (case.inputs["position"][:, :1] > 0)
+            },
+            "in a mirror",
+        ),
+        (
+            "temporal",
+            lambda case, out: out | {"W": np.minimum(out["W"], np.float32(4))},
+            "W times",
+        ),
+        (
+            "spatial",
+            lambda case, out: out | {"M": np.minimum(out["M"], np.float32(20))},
+            "confidences times 2",
+        ),
+        (
+            "shade",
+            lambda case, out: {
+                "color": out["color"] * (out["color"][:, :1] >= out["color"][:, 1:2])
+            },
+            "hangs on the others",
+        ),
+        (
+            "spatial",
+            lambda case, out: out | {"M": out["M"] * (out["W"] > 0)},
+            "without light M is 0",
+        ),
     ],
-    ids=["epsilon", "clamp", "channels", "ambient"],
+    ids=[
+        "epsilon",
+        "clamp",
+        "channels",
+        "ambient",
+        "one side",
+        "cap on W",
+        "cap on M",
+        "brightest channel",
+        "nulls",
+    ],
 )
 def test_relations_see_what_has_a_scale_of_its_own(cases, pass_name, change, words):
     found = all_relations(changed("float32", pass_name, change), cases)

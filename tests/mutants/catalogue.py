@@ -271,6 +271,7 @@ JACOBIANS = [
         SHIFT,
         COSINES,
         "np.maximum(dot(n_sample, v_to), 0), np.maximum(dot(n_sample, v_from), 0)",
+        ("jacobian-cut-at-the-back",),
         kind="equivalent",
     ),
     Mutant(
@@ -378,7 +379,7 @@ INITIAL = [
         SAMPLING,
         UNIFORM_SAMPLE,
         COSINE_SAMPLE,
-        ("direction-of-the-other-sampler",),
+        ("directions-always-cosine",),
     ),
     Mutant(
         "uniform directions for cosine ones",
@@ -386,7 +387,7 @@ INITIAL = [
         SAMPLING,
         COSINE_SAMPLE,
         UNIFORM_SAMPLE,
-        ("direction-of-the-other-sampler",),
+        ("directions-always-uniform",),
     ),
     Mutant(
         "the root of cos θ is forgotten",
@@ -394,7 +395,7 @@ INITIAL = [
         SAMPLING,
         COSINE_SAMPLE,
         "_about_z(1.0 - u1, np.sqrt(u1 * (2.0 - u1)), u2)",
-        ("direction-of-the-other-sampler",),
+        ("direction-root-forgotten",),
     ),
     Mutant(
         "half of the azimuths are drawn",
@@ -402,7 +403,7 @@ INITIAL = [
         SAMPLING,
         PHI,
         "phi = np.pi * u\n",
-        ("direction-of-half-the-azimuth",),
+        ("half-of-the-azimuths",),
     ),
     Mutant(
         "one number for both components of a direction",
@@ -425,7 +426,7 @@ INITIAL = [
         FRAMES,
         "x * tangent + y * bitangent + z * n",
         "x * tangent + y * bitangent - z * n",
-        ("normal-flipped",),
+        ("normal-points-inward",),
     ),
     Mutant(
         "a new sample is not divided by its density",
@@ -624,7 +625,7 @@ REUSE = [
         RESERVOIR,
         CAP,
         "W=r.W, M=r.M",
-        ("never-capped",),
+        ("never-capped", "capped-on-arrival"),
         "equivalent",
         (
             (
@@ -861,7 +862,7 @@ REUSE = [
         RESERVOIR,
         CLOSED,
         "divide_or_zero(np.maximum(c.p_hat, 1e-3) ** -1 * c.w, normalization)",
-        ("target-floor",),
+        ("divisor-at-least-0.001",),
     ),
     *(
         Mutant(
@@ -1013,7 +1014,7 @@ REUSE = [
         RESERVOIR,
         "np.where(take_b, b.p_hat, a.p_hat)",
         "a.p_hat",
-        ("target-of-the-loser",),
+        ("target-of-the-first",),
     ),
     Mutant(
         "the sample that won is not copied",
@@ -1102,32 +1103,35 @@ TARGETS = [
             "has the luminance of Rec. 601",
             LUMINANCE,
             "dot(color, np.array((0.299, 0.587, 0.114), color.dtype))",
-            ("luminance-of-rec-601",),
+            ("luminance-of-rec-601", "filters-by-rec-601"),
         ),
         (
             "is the mean of the channels",
             LUMINANCE,
             "color.mean(axis=1)",
-            ("mean-of-channels",),
+            ("mean-of-channels", "filters-by-the-mean-of-channels"),
         ),
         (
             "is the largest of the channels",
             LUMINANCE,
             "color.max(axis=1)",
-            ("largest-channel",),
+            ("largest-channel", "filters-by-the-largest-channel"),
         ),
         (
             "has a floor where it is positive",
             LIGHT,
             "p_hat = luminance(receiver.color * y.radiance) * scale\n"
             "    return np.where(p_hat > 0, np.maximum(p_hat, 1e-3), p_hat)",
-            ("target-with-floor",),
+            (
+                "target-at-least-0.001",
+                "scattered-at-least-0.001",
+            ),
         ),
         (
             "is Equation 9 where 10 is asked for",
             'if kind == "outgoing":',
             'if kind == "other":',
-            ("scattered-for-outgoing",),
+            ("target-always-scattered",),
         ),
     )
 ] + [
@@ -1349,7 +1353,7 @@ RANDOM = [
         RNG,
         "for v in (x, y, z, w))\n    for last_round",
         "for v in (x, y * np.uint32(0), z, w))\n    for last_round",
-        ("frame-ignored",),
+        ("frame-ignored", "roulette-stands-still"),
     ),
     Mutant(
         "another shift in the hash",
@@ -1441,7 +1445,7 @@ UNSEEN = [
         SAMPLING,
         COSINE_SAMPLE,
         "_about_z(np.sqrt(u1), np.sqrt(1.0 - u1), u2)",
-        ("cosine-from-the-other-end",),
+        ("cosine-directions-from-the-other-end",),
         "equivalent",
     )
 ]

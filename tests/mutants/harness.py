@@ -84,6 +84,8 @@ class Kill:
         First fault, one line.
     diagnoses : dict of str to tuple of str
         Names of hypotheses, of each pass that is wrong.
+    status : str
+        Of the verdict.
     """
 
     mutant: Mutant | None
@@ -92,6 +94,7 @@ class Kill:
     climbed: float
     first: str = ""
     diagnoses: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    status: str = "PASS"
 
     @property
     def rungs(self) -> tuple[str, ...]:
@@ -100,8 +103,8 @@ class Kill:
 
     @property
     def killed(self) -> bool:
-        """Some rung sees it."""
-        return bool(self.rungs)
+        """The verdict is FAIL: a departure that brings no bias is seen, and passes."""
+        return self.status == "FAIL"
 
     @property
     def named(self) -> str:
@@ -161,7 +164,7 @@ def _told(mutant: Mutant | None, verdict: Verdict, rungs: tuple[str, ...]) -> Ki
     diagnoses = {
         d.pass_name: tuple(h.name for h in d.matches) for d in verdict.diagnoses
     }
-    return Kill(mutant, seen, seconds, climbed, first, diagnoses)
+    return Kill(mutant, seen, seconds, climbed, first, diagnoses, verdict.status)
 
 
 def _steps(

@@ -31,7 +31,7 @@ static const char* const PLANTS[] = {
     "cap-missing", "confidence-missing", "source-target", "canonical-missing",
     "visibility-ignored-in-z", "visibility-ignored-in-weight", "hidden-not-counted",
     "accept-old-sum", "wrong-pdf", "random-reused", "depth-relative-to-own",
-    "radius-not-halved", "albedo-missing"};
+    "radius-not-halved", "albedo-missing", "cap-before-weight"};
 
 // ---------------------------------------------------------------- vectors
 
@@ -111,16 +111,19 @@ struct Reservoir {
     float W, M;
 };
 
+static float planted_cosine(float cosine) {
+    return plant("cosine-omitted") ? 1 : plant("cosine-twice") ? cosine * cosine : cosine;
+}
+
 // Target of Equation 9 or 10; 0 below the horizon and on the unlit side.
 static float target(bool outgoing, const Receiver& x, const Sample& y) {
     Vec3 v = y.position - x.position;
     if (dot(x.normal, v) <= 0 || dot(y.normal, v) >= 0) return 0;
     if (outgoing) return luminance(y.radiance);
-    float distance = std::sqrt(dot(v, v));
-    float cosine = dot(x.normal, (1 / distance) * v);
-    float power = plant("cosine-omitted") ? 1 : plant("cosine-twice") ? cosine * cosine : cosine;
+    // 0 where the square of the distance is too small for single precision.
+    float cosine = planted_cosine(over(dot(x.normal, v), std::sqrt(dot(v, v))));
     float pi = plant("missing-one-over-pi") ? 1 : PI;
-    return luminance(x.albedo * y.radiance) / pi * power;
+    return luminance(x.albedo * y.radiance) / pi * cosine;
 }
 
 // Equation 11: |d omega_to / d omega_from|.
@@ -304,8 +307,14 @@ static void close(Case& c, size_t i, const Stream& s, const std::string& mis, si
         if (seen && target(outgoing, e.x, kept.y) > 0) Z += e.M;
     }
     if (mis == "1/M" || plant("one-over-m")) Z = M;
+    if (plant("cap-before-weight")) Z = std::min(Z, c.number("cap"));
     float p_hat = kept.p_hat;
     if (plant("source-target") && kept.elsewhere) p_hat = target(outgoing, kept.x, kept.y);
+    // Terms for the report.
+    float* weights = c.result<float>("term_w");
+    for (size_t k = 0; k < s.entries.size(); k++) weights[i * s.entries.size() + k] = s.entries[k].w;
+    c.result<float>("term_p_hat")[i] = p_hat;
+    c.result<float>("term_Z")[i] = Z;
     c.result<Vec3>("position")[i] = kept.y.position;
     c.result<Vec3>("normal")[i] = kept.y.normal;
     c.result<Vec3>("radiance")[i] = kept.y.radiance;
@@ -389,7 +398,10 @@ static void pass_spatial(Case& c) {
         const uint32_t* sees = visible + i * (count + 1);
         for (size_t k = 0; k < count; k++) {
             int32_t row = neighbors[i * count + k];
-            if (row < 0) continue;
+            if (row < 0) {
+                s.entries.push_back({{}, 0, 0, 0, 0, false, x, 0, 0});
+                continue;
+            }
             int bit = static_cast<int>(k) + 1;
             bool seen = (sees[0] >> bit) & 1u;
             float number = u[i * count + (plant("random-reused") ? 0 : k)];
@@ -434,12 +446,14 @@ static void pass_shade(Case& c) {
         Receiver x = receiver(c, i);
         Sample y = sample(c, i);
         Vec3 v = y.position - x.position;
-        color[i] = {0, 0, 0};
+        Vec3* f = c.result<Vec3>("term_f") + i;
+        color[i] = *f = {0, 0, 0};
         if (dot(x.normal, v) <= 0 || dot(y.normal, v) >= 0) continue;
-        float cosine = dot(x.normal, v) / std::sqrt(dot(v, v));
+        float cosine = planted_cosine(dot(x.normal, v) / std::sqrt(dot(v, v)));
         float pi = plant("missing-one-over-pi") ? 1 : PI;
         Vec3 albedo = plant("albedo-missing") ? Vec3{1, 1, 1} : x.albedo;
-        color[i] = (c.reals("W")[i] * cosine / pi) * (albedo * y.radiance);
+        *f = (cosine / pi) * (albedo * y.radiance);
+        color[i] = c.reals("W")[i] * *f;
     }
 }
 
@@ -507,7 +521,7 @@ static void run_all(const std::string& folder) {
             file.read(b.bytes.data(), static_cast<std::streamsize>(b.bytes.size()));
             if (!file) fail("cannot read " + b.path);
             c.in[b.name] = std::move(b);
-        } else if (word == "out") {
+        } else if (word == "out" || word == "may") {
             Buffer b = described(words);
             c.out[b.name] = std::move(b);
         } else if (word == "end") {

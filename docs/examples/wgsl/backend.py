@@ -100,6 +100,7 @@ PLANTS = (
     "depth-relative-to-own",
     "radius-not-halved",
     "albedo-missing",
+    "cap-before-weight",
 )
 """Mistakes, in the order of their numbers in the shader."""
 

@@ -36,6 +36,7 @@ const RANDOM_REUSED = 21u;
 const DEPTH_RELATIVE_TO_OWN = 22u;
 const RADIUS_NOT_HALVED = 23u;
 const ALBEDO_MISSING = 24u;
+const CAP_BEFORE_WEIGHT = 25u;
 
 fn planted(number: u32) -> bool { return P[1] == number; }
 
@@ -82,15 +83,20 @@ fn quotient(a: f32, b: f32) -> f32 {
 
 fn luminance(c: vec3<f32>) -> f32 { return dot(c, vec3<f32>(0.2126, 0.7152, 0.0722)); }
 
+fn cosine_of(x: Receiver, v: vec3<f32>) -> f32 {
+  // 0 where the square of the distance is too small for single precision.
+  let cosine = quotient(dot(x.normal, v), sqrt(dot(v, v)));
+  if (planted(COSINE_OMITTED)) { return 1.0; }
+  if (planted(COSINE_TWICE)) { return cosine * cosine; }
+  return cosine;
+}
+
 // p_hat of Equation 9 or 10; 0 below the horizon and on the unlit side.
 fn target_of(x: Receiver, y: Sample) -> f32 {
   let v = y.position - x.position;
   if (dot(x.normal, v) <= 0.0 || dot(y.normal, v) >= 0.0) { return 0.0; }
   if (outgoing()) { return luminance(y.radiance); }
-  var cosine = dot(x.normal, v) / sqrt(dot(v, v));
-  if (planted(COSINE_OMITTED)) { cosine = 1.0; }
-  if (planted(COSINE_TWICE)) { cosine = cosine * cosine; }
-  let light = luminance(x.albedo * y.radiance) * cosine;
+  let light = luminance(x.albedo * y.radiance) * cosine_of(x, v);
   if (planted(MISSING_ONE_OVER_PI)) { return light; }
   return light / PI;
 }
@@ -268,7 +274,9 @@ fn holds(e: Entry, y: Sample, place: u32) -> bool {
 }
 
 // Outputs 0 to 4 are position, normal, radiance, W and M.
-fn close(i: u32, kept: Entry, w: f32, M: f32, Z: f32) {
+fn close(i: u32, kept: Entry, w: f32, M: f32, sum: f32) {
+  var Z = sum;
+  if (planted(CAP_BEFORE_WEIGHT)) { Z = min(Z, cap()); }
   var p_hat = kept.p_hat;
   if (planted(SOURCE_TARGET) && kept.elsewhere) { p_hat = target_of(kept.x, kept.y); }
   put_vec(0u, i, kept.y.position);
@@ -407,7 +415,7 @@ fn pass_shade(@builtin(global_invocation_id) id: vec3<u32>) {
   let v = y.position - x.position;
   var color = vec3<f32>(0.0);
   if (dot(x.normal, v) > 0.0 && dot(y.normal, v) < 0.0) {
-    var scale = real(6u, i) * dot(x.normal, v) / sqrt(dot(v, v));
+    var scale = real(6u, i) * cosine_of(x, v);
     if (!planted(MISSING_ONE_OVER_PI)) { scale = scale / PI; }
     color = x.albedo * y.radiance * scale;
     if (planted(ALBEDO_MISSING)) { color = y.radiance * scale; }

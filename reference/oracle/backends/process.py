@@ -15,6 +15,9 @@ from reference.oracle.cases import Case, Failure, Outcome
 from reference.oracle.contract.fields import Passes, Precision
 from reference.oracle.raw import read_outputs, write_cases
 
+LOADING = 60.0
+"""Seconds at least for a backend to load: libraries may take long on a busy machine."""
+
 
 class PythonBackend:
     """A Python object with one method a pass, in another process.
@@ -122,7 +125,8 @@ class PythonBackend:
             target=_listen, args=(self._process, self._lines), daemon=True
         )
         self._listener.start()
-        word, _, rest = self._answer().partition(" ")
+        seconds = max(self._limits.seconds, LOADING)
+        word, _, rest = self._answer(seconds).partition(" ")
         if word != "ready" or rest not in ("float32", "float64"):
             self._stop()
             what = rest if word == "failed" else f"{word} {rest}"
@@ -130,12 +134,13 @@ class PythonBackend:
         precision: Precision = "float64" if rest == "float64" else "float32"
         return precision
 
-    def _answer(self) -> str:
+    def _answer(self, seconds: float | None = None) -> str:
         """Next line of the worker, or how it ended."""
+        seconds = seconds or self._limits.seconds
         try:
-            line = self._lines.get(timeout=self._limits.seconds)
+            line = self._lines.get(timeout=seconds)
         except queue.Empty:
-            return f"gave no answer within {self._limits.seconds:g} s"
+            return f"gave no answer within {seconds:g} s"
         if line is not None:
             return line
         code = self._process.wait()

@@ -94,14 +94,19 @@ def _reproject(
     max_depth: float,
     **settings: Any,
 ) -> dict[str, Array]:
-    world = cast(World, _Seen(_camera(settings), _OneShape(np.zeros(1, np.int32))))
+    camera, still = _camera(settings), _OneShape(np.zeros(1, np.int32))
+    before_world = cast(World, _Seen(camera, still))
+    x, y, z = camera.position
+    # Where this frame's camera stands is not asked.
+    aside = replace(camera, position=(x + 1.0, y - 1.0, z + 1.0))
+    now_world = cast(World, _Seen(aside, still))
     now = surface_of(position, normal, normal)
     now = replace(now, primitive=np.where(hit == 1, 0, -1).astype(np.int32))
     before = surface_of(normal_before, normal_before, normal_before)
     row = reproject(
-        world,
+        before_world,
         VisiblePoints(before, depth_before),
-        world,
+        now_world,
         VisiblePoints(now, depth_before),
         None,
         replace(UNBIASED, max_angle=max_angle, max_depth=max_depth),

@@ -37,6 +37,9 @@ nothing is kept: W = 0, M counts, and which sample stands in the row is not look
 quotient by 0 is 0, whether the denominator is exactly 0 or has rounded to it. Outputs
 are finite.
 
+**Terms.** What is marked "may" nobody has to give. It is not judged; where a pass is
+wrong, the report shows it beside what it should be.
+
 **Random numbers** are given as `u`. Whoever wants to make them: u of dimension d of
 stream s of a pixel is the four lanes of `random` with the key (pixel, frame, seed, 64
 s + d). Streams: 0 pixel, 1 initial, 2 temporal, 3 spatial, 4 direct, 5 specular, 6
@@ -76,6 +79,7 @@ def _section(one: Pass) -> str:
         for s in one.settings
     ]
     lines += [_row("out", field) for field in one.outputs]
+    lines += [_row("may", field) for field in one.terms]
     return "".join(lines)
 
 

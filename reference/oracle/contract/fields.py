@@ -50,7 +50,7 @@ class Field:
         Of the argument, of the key, and of the file.
     columns : tuple of int or str
         Shape of a row: ``()`` one number, ``(3,)`` a vector, ``("K",)`` as many as
-        there are neighbours.
+        there are neighbours, ``("K+2",)`` two more.
     kind : 'real', 'index' or 'bits'
         What it holds.
     meaning : str
@@ -100,6 +100,8 @@ class Pass:
         Likewise.
     source : str
         Where the formula comes from.
+    terms : tuple of Field
+        What a backend may give besides: not judged, but shown beside ours.
     """
 
     name: str
@@ -109,6 +111,7 @@ class Pass:
     outputs: tuple[Field, ...]
     settings: tuple[Setting, ...] = ()
     source: str = ""
+    terms: tuple[Field, ...] = ()
 
 
 Passes = Mapping[str, Pass]

@@ -1,11 +1,21 @@
 """Passes of the contract: the algorithms of the paper, on whole frames."""
 
-from reference.oracle.contract.fields import Pass, Setting, bits, index, real
+from reference.oracle.contract.fields import Field, Pass, Setting, bits, index, real
 from reference.oracle.contract.groups import RECEIVER, RESERVOIR, SAMPLE, prefixed
 from reference.oracle.contract.kernels import TARGET
 
 CAP = Setting("cap", "number, at least 1", "limit of M, when the reservoir is closed")
 MIS = Setting("mis", "1/M | 1/Z", "what the sum of weights is divided by")
+
+
+def _stream(count: int | str) -> tuple[Field, ...]:
+    """Terms of a stream of reservoirs."""
+    return (
+        real("term_w", "weight of each in the stream, in its order", count),
+        real("term_p_hat", "target of the kept sample, by which W is divided"),
+        real("term_Z", "divisor Z"),
+    )
+
 
 INITIAL = Pass(
     name="initial",
@@ -39,6 +49,7 @@ TEMPORAL = Pass(
     outputs=RESERVOIR,
     settings=(TARGET, CAP),
     source="[Ouyang21, Alg. 3], with w rebuilt after the cap",
+    terms=_stream(2),
 )
 
 MOVED = Pass(
@@ -71,6 +82,7 @@ MOVED = Pass(
     outputs=RESERVOIR,
     settings=(TARGET, CAP, MIS),
     source="[Ouyang21, Alg. 3 and Eq. 11]",
+    terms=_stream(2),
 )
 
 NEIGHBORS = Pass(
@@ -131,15 +143,18 @@ SPATIAL = Pass(
     outputs=RESERVOIR,
     settings=(TARGET, CAP, MIS),
     source="[Ouyang21, Alg. 4], where the weight is multiplied by the Jacobian",
+    terms=_stream("K+2"),
 )
 
 SHADE = Pass(
     name="shade",
     summary="The estimate of the pixel's indirect light",
-    formula="color = albedo / π · cos θ · L_o · W, 0 where the sample is not lit",
+    formula="color = albedo / π · cos θ · L_o · W, 0 where the sample is below the "
+    "horizon or shows its back",
     inputs=(*RECEIVER, *SAMPLE, RESERVOIR[3]),
     outputs=(real("color", "indirect radiance towards the camera, W/(m² sr)", 3),),
     source="[Ouyang21, Eq. 8]",
+    terms=(real("term_f", "integrand f = albedo / π · cos θ · L_o", 3),),
 )
 
 FRAME_PASSES = (INITIAL, TEMPORAL, MOVED, NEIGHBORS, SPATIAL, SHADE)

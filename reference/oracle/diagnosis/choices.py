@@ -1,6 +1,6 @@
 """Known mistakes with decisions and with the search for neighbours."""
 
-from reference.oracle.diagnosis.hypothesis import REUSE, SPATIAL, TEMPORAL, mistake
+from reference.oracle.diagnosis.hypothesis import REUSE, SPATIAL, mistake
 from reference.oracle.replay.bounded import Bounded, constant
 from reference.oracle.replay.verbs import choose
 
@@ -60,6 +60,7 @@ CHOICES = (
         "kept where (1 − u) (w_before + w) < w",
         U_RIGHT,
         ("merge", *REUSE),
+        departure="order",
         preference=_other_side,
     ),
     mistake(
@@ -99,10 +100,11 @@ CHOICES = (
     mistake(
         "stream-reversed",
         "the stream runs backwards: right in law, and other samples",
-        "the new sample, then the past",
-        "the past, then the new sample",
-        TEMPORAL,
-        preference=_other_side,
+        "the last of the stream comes first",
+        "the past, then the pixel's own, then neighbours in their order",
+        REUSE,
+        departure="order",
+        backwards=True,
     ),
     mistake(
         "one-number-for-all-decisions",

@@ -136,7 +136,17 @@ CONFIDENCES = (
         "M = min(Σ M, cap)",
         REUSE,
         "the paper's Algorithm 3 beside its section 5",
+        departure="confidence",
         cap_when="never",
+    ),
+    mistake(
+        "capped-on-arrival",
+        "the pixel's own M is capped when it arrives, not when it is stored",
+        "w = p̂ W min(M, cap), M = Σ min(M, cap)",
+        "M = min(Σ M, cap)",
+        REUSE,
+        departure="confidence",
+        cap_when="arrival",
     ),
     mistake(
         "capped-before-weight",
@@ -168,6 +178,7 @@ CONFIDENCES = (
         "M = min(Σ M, cap + 1)",
         "M = min(Σ M, cap)",
         REUSE,
+        departure="confidence",
         capped=_one_more,
     ),
     mistake(

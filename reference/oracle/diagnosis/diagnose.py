@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from reference.oracle.contract.fields import Precision
 from reference.oracle.diagnosis.choices import CHOICES
 from reference.oracle.diagnosis.confidences import CONFIDENCES
+from reference.oracle.diagnosis.directions import DIRECTIONS
 from reference.oracle.diagnosis.hypothesis import Hypothesis
 from reference.oracle.diagnosis.jacobians import JACOBIANS
+from reference.oracle.diagnosis.merging import MERGING
 from reference.oracle.diagnosis.shading import SHADING
 from reference.oracle.diagnosis.targets import TARGETS
 from reference.oracle.diagnosis.weights import WEIGHTS
@@ -22,6 +24,8 @@ HYPOTHESES: tuple[Hypothesis, ...] = (
     *CHOICES,
     *TARGETS,
     *SHADING,
+    *DIRECTIONS,
+    *MERGING,
 )
 
 

@@ -1,13 +1,20 @@
 """A known mistake, as rules that a replay can calculate with."""
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 from reference.oracle.replay.rules import CONTRACT_RULES, Rules
 
 TEMPORAL, SPATIAL = ("temporal", "moved"), ("spatial",)
 REUSE = (*TEMPORAL, *SPATIAL)
 SHIFTED = ("moved", "spatial")
+
+
+Departure = Literal["", "order", "confidence", "target"]
+"""What a mistake leaves alone.  'order': the law of every run, as where other random
+numbers decide in the same way; 'confidence': the mean, as W is rebuilt from what is
+stored and any M that depends on no sample will do; 'target': the mean, as p̂ cancels
+between weight and W where it is the same in both.  Empty: nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +35,8 @@ class Hypothesis:
         The contract with the mistake in it.
     seen : tuple of str
         Where it has happened: papers, projects, changes.
+    departure : str
+        Whether it is no mistake but a departure from the contract, and of which kind.
     """
 
     name: str
@@ -37,6 +46,7 @@ class Hypothesis:
     passes: tuple[str, ...]
     rules: Rules
     seen: tuple[str, ...] = ()
+    departure: Departure = ""
 
 
 def mistake(
@@ -46,6 +56,7 @@ def mistake(
     right: str,
     passes: tuple[str, ...],
     *seen: str,
+    departure: Departure = "",
     **rules: Any,
 ) -> Hypothesis:
     """A hypothesis, from what differs from the contract.
@@ -58,6 +69,8 @@ def mistake(
         Where it can show.
     *seen : str
         Where it has happened.
+    departure : str
+        What it leaves alone.
     **rules : Any
         Fields of `Rules`.
 
@@ -67,4 +80,4 @@ def mistake(
         The mistake.
     """
     changed = replace(CONTRACT_RULES, **rules)
-    return Hypothesis(name, what, wrong, right, passes, changed, seen)
+    return Hypothesis(name, what, wrong, right, passes, changed, seen, departure)

@@ -2,10 +2,15 @@
 
 from dataclasses import replace
 
-import numpy as np
-
-from reference.arrays import Scalars
 from reference.oracle.diagnosis.hypothesis import Hypothesis
+from reference.oracle.diagnosis.jacobian_limits import (
+    clamped_2,
+    clamped_3,
+    clamped_8,
+    clamped_10,
+    rejected_2,
+    rejected_beyond_10,
+)
 from reference.oracle.replay.bounded import Bounded, constant
 from reference.oracle.replay.formulas import jacobian
 from reference.oracle.replay.geometry import cosine_at
@@ -66,37 +71,10 @@ def _root(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
     return square_root(jacobian(x_from, x_to, y))
 
 
-def _within(J: Bounded, least: float, most: float) -> Bounded:
-    value: Scalars = np.clip(J.value, least, most)
-    # The limit is a literal, rounded as such, of another size than J.
-    return Bounded(value, J.error + J.rounding.unit * value, J.rounding)
-
-
-def _clamped_3(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
-    return _within(jacobian(x_from, x_to, y), 1 / 3, 3.0)
-
-
-def _clamped_2(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
-    return _within(jacobian(x_from, x_to, y), 1 / 2, 2.0)
-
-
-def _clamped_8(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
-    return _within(jacobian(x_from, x_to, y), 0.0, 8.0)
-
-
-def _clamped_10(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
-    return _within(jacobian(x_from, x_to, y), 0.0, 10.0)
-
-
-def _rejected_10(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
+def _cut_at_0(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
     J = jacobian(x_from, x_to, y)
-    none = constant(0.0, J)
-    return choose((J.value >= 0.1) & (J.value <= 10), J, none)
-
-
-def _rejected_2(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
-    J = jacobian(x_from, x_to, y)
-    return choose(J.value <= 2, J, constant(0.0, J))
+    faces = [inner(y.normal, x.position - y.position).value for x in (x_from, x_to)]
+    return choose((faces[0] > 0) & (faces[1] > 0), J, constant(0.0, J))
 
 
 _TABLE = (
@@ -167,47 +145,47 @@ _TABLE = (
         "jacobian-clamped-to-3",
         "the Jacobian is clamped to [1/3, 3]",
         "J = clamp(J, 1/3, 3)",
-        _clamped_3,
+        clamped_3,
         ("RTXDI sample",),
     ),
     (
         "jacobian-clamped-to-2",
         "the Jacobian is clamped to [1/2, 2]",
         "J = clamp(J, 1/2, 2)",
-        _clamped_2,
+        clamped_2,
         (),
     ),
     (
         "jacobian-at-most-8",
         "the Jacobian is cut at 8",
         "J = min(J, 8)",
-        _clamped_8,
+        clamped_8,
         ("kajiya",),
     ),
     (
         "jacobian-at-most-10",
         "the Jacobian is cut at 10",
         "J = min(J, 10)",
-        _clamped_10,
+        clamped_10,
         ("ReSTIR_PT",),
     ),
     (
         "jacobian-rejected-beyond-10",
         "shifts with J outside of [1/10, 10] are refused, and Z does not know",
         "w = 0 where J < 1/10 or J > 10",
-        _rejected_10,
+        rejected_beyond_10,
         ("RTXDI", "bevy #20259"),
     ),
     (
         "jacobian-rejected-beyond-2",
         "shifts with J above 2 are refused, and Z does not know",
         "w = 0 where J > 2",
-        _rejected_2,
+        rejected_2,
         ("bevy #20580",),
     ),
 )
 
-JACOBIANS = tuple(
+_MISTAKES = tuple(
     Hypothesis(
         name,
         mistake,
@@ -218,4 +196,18 @@ JACOBIANS = tuple(
         seen,
     )
     for name, mistake, wrong, formula, seen in _TABLE
+)
+
+
+JACOBIANS = (
+    *_MISTAKES,
+    Hypothesis(
+        "jacobian-cut-at-the-back",
+        "the Jacobian is 0 behind the sample, where the target is 0 too",
+        "J = (max(cos φ_to, 0) / max(cos φ_from, 0)) · (d_from² / d_to²)",
+        RIGHT,
+        ("jacobian",),
+        replace(CONTRACT_RULES, jacobian=_cut_at_0),
+        departure="order",
+    ),
 )

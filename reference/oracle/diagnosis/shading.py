@@ -8,12 +8,13 @@ import numpy as np
 
 from reference.arrays import Masks
 from reference.oracle.contract.fields import Value
-from reference.oracle.diagnosis.hypothesis import Hypothesis
+from reference.oracle.diagnosis.hypothesis import Departure, Hypothesis
 from reference.oracle.replay.bounded import Bounded, constant
-from reference.oracle.replay.formulas import density, reflected, target
+from reference.oracle.replay.formulas import reflected, target
 from reference.oracle.replay.geometry import cosine_at, lit_at
 from reference.oracle.replay.points import Point, Receiver
 from reference.oracle.replay.rules import CONTRACT_RULES
+from reference.oracle.replay.sources import density
 from reference.oracle.replay.verbs import (
     choose,
     inner,
@@ -102,9 +103,12 @@ def _cosine_density_for_uniform(source: Value, at: Bounded) -> Bounded:
     return density("cosine", at)
 
 
-def _shade_mistake(name: str, mistake: str, wrong: str, change: Any) -> Hypothesis:
+def _shade_mistake(
+    name: str, mistake: str, wrong: str, change: Any, departure: Departure = ""
+) -> Hypothesis:
     rules = replace(CONTRACT_RULES, reflected=change)
-    return Hypothesis(name, mistake, wrong, F_RIGHT, ("shade",), rules)
+    shows = ("shade",)
+    return Hypothesis(name, mistake, wrong, F_RIGHT, shows, rules, departure=departure)
 
 
 def _density_mistake(name: str, mistake: str, wrong: str, change: Any) -> Hypothesis:
@@ -152,8 +156,9 @@ SHADING = (
     _shade_mistake(
         "shade-back-of-sample",
         "sample points shine on their back too",
-        "no test of n_s·ω",
+        "no test of n_s·ω, which is the target's: W is 0 there",
         _shade_both_sides,
+        "order",
     ),
     _density_mistake(
         "density-of-half-the-hemisphere",

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from math import pi
 from typing import Any
 
@@ -9,18 +10,41 @@ import numpy as np
 
 from reference.arrays import Masks
 from reference.oracle.contract.fields import Value
-from reference.oracle.diagnosis.hypothesis import Hypothesis
+from reference.oracle.diagnosis.hypothesis import Departure, Hypothesis
+from reference.oracle.diagnosis.luminances import (
+    largest_channel,
+    mean_of_channels,
+    rec_601,
+    red_channel,
+)
 from reference.oracle.replay.bounded import Bounded, constant
 from reference.oracle.replay.formulas import target
-from reference.oracle.replay.geometry import cosine_at, luminance, on_both_sides
+from reference.oracle.replay.geometry import cosine_at, lit_at, luminance, on_both_sides
 from reference.oracle.replay.points import Point, Receiver
 from reference.oracle.replay.rules import CONTRACT_RULES
-from reference.oracle.replay.verbs import choose, inner
+from reference.oracle.replay.verbs import choose, inner, where_positive
 
 TARGETS_IN = ("target", "initial", "temporal", "moved", "spatial")
 P_RIGHT = "p̂ = Y(albedo / π · L_o) · cos θ"
 
-Formula = Callable[[Bounded, Bounded], Bounded]
+
+def _doubled(p_hat: Bounded, x: Receiver, y: Point) -> Bounded:
+    return p_hat + p_hat
+
+
+def _scattered_always(kind: Value, x: Receiver, y: Point) -> Bounded:
+    return target("scattered", x, y)
+
+
+def _outgoing_always(kind: Value, x: Receiver, y: Point) -> Bounded:
+    return target("outgoing", x, y)
+
+
+def _outgoing_anywhere(kind: Value, x: Receiver, y: Point) -> Bounded:
+    """Equation 10 below the horizon too."""
+    if kind == "scattered":
+        return target(kind, x, y)
+    return where_positive(lit_at(x, y), luminance(y.radiance))
 
 
 def _scattered(change: Callable[[Bounded, Receiver, Point], Bounded]) -> Any:
@@ -47,7 +71,9 @@ def _without_cosine(p_hat: Bounded, x: Receiver, y: Point) -> Bounded:
 
 
 def _cosine_twice(p_hat: Bounded, x: Receiver, y: Point) -> Bounded:
-    return p_hat * cosine_at(x, y)
+    # The square alone may be too small for its type, unlike its product with light.
+    cosine, light = cosine_at(x, y), luminance(x.albedo * y.radiance)
+    return on_both_sides(x, y, light * (cosine * cosine) / constant(pi, light))
 
 
 def _without_albedo(p_hat: Bounded, x: Receiver, y: Point) -> Bounded:
@@ -77,24 +103,6 @@ def _with_light(light: Callable[[Bounded], Bounded]) -> Any:
     return changed
 
 
-def _shares(red: float, green: float, blue: float) -> Callable[[Bounded], Bounded]:
-    def light(color: Bounded) -> Bounded:
-        shares = np.broadcast_to([red, green, blue], color.value.shape)
-        error = color.rounding.unit * shares
-        return inner(color, Bounded(shares, error, color.rounding))
-
-    return light
-
-
-def _red(color: Bounded) -> Bounded:
-    return color[:, 0]
-
-
-def _largest(color: Bounded) -> Bounded:
-    most = color.value.argmax(axis=1)
-    return color[np.arange(len(most)), most]
-
-
 def _pure_is_null(p_hat: Bounded, x: Receiver, y: Point) -> Bounded:
     full: Masks = np.all((x.albedo * y.radiance).value > 0, axis=1)
     return choose(full, p_hat, constant(0.0, p_hat))
@@ -112,63 +120,97 @@ def _below_the_horizon(kind: Value, x: Receiver, y: Point) -> Bounded:
 
 
 def _target_mistake(
-    name: str, mistake: str, wrong: str, change: Any, *seen: str
+    name: str,
+    mistake: str,
+    wrong: str,
+    change: Any,
+    *seen: str,
+    departure: Departure = "",
 ) -> Hypothesis:
-    rules = replace(CONTRACT_RULES, target=change, reuse_target=change)
-    return Hypothesis(name, mistake, wrong, P_RIGHT, TARGETS_IN, rules, seen)
+    rules = replace(
+        CONTRACT_RULES, target=change, reuse_target=change, domain_target=change
+    )
+    return Hypothesis(name, mistake, wrong, P_RIGHT, TARGETS_IN, rules, seen, departure)
+
+
+_departure = partial(_target_mistake, departure="target")
 
 
 TARGETS = (
-    _target_mistake(
+    _departure(
         "target-without-pi",
         "the target lacks 1/π",
         "p̂ = Y(albedo · L_o) · cos θ",
         _scattered(_times_pi),
     ),
-    _target_mistake(
+    _departure(
         "target-pi-twice",
         "the target is divided by π twice",
         "p̂ = Y(albedo / π² · L_o) · cos θ",
         _scattered(_over_pi),
     ),
-    _target_mistake(
+    _departure(
         "target-without-cosine",
         "the target lacks the cosine",
         "p̂ = Y(albedo / π · L_o)",
         _scattered(_without_cosine),
         "the paper's Equation 10, where Equation 9 is asked for",
     ),
-    _target_mistake(
+    _departure(
         "target-cosine-twice",
         "the target has the cosine twice",
         "p̂ = Y(albedo / π · L_o) · cos² θ",
         _scattered(_cosine_twice),
     ),
-    _target_mistake(
+    _departure(
         "target-without-albedo",
         "the target lacks the albedo",
         "p̂ = Y(L_o) / π · cos θ",
         _scattered(_without_albedo),
     ),
-    _target_mistake(
+    _departure(
         "target-with-geometry-term",
         "the target has the geometry term of an area measure",
         "p̂ = Y(albedo / π · L_o) · cos θ cos φ / d²",
         _scattered(_geometry_term),
         "ReSTIR_GI by shallairo",
     ),
-    _target_mistake(
+    _departure(
         "luminance-of-rec-601",
         "luminance has the weights of Rec. 601",
         "Y = 0.299 R + 0.587 G + 0.114 B",
-        _with_light(_shares(0.299, 0.587, 0.114)),
+        _with_light(rec_601),
         "ReSTIR_PT",
     ),
-    _target_mistake(
+    _departure(
         "mean-of-channels",
         "the mean of the channels stands for luminance",
         "Y = (R + G + B) / 3",
-        _with_light(_shares(1 / 3, 1 / 3, 1 / 3)),
+        _with_light(mean_of_channels),
+    ),
+    _departure(
+        "target-doubled",
+        "the target is twice as large: right in law",
+        "2 p̂",
+        _scattered(_doubled),
+    ),
+    _departure(
+        "target-always-scattered",
+        "the target is that of Equation 9 whatever is asked for: right in mean",
+        "p̂ = Y(albedo / π · L_o) · cos θ",
+        _scattered_always,
+    ),
+    _departure(
+        "target-always-outgoing",
+        "the target is that of Equation 10 whatever is asked for: right in mean",
+        "p̂ = Y(L_o)",
+        _outgoing_always,
+    ),
+    _target_mistake(
+        "outgoing-without-horizon",
+        "the target of Equation 10 is not 0 below the horizon",
+        "p̂ = Y(L_o) wherever the sample shines",
+        _outgoing_anywhere,
     ),
     _target_mistake(
         "back-of-sample-shines",
@@ -189,13 +231,13 @@ TARGETS = (
         "red-channel",
         "the red channel stands for luminance",
         "Y = R",
-        _with_light(_red),
+        _with_light(red_channel),
     ),
-    _target_mistake(
+    _departure(
         "largest-channel",
         "the largest channel stands for luminance: right in law",
         "Y = max(R, G, B)",
-        _with_light(_largest),
+        _with_light(largest_channel),
     ),
     _target_mistake(
         "pure-colours-are-null",

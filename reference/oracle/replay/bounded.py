@@ -83,7 +83,11 @@ class Bounded:
 
     def __mul__(self, other: "Bounded") -> "Bounded":
         a, b = np.abs(self.value), np.abs(other.value)
-        error = a * other.error + self.error * b + self.error * other.error
+        with np.errstate(invalid="ignore", over="ignore"):
+            error = a * other.error + self.error * b + self.error * other.error
+        # Of an exact 0 nothing is left, even times what is not known at all.
+        none = ((a == 0) & (self.error == 0)) | ((b == 0) & (other.error == 0))
+        error = np.where(np.isnan(error), np.where(none, 0.0, np.inf), error)
         flushed = np.where((a > 0) & (b > 0), self.rounding.tiny, 0.0)
         return self._result(self.value * other.value, error + flushed)
 

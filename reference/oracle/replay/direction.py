@@ -1,16 +1,13 @@
 """Replay of drawn directions, in whatever frame a backend has about its normals."""
 
-from math import pi
-
 import numpy as np
 
 from reference.arrays import Scalars, Vec3s
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
-from reference.oracle.replay.bounded import Bounded, constant, exact, rounding_of
+from reference.oracle.replay.bounded import Bounded, exact, rounding_of
 from reference.oracle.replay.judgement import Compared, Judgement, beside
 from reference.oracle.replay.rules import Rules
-from reference.oracle.replay.verbs import square_root
 
 SINE = 8
 """Roundings of a sine or cosine: the argument's, magnified by up to 2π, and its own."""
@@ -44,20 +41,18 @@ def judge_direction(
     rounding = rounding_of(precision)
     source = case.settings["source"]
     u = exact(case.inputs["u"], rounding)
-    cosine = (
-        u[:, 0]
-        if source == "uniform"
-        else square_root(constant(1.0, u[:, 0]) - u[:, 0])
-    )
+    cosine = rules.drawn_cosine(source, u[:, 0])
     normal = case.inputs["visible_normal"].astype(np.float64)
     direction = outputs["direction"].astype(np.float64)
     # Each component of the direction has a few roundings of a number up to 1, and the
     # normal may itself be off unit length by some.
     room = 8 * rounding.unit
-    found = (normal * direction).sum(axis=1)
+    outward = -1.0 if rules.inward else 1.0
+    found = outward * (normal * direction).sum(axis=1)
     length = np.sqrt((direction * direction).sum(axis=1))
     p = rules.density(source, _at(cosine, room))
-    turned, wanted, loose = _azimuths(direction, normal, case.inputs["u"], room)
+    angle = rules.turn * case.inputs["u"][:, rules.azimuth_number].astype(float)
+    turned, wanted, loose = _azimuths(direction, normal, angle, room)
     ones = np.ones(case.rows)
     return Judgement(
         (
@@ -75,10 +70,12 @@ def _at(cosine: Bounded, room: float) -> Bounded:
 
 
 def _azimuths(
-    direction: Vec3s, normal: Vec3s, u: Scalars, room: float
+    direction: Vec3s, normal: Vec3s, phi: Scalars, room: float
 ) -> tuple[Scalars, Scalars, Scalars]:
     """Cosine of the azimuth from the first row of the same normal; wanted; allowed."""
-    _, first, group = np.unique(normal, axis=0, return_index=True, return_inverse=True)
+    # By their bits: a frame may turn where a component is −0.
+    bits = np.ascontiguousarray(normal).view(np.int64)
+    _, first, group = np.unique(bits, axis=0, return_index=True, return_inverse=True)
     along = direction - (normal * direction).sum(axis=1)[:, None] * normal
     sine = np.sqrt((along * along).sum(axis=1))
     base = first[group.ravel()]
@@ -86,7 +83,7 @@ def _azimuths(
     turned = np.divide(
         (along * along[base]).sum(axis=1), both, out=np.ones_like(both), where=both > 0
     )
-    angle = 2 * pi * (u[:, 1].astype(float) - u[base, 1].astype(float))
+    angle = phi - phi[base]
     least = np.minimum(sine, sine[base])
     loose = np.where(least > 4 * room, (SINE + 4) * room / np.maximum(least, room), 2.0)
     return turned, np.where(both > 0, np.cos(angle), 1.0), loose

@@ -111,10 +111,14 @@ def preference(u: Bounded, w_before: Bounded, w: Bounded) -> Bounded:
     Returns
     -------
     Bounded
-        (N,); w itself where nothing came before.
+        (N,); w itself where nothing came before.  A share of the sum below the smallest
+        number of the type may be lost, as it is where u is held against w / S.
     """
     alone = (w_before.value == 0) & (w_before.error == 0)
-    return choose(alone, w, w - u * (w_before + w))
+    S = w_before + w
+    slack = w - u * S
+    lost = slack.rounding.tiny * np.abs(S.value)
+    return choose(alone, w, Bounded(slack.value, slack.error + lost, slack.rounding))
 
 
 def fresh_confidence(w: Bounded) -> Bounded:
@@ -167,24 +171,20 @@ def finalized(w: Bounded, p_hat: Bounded, Z: Bounded) -> Bounded:
     return w / p_hat / Z
 
 
-def density(source: Value, cosine: Bounded) -> Bounded:
-    """Source density of a direction.
+def merged(a: Bounded, b: Bounded) -> Bounded:
+    """Weight, or confidence, of two reservoirs together: the sum.
 
     Parameters
     ----------
-    source : 'uniform' or 'cosine'
-        Which.
-    cosine : Bounded
-        (N,), with the normal.
+    a, b : Bounded
+        (N,) each: what came before, and the next.
 
     Returns
     -------
     Bounded
         (N,)
     """
-    if source == "uniform":
-        return constant(1 / (2 * pi), cosine)
-    return cosine / constant(pi, cosine)
+    return a + b
 
 
 def fresh_weight(p_hat: Bounded, pdf: Bounded) -> Bounded:

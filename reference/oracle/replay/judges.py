@@ -64,8 +64,8 @@ def _merge(case: Case, out: Buffers, rules: Rules, precision: Precision) -> Judg
     return Judgement(
         (
             second,
-            beside("w", out["w"], w_a + w_b),
-            beside("M", out["M"], given["M_a"] + given["M_b"]),
+            beside("w", out["w"], rules.merged_weight(w_a, w_b)),
+            beside("M", out["M"], rules.merged_confidence(given["M_a"], given["M_b"])),
         ),
         {"u (w_a + w_b)": given["u"].value * (w_a + w_b).value, "w_b": w_b.value},
         Decisions(np.zeros(case.rows, bool), excused, mean),

@@ -49,9 +49,10 @@ def similarity(
     """
     unit = depth_a.rounding.unit
     angle = inner(normal_a, normal_b)
-    alike = Bounded(
-        angle.value - least_cosine, angle.error + unit * least_cosine, angle.rounding
-    )
+    # A cosine moves by the sine for each rounding of its angle, of up to π.
+    sine = np.sqrt(max(1 - least_cosine**2, 0.0))
+    turned = unit * (abs(least_cosine) + np.pi * sine)
+    alike = Bounded(angle.value - least_cosine, angle.error + turned, angle.rounding)
     difference = abs(depth_a - depth_b)
     scale = np.maximum(depth_a.value, depth_b.value)
     if rules.depth_test == "own":

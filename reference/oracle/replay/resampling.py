@@ -8,7 +8,7 @@ from reference.oracle.replay.bounded import Bounded, exact
 from reference.oracle.replay.judgement import Compared, Decisions, Judgement, beside
 from reference.oracle.replay.points import Point, same_points
 from reference.oracle.replay.rules import Rules
-from reference.oracle.replay.slots import Closing, Slot, nothing
+from reference.oracle.replay.slots import Closing, Slot, backwards, nothing
 from reference.oracle.replay.verbs import choose
 
 COPIED = ("position", "normal", "radiance")
@@ -38,7 +38,9 @@ def judge_resampling(
         Where the backend's choice is one that rounding allows, its weight is asked
         for; so nothing hangs on a choice that could as well have gone the other way.
     """
-    sums = _sums(slots)
+    if rules.backwards:
+        slots, closing = backwards(slots, closing)
+    sums = _sums(slots, rules)
     total, empty = sums[-1], sums[-1].value == 0
     allowed, surely = _choices(slots, sums, rules)
     held = np.stack([same_points(outputs, slot.y) for slot in slots])
@@ -66,10 +68,10 @@ def _row(kept: Indices) -> Indices:
     return np.arange(len(kept))
 
 
-def _sums(slots: list[Slot]) -> list[Bounded]:
+def _sums(slots: list[Slot], rules: Rules) -> list[Bounded]:
     sums = [slots[0].w]
     for slot in slots[1:]:
-        sums.append(sums[-1] + slot.w)
+        sums.append(rules.merged_weight(sums[-1], slot.w))
     return sums
 
 
@@ -120,9 +122,11 @@ def _closed(
 ) -> tuple[dict[str, Bounded], Bounded]:
     """W with its parts, and M, of rows that kept the given slots."""
     y, p_hat = _of_kept(slots, kept)
+    if rules.target_of == "first":
+        p_hat = slots[0].p_hat
     M = slots[0].M
     for slot in slots[1:]:
-        M = M + slot.M
+        M = rules.merged_confidence(M, slot.M)
     Z = _normalization(slots, kept, y, M, closing, rules)
     if rules.cap_when == "first":
         Z = rules.capped(Z, closing.cap)
@@ -134,7 +138,7 @@ def _closed(
     W = rules.finalized(total, divisor, Z)
     if rules.cap_when == "late":
         W = W * (M / rules.capped(M, closing.cap))
-    if rules.cap_when != "never":
+    if rules.cap_when not in ("never", "arrival"):
         M = rules.capped(M, closing.cap)
     return {"W": W, "p_hat": divisor, "Z": Z, "sum of w": total}, M
 

@@ -169,10 +169,21 @@ def _reused(
     rounding = rounding_of(precision)
     y = point_of(case.inputs, rounding, prefix)
     W, M = (exact(case.inputs[prefix + name], rounding) for name in ("W", "M"))
-    p_hat = rules.reuse_target(case.settings["target"], x, y)
+    M = rules.reused_confidence(M)
+    if rules.cap_when == "arrival":
+        M = rules.capped(M, float(case.settings["cap"]))
+    at = x_from if x_from and rules.donors_target else x
+    p_hat = rules.reuse_target(case.settings["target"], at, y)
     J = rules.jacobian(x_from, x, y) if x_from else constant(1.0, W)
     w = _weighted(rules, p_hat, W, M, J)
-    return Slot(y, p_hat, w, M, exact(case.inputs[u], rounding))
+    return Slot(y, p_hat, w, _trusted(rules, M, J), exact(case.inputs[u], rounding))
+
+
+def _trusted(rules: Rules, M: Bounded, J: Bounded) -> Bounded:
+    """M of a shift, which by the contract counts whatever became of the sample."""
+    if rules.refused_counts:
+        return M
+    return choose(J.value > 0, M, constant(0.0, M))
 
 
 def _weighted(
@@ -199,11 +210,14 @@ def _neighbor(
     x_from = x.rows(row)
     W, M = (exact(case.inputs[name][row], rounding) for name in ("W", "M"))
     none = constant(0.0, M)
-    M = choose(there, M, none)
-    p_hat = rules.reuse_target(case.settings["target"], x, y)
+    there = there | rules.none_is_first
+    M = rules.reused_confidence(choose(there | rules.rejected_counts, M, none))
+    at = x_from if rules.donors_target else x
+    p_hat = rules.reuse_target(case.settings["target"], at, y)
     trusted = M * constant(rules.neighbor_trust, M) if rules.neighbor_trust != 1 else M
-    w = _weighted(rules, p_hat, W, trusted, rules.jacobian(x_from, x, y))
-    w = choose(there, w, none)
+    J = rules.jacobian(x_from, x, y)
+    w = choose(there, _weighted(rules, p_hat, W, trusted, J), none)
+    M = _trusted(rules, M, J)
     u = case.inputs["u_neighbors"][:, 0 if rules.shared_decision else k]
     if rules.shared_decision == "all":
         u = case.inputs["u_own"]

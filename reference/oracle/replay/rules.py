@@ -2,17 +2,18 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import pi
 from typing import Any
 
 from reference.oracle.contract.fields import Value
 from reference.oracle.replay.bounded import Bounded
 from reference.oracle.replay.formulas import (
     capped,
-    density,
     finalized,
     fresh_confidence,
     fresh_weight,
     jacobian,
+    merged,
     preference,
     reflected,
     shaded,
@@ -20,6 +21,23 @@ from reference.oracle.replay.formulas import (
     weight,
 )
 from reference.oracle.replay.points import Point, Receiver
+from reference.oracle.replay.sources import density, drawn_cosine
+
+
+def as_it_is(M: Bounded) -> Bounded:
+    """A confidence, unchanged.
+
+    Parameters
+    ----------
+    M : Bounded
+        (N,)
+
+    Returns
+    -------
+    Bounded
+        (N,)
+    """
+    return M
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,10 +47,14 @@ class Rules:
     Attributes
     ----------
     target, reflected, jacobian, weight, preference, fresh_confidence, capped, \
-finalized, density, fresh_weight, shaded : callable
+finalized, density, drawn_cosine, fresh_weight, shaded : callable
         Formulas, as the functions of this module.
     reuse_target, domain_target : callable
         Target of reused samples at the receiver, and of the kept sample at donors.
+    merged_weight, merged_confidence : callable
+        What a merge leaves of two weights, and of two confidences.
+    reused_confidence : callable
+        M of a reservoir that arrives.
     hidden_counts : 'all', 'nulls' or 'none'
         Which samples that the receiver does not see have their M counted: those with no
         light alone are nulls.
@@ -44,10 +66,20 @@ finalized, density, fresh_weight, shaded : callable
         The receiver's own reservoir, and that of who made the kept sample.
     receivers_domain : bool
         The receiver is asked in place of the donor.
+    backwards : bool
+        The stream is read from its end, with the same numbers.
     canonical_merged : bool
         The receiver's own reservoir takes part.
     normalization : str
         'asked', or in place of that '1/M', '1/Z' or '1'.
+    refused_counts : bool
+        M of a reservoir whose shift has a Jacobian of 0.
+    rejected_counts, none_is_first : bool
+        A neighbour of row −1 lends the M of row 0, or all that row 0 has.
+    donors_target : bool
+        The target of reused samples is that at the donor.
+    target_of : 'kept' or 'first'
+        Slot whose target W is divided by.
     counted_as : 'own', 'last', 'one', 'merged' or 'rest'
         What Z adds for a reservoir: its M, that of the last one, 1, or for those of the
         receiver the sum of all.  'rest': 1/M leaves out the first in the stream.
@@ -61,11 +93,18 @@ finalized, density, fresh_weight, shaded : callable
         One number decides on all neighbours, or on all reservoirs.
     ignored_words : tuple of int
         Words of the random key that are taken for 0.
-    cap_when : 'closed', 'never', 'first' or 'late'
-        M is capped when the reservoir is closed, never, before W is calculated, or
-        after it with the sum of weights left as it was.
+    cap_when : 'closed', 'never', 'first', 'late' or 'arrival'
+        M is capped when the reservoir is closed, never, before W is calculated, after
+        it with the sum of weights left as it was, or where the pixel's own reservoir
+        arrives.
     depth_test : 'symmetric' or 'own'
         Relative to the larger depth, or to the pixel's own.
+    turn : float
+        Azimuth of the second number 1, in radians.
+    azimuth_number : int
+        Which of the two numbers the azimuth takes.
+    inward : bool
+        Directions are on the other side of the surface.
     narrows : bool
         The search radius is halved after a failure.
     part : object
@@ -83,15 +122,25 @@ finalized, density, fresh_weight, shaded : callable
     finalized: Callable[[Bounded, Bounded, Bounded], Bounded] = finalized
     density: Callable[[Value, Bounded], Bounded] = density
     domain_target: Callable[[Value, Receiver, Point], Bounded] = target
+    drawn_cosine: Callable[[Value, Bounded], Bounded] = drawn_cosine
     fresh_weight: Callable[[Bounded, Bounded], Bounded] = fresh_weight
     shaded: Callable[[Bounded, Bounded], Bounded] = shaded
+    merged_weight: Callable[[Bounded, Bounded], Bounded] = merged
+    merged_confidence: Callable[[Bounded, Bounded], Bounded] = merged
+    reused_confidence: Callable[[Bounded], Bounded] = as_it_is
     hidden_counts: str = "all"
     nulls_count: bool = True
+    refused_counts: bool = True
+    rejected_counts: bool = False
+    none_is_first: bool = False
+    donors_target: bool = False
+    target_of: str = "kept"
     visibility_in_weight: bool = True
     visibility_in_z: bool = True
     canonical_in_z: bool = True
     maker_in_z: bool = True
     receivers_domain: bool = False
+    backwards: bool = False
     canonical_merged: bool = True
     counted_as: str = "own"
     as_stored: bool = False
@@ -102,6 +151,9 @@ finalized, density, fresh_weight, shaded : callable
     ignored_words: tuple[int, ...] = ()
     cap_when: str = "closed"
     depth_test: str = "symmetric"
+    turn: float = 2 * pi
+    azimuth_number: int = 1
+    inward: bool = False
     narrows: bool = True
     part: Any = None
 

@@ -93,6 +93,31 @@ def nothing(like: Bounded) -> Bounded:
     return Bounded(none, none, like.rounding)
 
 
+def backwards(slots: list[Slot], closing: Closing) -> tuple[list[Slot], Closing]:
+    """The stream from its end; each place keeps its random number.
+
+    Parameters
+    ----------
+    slots : list of Slot
+        In the order of the contract.
+    closing : Closing
+        How it ends.
+
+    Returns
+    -------
+    slots, closing
+        Whoever is asked about the samples is asked in the new order.
+    """
+    found = [replace(b, u=a.u) for a, b in zip(slots, slots[::-1], strict=True)]
+    turned = [
+        replace(slot, domain=replace(slot.domain, sees=slot.domain.sees[::-1]))
+        if slot.domain
+        else slot
+        for slot in found
+    ]
+    return turned, replace(closing, canonical=len(slots) - 1 - closing.canonical)
+
+
 def with_hidden(slot: Slot, seen: Masks, rules: Rules) -> Slot:
     """A slot whose sample the receiver may not see.
 

@@ -9,7 +9,7 @@ from reference.oracle.replay.judgement import Judgement
 from reference.oracle.report.rows import as_number, worst_case
 from reference.oracle.report.worst import answers_of, excess_of, worst_answer
 from reference.oracle.rungs.probe import Answer
-from reference.oracle.verdict import Timed, Verdict
+from reference.oracle.verdict import Timed, Verdict, departs, explicable
 
 DOCUMENTATION = ""
 """Address of the documentation, with its last slash; empty where it has none."""
@@ -51,9 +51,11 @@ def _headline(verdict: Verdict, told: list[dict[str, Any]]) -> str:
     def of(status: str) -> list[str]:
         return [p["name"] for p in told if p["status"] == status]
 
-    right, wrong = of("right"), of("wrong")
+    right, wrong, departed = of("right"), of("wrong"), of("departs")
     if verdict.status == "PASS":
         text = f"all that was asked is right to rounding, in {_count(right)}"
+        if departed:
+            text += f"; no bias comes of the others: {', '.join(departed)}"
         bound = verdict.certified
         return text if bound is None else f"{text}; bias of the mean ≤ {bound:.2%}"
     if wrong:
@@ -101,7 +103,7 @@ def _pass(verdict: Verdict, pass_name: str) -> dict[str, Any]:
     matches = [d for d in verdict.diagnoses if d.pass_name == pass_name]
     return {
         "name": pass_name,
-        "status": "wrong" if faults else "right" if answers else "not judged",
+        "status": _status(matches, answers),
         "fault": faults[0] if faults else None,
         "faults": faults,
         "cases": len(answers),
@@ -113,6 +115,15 @@ def _pass(verdict: Verdict, pass_name: str) -> dict[str, Any]:
         "conclusion": _conclusion(matches, worst) if faults else None,
         "diagnosis": [entry for diagnosis in matches for entry in _named(diagnosis)],
     }
+
+
+def _status(matches: list[Diagnosis], answers: list[Answer]) -> str:
+    wrong = [a for a in answers if a.finding and not a.finding.passed]
+    if not wrong:
+        return "right" if answers else "not judged"
+    if any(map(departs, matches)) and all(map(explicable, wrong)):
+        return "departs"
+    return "wrong"
 
 
 def _largest(judgements: list[Judgement]) -> dict[str, float | None]:

@@ -5,12 +5,14 @@ from typing import Any
 
 import numpy as np
 
-from reference.oracle.cases import Case
+from reference.oracle.cases import Buffers
 from reference.oracle.replay.judgement import Compared, Judgement
 from reference.oracle.report.worst import excess_of, worst_rows
 from reference.oracle.rungs.probe import Answer
 
 MOST_ROWS = 5
+
+SLOT = "w of slot "
 
 
 def worst_case(answer: Answer) -> dict[str, Any]:
@@ -34,7 +36,8 @@ def worst_case(answer: Answer) -> dict[str, Any]:
         "wrong_rows": int(judgement.wrong.sum()),
         "rows": case.rows,
         "worst": [
-            _row(case, judgement, int(row)) for row in worst_rows(judgement, MOST_ROWS)
+            _row(answer, judgement, int(row))
+            for row in worst_rows(judgement, MOST_ROWS)
         ],
     }
 
@@ -60,15 +63,29 @@ def _finite(value: Any) -> Any:
     return None if isinstance(value, float) and not isfinite(value) else value
 
 
-def _row(case: Case, judgement: Judgement, row: int) -> dict[str, Any]:
-    width = case.width
+def _row(answer: Answer, judgement: Judgement, row: int) -> dict[str, Any]:
+    width, found = answer.probe.case.width, answer.outputs or {}
     return {
         "row": row,
         "x": None if width is None else row % width,
         "y": None if width is None else row // width,
         "outputs": {c.name: _compared(c, row) for c in judgement.compared},
-        "terms": {name: as_number(term[row]) for name, term in judgement.terms.items()},
+        "terms": {
+            name: {
+                "found": as_number(_found(found, name, row)),
+                "expected": as_number(term[row]),
+            }
+            for name, term in judgement.terms.items()
+        },
     }
+
+
+def _found(outputs: Buffers, name: str, row: int) -> Any:
+    """The backend's side of a term; ``None`` where it does not give it."""
+    if name.startswith(SLOT) and "term_w" in outputs:
+        return outputs["term_w"][row, int(name.removeprefix(SLOT))]
+    term = outputs.get(f"term_{name}")
+    return None if term is None else term[row]
 
 
 def _compared(compared: Compared, row: int) -> dict[str, Any]:

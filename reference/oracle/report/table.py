@@ -22,7 +22,7 @@ def table(plain: Mapping[str, Any]) -> Group:
         A line for each rung, two for each wrong pass, and last the verdict.
     """
     parts: list[Table | Text] = [_rungs(plain)] if plain["steps"] else []
-    wrong = [p for p in plain["passes"] if p["status"] == "wrong"]
+    wrong = [p for p in plain["passes"] if p["status"] in ("wrong", "departs")]
     if wrong:
         parts.append(_wrong(wrong))
     lonely = [f for s in plain["steps"] if not s["wrong_passes"] for f in s["faults"]]

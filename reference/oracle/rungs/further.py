@@ -53,7 +53,7 @@ def further_cases(precision: Precision) -> list[Case]:
     ]
 
 
-RANDOM = {"reproject", "roulette"}
+RANDOM = {"reproject", "reproject-beside", "roulette"}
 """Whose decisions hang on numbers that were drawn."""
 
 WHOLE_FRAMES = {"gbuffer", "reproject", "boiling", "boiling-edge", "checkerboard-even"}

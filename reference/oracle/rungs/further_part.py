@@ -3,6 +3,7 @@
 from reference.oracle.builtin.further import FURTHER
 from reference.oracle.contract.fields import Precision
 from reference.oracle.contract.further import FURTHER_PASSES
+from reference.oracle.diagnosis.further import FURTHER_MISTAKES
 from reference.oracle.parts import Part
 from reference.oracle.replay.further.judges import FURTHER_JUDGES
 from reference.oracle.rungs.further import further_cases
@@ -20,4 +21,5 @@ FURTHER_PART = Part(
     judges=FURTHER_JUDGES,
     own=FURTHER,
     probes=_probes,
+    hypotheses=FURTHER_MISTAKES,
 )

@@ -163,3 +163,16 @@ def reproject_cases(rng: np.random.Generator) -> Iterator[Parts]:
     inputs = {"position": position, "normal": one, "hit": np.ones(ROWS, np.uint32)}
     before = {"normal_before": one, "depth_before": depth}
     yield "reproject-borders", settings, inputs | before
+
+    # All alike, so that the place alone decides; left of the image, right of it and
+    # above, not below, where a row that is too large has no end.
+    rng = np.random.default_rng(2028)
+    x, y = rng.uniform(-2, WIDTH + 2, ROWS), rng.uniform(-2, HEIGHT - 2, ROWS)
+    z = rng.uniform(9.9, 10.1, ROWS)
+    inputs = {
+        "position": points(x, y, z),
+        "normal": one,
+        "hit": np.ones(ROWS, np.uint32),
+    }
+    before = {"normal_before": one, "depth_before": np.full(ROWS, 10.0)}
+    yield "reproject-beside", settings, inputs | before

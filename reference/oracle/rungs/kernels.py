@@ -8,28 +8,38 @@ from reference.arrays import Scalars, Vec3s
 from reference.oracle.buffers import given
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
+from reference.oracle.rungs.exact import examined_exactly
+from reference.oracle.rungs.exact_extremes import (
+    direction_case,
+    jacobian_reaches,
+    similar_extremes,
+    target_extremes,
+)
 from reference.oracle.rungs.probe import Finding, Probe
 from reference.oracle.rungs.replayed import replayed
 
 ROWS = 2048
 
 
-def kernel_probes(precision: Precision) -> list[Probe]:
+def kernel_probes(precision: Precision, seed: int = 2026) -> list[Probe]:
     """One probe for each kernel, and more where it has extremes.
 
     Parameters
     ----------
     precision : 'float32' or 'float64'
         Of the backend.
+    seed : int
+        Of the rows that are no extremes.
 
     Returns
     -------
     list of Probe
-        Of rung L0.
+        Of rung L0.  All but ``random``, which is integer, are held against exact
+        numbers, which are calculated when an answer is examined.
     """
-    rng = np.random.default_rng(2026)
+    rng = np.random.default_rng(seed)
+    words = _random(rng, precision)
     cases = [
-        _random(rng, precision),
         _target(rng, precision, "scattered"),
         _target(rng, precision, "outgoing"),
         _shade(rng, precision),
@@ -38,9 +48,17 @@ def kernel_probes(precision: Precision) -> list[Probe]:
         _merge_extremes(precision),
         _finalize(rng, precision),
         _similar(rng, precision),
+        direction_case("uniform", precision),
+        direction_case("cosine", precision),
+        target_extremes("scattered", precision),
+        target_extremes("outgoing", precision),
+        similar_extremes(precision),
     ]
-    probes = [replayed("L0", case) for case in cases]
-    return [*probes, Probe("L0", _jacobian_extremes(precision), _total)]
+    return [
+        replayed("L0", words),
+        *(Probe("L0", case, examined_exactly) for case in cases),
+        Probe("L0", _jacobian_extremes(precision), _total),
+    ]
 
 
 def _unit(v: Vec3s) -> Vec3s:
@@ -90,6 +108,8 @@ def _jacobian(rng: np.random.Generator, precision: Precision) -> Case:
         "position": position,
         "normal": _unit(rng.normal(size=(ROWS, 3))),
     }
+    for name, extremes in jacobian_reaches().items():
+        inputs[name][: len(extremes)] = extremes
     return Case("kernel-jacobian", "jacobian", {}, given(inputs, precision))
 
 

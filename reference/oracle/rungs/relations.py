@@ -6,7 +6,7 @@ clamps and caps, which have a scale of their own, cannot hide.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -19,8 +19,8 @@ from reference.oracle.rungs.probe import Finding
 
 Change = Callable[[dict[str, NDArray[Any]]], dict[str, NDArray[Any]]]
 
-SCALE = np.float32(2.0**9)
-LENGTH = np.float32(2.0**5)
+SCALE, LENGTH = 2.0**9, 2.0**5
+MIRROR = (-1.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,22 +35,32 @@ class Relation:
         Where it holds.
     change : callable
         From inputs to inputs.
-    factors : mapping of str to float
-        By which outputs change; 1 where they are not named.
+    factors : mapping of str to float or tuple of float
+        By which outputs change, or their components; 1 where they are not named.
+    settings : mapping of str to float
+        By which settings change.
     """
 
     name: str
     passes: tuple[str, ...]
     change: Change
-    factors: Mapping[str, float]
+    factors: Mapping[str, float | tuple[float, ...]]
+    settings: Mapping[str, float] = field(default_factory=dict)
 
 
-def _scaled(names: tuple[str, ...], factor: np.float32) -> Change:
+def _scaled(
+    names: tuple[str, ...], factor: float | tuple[float, ...], over: str = ""
+) -> Change:
+    """Inputs times a factor; those that end in `over` are divided by it."""
+
     def change(inputs: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-        return {
-            name: array * array.dtype.type(factor) if name.endswith(names) else array
-            for name, array in inputs.items()
-        }
+        found = dict(inputs)
+        for name, array in inputs.items():
+            if name.endswith(names):
+                found[name] = array * np.array(factor, array.dtype)
+            elif over and name.endswith(over):
+                found[name] = array / np.array(factor, array.dtype)
+        return found
 
     return change
 
@@ -60,6 +70,13 @@ def _grey(inputs: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
         name: np.repeat(array[:, :1], 3, axis=1)
         if name.endswith(("radiance", "albedo"))
         else array
+        for name, array in inputs.items()
+    }
+
+
+def _turned_colors(inputs: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    return {
+        name: array[:, [1, 2, 0]] if name.endswith(("radiance", "albedo")) else array
         for name, array in inputs.items()
     }
 
@@ -78,13 +95,13 @@ RELATIONS = (
         "light times 2^9: the image too, and the same choices and W",
         ("initial", *REUSE, "shade"),
         _scaled(("radiance",), SCALE),
-        {"radiance": float(SCALE), "color": float(SCALE), "p_hat": float(SCALE)},
+        {"radiance": SCALE, "color": SCALE, "p_hat": SCALE},
     ),
     Relation(
         "lengths times 2^5: nothing changes",
         ("target", "jacobian", "initial", *REUSE, "shade"),
         _scaled(("position", "x_from", "x_to"), LENGTH),
-        {"position": float(LENGTH)},
+        {"position": LENGTH},
     ),
     Relation(
         "depths times 2^5: the same neighbours",
@@ -95,8 +112,27 @@ RELATIONS = (
     Relation(
         "albedo times 2^-3: the image too",
         ("shade",),
-        _scaled(("albedo",), np.float32(2.0**-3)),
+        _scaled(("albedo",), 2.0**-3),
         {"color": 2.0**-3},
+    ),
+    Relation(
+        "in a mirror: the same choices and W",
+        ("target", "jacobian", "initial", *REUSE, "shade"),
+        _scaled(("position", "normal", "x_from", "x_to"), MIRROR),
+        {"position": MIRROR, "normal": MIRROR},
+    ),
+    Relation(
+        "W times 2^5 and densities over 2^5: the same choices, W times 2^5",
+        REUSE,
+        _scaled(("W",), LENGTH, over="pdf"),
+        {"W": LENGTH},
+    ),
+    Relation(
+        "confidences times 2: the same choices and W",
+        ("spatial",),
+        _scaled(("M",), 2.0),
+        {"M": 2.0},
+        {"cap": 2.0},
     ),
 )
 
@@ -124,11 +160,21 @@ def relations_of(case: Case) -> list[Test]:
     ]
     if case.pass_name == "shade":
         tests += [partial(_grey_stays_grey, case), partial(_dark_is_black, case)]
+        tests.append(partial(_channels_change_places, case))
+    if case.pass_name in ("initial", *REUSE):
+        tests.append(partial(_nulls_count, case))
     return tests
 
 
 def _holds(relation: Relation, case: Case, ask: Ask) -> Finding:
-    before, after = ask(case), ask(_changed(case, relation.change))
+    changed = _changed(case, relation.change)
+    settings = {
+        name: float(value) * relation.settings[name]
+        if name in relation.settings
+        else value
+        for name, value in case.settings.items()
+    }
+    before, after = ask(case), ask(replace(changed, settings=settings))
     return _compared(case, relation, before, after)
 
 
@@ -140,12 +186,8 @@ def _compared(
     case: Case, relation: Relation, before: Buffers, after: Buffers
 ) -> Finding:
     for name, old in before.items():
-        wanted = old
-        factor = next(
-            (f for end, f in relation.factors.items() if name.endswith(end)), 1.0
-        )
-        if factor != 1.0:
-            wanted = old * old.dtype.type(factor)
+        ends = [f for end, f in relation.factors.items() if name.endswith(end)]
+        wanted = old * np.array(ends[0], old.dtype) if ends else old
         differs = (after[name] != wanted).reshape(len(old), -1).any(axis=1)
         if differs.any():
             row = int(np.flatnonzero(differs)[0])
@@ -165,6 +207,30 @@ def _grey_stays_grey(case: Case, ask: Ask) -> Finding:
     row = int(np.flatnonzero(~same)[0])
     text = f"{case.name}: grey light on grey walls is coloured in row {row}"
     return Finding(False, text)
+
+
+def _channels_change_places(case: Case, ask: Ask) -> Finding:
+    before, after = ask(case)["color"], ask(_changed(case, _turned_colors))["color"]
+    differs = (after != before[:, [1, 2, 0]]).any(axis=1)
+    if not differs.any():
+        return Finding(True)
+    row = int(np.flatnonzero(differs)[0])
+    text = f"{case.name}: what happens to a channel hangs on the others in row {row}"
+    return Finding(False, text)
+
+
+def _nulls_count(case: Case, ask: Ask) -> Finding:
+    """Without light nothing is kept, and M is what it was: it looks at no sample."""
+    before, after = ask(case), ask(_changed(case, _dark))
+    if after["W"].any():
+        return Finding(False, f"{case.name}: without light W is not 0 everywhere")
+    differs = np.flatnonzero(before["M"] != after["M"])
+    if not differs.size:
+        return Finding(True)
+    row = int(differs[0])
+    found, wanted = after["M"][row], before["M"][row]
+    text = f"{case.name}: without light M is {found:g} instead of {wanted:g}"
+    return Finding(False, f"{text} in {len(differs)} rows, the first is {row}")
 
 
 def _dark_is_black(case: Case, ask: Ask) -> Finding:

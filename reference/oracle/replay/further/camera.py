@@ -10,8 +10,9 @@ from reference.arrays import Indices
 from reference.oracle.contract.fields import Value
 from reference.oracle.replay.bounded import Bounded, Rounding, constant, exact
 from reference.oracle.replay.further.numbers import product, setting, unit
+from reference.oracle.replay.further.rules import FurtherRules
 from reference.oracle.replay.neighbors import SINE
-from reference.oracle.replay.verbs import inner, times
+from reference.oracle.replay.verbs import inner, square_root, times
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,7 +38,9 @@ class Eye:
     height: Bounded
 
 
-def eye_of(settings: Mapping[str, Value], rounding: Rounding) -> Eye:
+def eye_of(
+    settings: Mapping[str, Value], rounding: Rounding, rules: FurtherRules
+) -> Eye:
     """The camera of a case.
 
     Parameters
@@ -46,6 +49,8 @@ def eye_of(settings: Mapping[str, Value], rounding: Rounding) -> Eye:
         ``eye_x`` to ``height``.
     rounding : Rounding
         Of the backend.
+    rules : FurtherRules
+        What is calculated with.
 
     Returns
     -------
@@ -57,15 +62,18 @@ def eye_of(settings: Mapping[str, Value], rounding: Rounding) -> Eye:
     )
     forward = unit(target - position)
     right = unit(product(forward, up))
+    upward = up if rules.up_as_it_is else product(right, forward)
     angle = setting(settings["fov_x"], rounding)
+    half_width = _tangent(angle * constant(pi / 360, angle))
+    width, height = (setting(settings[n], rounding) for n in ("width", "height"))
     return Eye(
         position=position,
-        right=right,
-        upward=product(right, forward),
+        right=-right if rules.mirrored else right,
+        upward=-upward if rules.upside_down else upward,
         forward=forward,
-        half_width=_tangent(angle * constant(pi / 360, angle)),
-        width=setting(settings["width"], rounding),
-        height=setting(settings["height"], rounding),
+        half_width=half_width * width / height if rules.angle_of_height else half_width,
+        width=width,
+        height=height,
     )
 
 
@@ -86,8 +94,8 @@ def _tangent(angle: Bounded) -> Bounded:
     return Bounded(value, angle.error * slope + own, angle.rounding)
 
 
-def rays(eye: Eye, pixel: Indices) -> Bounded:
-    """Directions through the centres of pixels.
+def rays(eye: Eye, pixel: Indices, place: float) -> Bounded:
+    """Directions through pixels.
 
     Parameters
     ----------
@@ -95,6 +103,8 @@ def rays(eye: Eye, pixel: Indices) -> Bounded:
         The camera.
     pixel : (N,) int
         y · width + x.
+    place : float
+        In each pixel, from the left and from above: 1/2 is its centre.
 
     Returns
     -------
@@ -102,7 +112,7 @@ def rays(eye: Eye, pixel: Indices) -> Bounded:
         (N, 3), of which the component along the axis is 1.
     """
     y, x = np.divmod(pixel, int(eye.width.value[0]))
-    twice_x, twice_y = (exact(2 * v + 1, eye.width.rounding) for v in (x, y))
+    twice_x, twice_y = (exact(2 * (v + place), eye.width.rounding) for v in (x, y))
     right = (twice_x / eye.width - constant(1.0, twice_x)) * eye.half_width
     upward = (eye.height - twice_y) / eye.width * eye.half_width
     return times(eye.right, right) + times(eye.upward, upward) + eye.forward
@@ -154,3 +164,26 @@ def offset_from(eye: Eye, points: Bounded) -> Bounded:
     lengths = [np.linalg.norm(v.value, axis=1) for v in (points, eye.position)]
     turned = offset.rounding.unit * (lengths[0] + lengths[1])[:, None]
     return Bounded(offset.value, offset.error + turned, offset.rounding)
+
+
+def depth_of(eye: Eye, points: Bounded, rules: FurtherRules) -> Bounded:
+    """How far points are from the pinhole, along the axis.
+
+    Parameters
+    ----------
+    eye : Eye
+        The camera.
+    points : Bounded
+        (N, 3), m.
+    rules : FurtherRules
+        What is calculated with.
+
+    Returns
+    -------
+    Bounded
+        (N,), m.
+    """
+    offset = offset_from(eye, points)
+    if rules.depth_is_distance:
+        return square_root(inner(offset, offset))
+    return inner(eye.forward, offset)

@@ -6,7 +6,7 @@ import numpy as np
 
 from reference.arrays import Masks
 from reference.oracle.contract.fields import Value
-from reference.oracle.replay.bounded import Bounded, Rounding
+from reference.oracle.replay.bounded import Bounded, Rounding, constant
 from reference.oracle.replay.judgement import Decisions
 from reference.oracle.replay.verbs import inner, square_root
 
@@ -150,6 +150,26 @@ def where_not_negative(slack: Bounded) -> Choice:
     return Choice(own, yes | no)
 
 
+def where_none_negative(slack: Bounded) -> Choice:
+    """Yes where none of a row's numbers is below 0.
+
+    Parameters
+    ----------
+    slack : Bounded
+        (N,) or (N, K)
+
+    Returns
+    -------
+    Choice
+        (N,): one certain no is enough.
+    """
+    each = where_not_negative(slack)
+    rows = (len(each.own), -1)
+    own, certain = each.own.reshape(rows), each.certain.reshape(rows)
+    no = np.any(certain & ~own, axis=1)
+    return Choice(np.all(own, axis=1), np.all(certain, axis=1) | no)
+
+
 def where_all_positive(tests: list[Bounded]) -> Choice:
     """Yes where several numbers are above 0.
 
@@ -185,3 +205,21 @@ def bounded_somehow(x: Bounded) -> Bounded:
     unknown = np.isnan(x.error) | np.isnan(x.value)
     value = np.where(np.isfinite(x.value), x.value, 0.0)
     return Bounded(value, np.where(unknown, np.inf, x.error), x.rounding)
+
+
+def moved(x: Bounded, by: float) -> Bounded:
+    """Numbers and a literal added to them.
+
+    Parameters
+    ----------
+    x : Bounded
+        Any.
+    by : float
+        0 for none, which rounds nothing.
+
+    Returns
+    -------
+    Bounded
+        Of the same shape.
+    """
+    return x + constant(by, x) if by else x

@@ -4,14 +4,14 @@ import numpy as np
 
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
-from reference.oracle.replay.bounded import constant, exact, rounding_of
+from reference.oracle.replay.bounded import exact, rounding_of
 from reference.oracle.replay.further.numbers import Choice, setting
+from reference.oracle.replay.further.rules import further
 from reference.oracle.replay.judgement import Judgement, beside, exactly
 from reference.oracle.replay.rules import Rules
 from reference.oracle.replay.verbs import choose
 from reference.rng import pcg4d, to_unit_interval
 
-TILE_WIDTH, TILE_HEIGHT = 64, 32
 STREAM = 7 * 64
 """As the contract says."""
 
@@ -37,10 +37,13 @@ def judge_checkerboard(
     Judgement
         N rows, exact.
     """
-    s = case.settings
-    line, column = np.divmod(case.inputs["pixel"].astype(np.int64), int(s["width"]))
-    parity = (line + column + int(s["frame"])) % 2
-    draws = (parity == 0) | (case.inputs["has_history"] == 0)
+    s, part = case.settings, further(rules)
+    width, frame = int(s["width"]), int(s["frame"])
+    line, column = np.divmod(case.inputs["pixel"].astype(np.int64), width)
+    parity = part.parity(column, line, width, frame) % 2
+    draws = parity == 0
+    if part.history_asked:
+        draws |= case.inputs["has_history"] == 0
     terms = {"(x + y + frame) mod 2": parity}
     return Judgement((exactly("draws", outputs["draws"], draws),), terms)
 
@@ -67,22 +70,21 @@ def judge_roulette(
         N rows.  The random numbers are exact; a probability that float32 does not hold
         may be rounded to either side of one, and its reciprocal is rounded.
     """
-    s, rounding = case.settings, rounding_of(precision)
+    s, part, rounding = case.settings, further(rules), rounding_of(precision)
     width = int(s["width"])
     line, column = np.divmod(case.inputs["pixel"].astype(np.int64), width)
-    across = -(-width // TILE_WIDTH)
-    tile = (line // TILE_HEIGHT * across + column // TILE_WIDTH).astype(np.uint32)
-    frame, seed, stream = (
-        np.full(case.rows, int(word), np.uint32)
-        for word in (s["frame"], s["seed"], STREAM)
-    )
-    u = to_unit_interval(pcg4d(tile, frame, seed, stream)[0])
+    tile = part.roulette_tile(column, line, width).astype(np.uint32)
+    words = [int(word) for word in (s["frame"], s["seed"], STREAM)]
+    key = [tile, *(np.full(case.rows, word, np.uint32) for word in words)]
+    for place in rules.ignored_words:
+        key[place] = np.zeros(case.rows, np.uint32)
+    u = to_unit_interval(pcg4d(*key)[0])
     p = setting(s["probability"], rounding)
     slack = p.value - u
     goes_on = Choice(slack > 0, (np.abs(slack) > p.error) | (p.error == 0))
     found = outputs["weight"] != 0
     none = exact(np.zeros(case.rows), rounding)
-    weight = choose(goes_on.settled(found), none + constant(1.0, p) / p, none)
+    weight = choose(goes_on.settled(found), none + part.tail_weight(p), none)
     return Judgement(
         (beside("weight", outputs["weight"], weight),),
         {"tile": tile, "u": u},

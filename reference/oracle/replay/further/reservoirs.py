@@ -5,20 +5,17 @@ import numpy as np
 from reference.arrays import Indices, Scalars
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
-from reference.oracle.replay.bounded import Bounded, constant, exact, rounding_of
+from reference.oracle.replay.bounded import Bounded, exact, rounding_of
 from reference.oracle.replay.further.numbers import (
     Choice,
     bounded_somehow,
-    larger,
     setting,
+    where_none_negative,
     where_not_negative,
 )
-from reference.oracle.replay.geometry import luminance
+from reference.oracle.replay.further.rules import FurtherRules, further
 from reference.oracle.replay.judgement import Judgement, exactly
 from reference.oracle.replay.rules import Rules
-
-TILE = 16
-"""Pixels on a side, as the contract says."""
 
 
 def judge_validation(
@@ -42,19 +39,23 @@ def judge_validation(
     Judgement
         N rows.  The same radiance is the same in any order of operations.
     """
-    rounding, given = rounding_of(precision), case.inputs
+    rounding, part, given = rounding_of(precision), further(rules), case.inputs
     then, now = given["radiance_then"], given["radiance_now"]
-    a, b = (luminance(exact(color, rounding)) for color in (then, now))
-    tolerance = setting(case.settings["tolerance"], rounding)
-    slack = tolerance * larger(a, b) - abs(a - b)
-    alike = where_not_negative(slack)
+    a, b = (exact(color, rounding) for color in (then, now))
+    if not part.by_channels:
+        a, b = part.luminance(a), part.luminance(b)
+    slack = part.room(setting(case.settings["tolerance"], rounding), a, b)
+    alike = where_none_negative(slack)
     same = (then == now).all(axis=1)
-    null, met = given["null"] == 1, given["met"] == 1
+    null = (given["null"] == 1) & (part.nulls == "stay")
+    met = (given["met"] == 1) | (not part.ray_asked)
+    if part.nulls == "cleared":
+        met &= given["null"] != 1
     stays = Choice(
         null | (met & (alike.own | same)), null | ~met | same | alike.certain
     )
     terms = {"Y then": a.value, "Y now": b.value, "room left": slack.value}
-    return _emptied(case, outputs, stays, terms)
+    return _emptied(case, outputs, stays, terms, part)
 
 
 def judge_boiling(
@@ -78,28 +79,27 @@ def judge_boiling(
     Judgement
         N rows.  Whoever is within the bounds of the limit may stay or go.
     """
-    rounding, given = rounding_of(precision), case.inputs
-    light = luminance(exact(given["radiance"], rounding)) * exact(given["W"], rounding)
-    tile = _tiles(case.rows, int(case.settings["width"]))
+    rounding, part, given = rounding_of(precision), further(rules), case.inputs
+    brightness = part.luminance(exact(given["radiance"], rounding))
+    light = part.light(brightness, exact(given["W"], rounding))
+    width = int(case.settings["width"])
+    line, column = np.divmod(np.arange(case.rows), width)
+    tile = part.boiling_tile(column, line, width)
     with np.errstate(invalid="ignore", over="ignore"):
-        mean = _means(light, tile, precision)
+        mean = _means(light, tile, part.dark_counts, precision)
         strength = setting(case.settings["strength"], rounding)
-        reach = constant(10.0, strength) - constant(9.0, strength) * strength
-        slack = bounded_somehow(mean * reach - light * strength)
+        slack = bounded_somehow(part.calm(light, mean, strength))
     calm = where_not_negative(slack)
     # No mean is below 0: who has no light has not too much of it.
     dark = (light.value == 0) & (light.error == 0)
     stays = Choice(calm.own | dark, calm.certain | dark)
-    return _emptied(case, outputs, stays, {"light": light.value, "mean": mean.value})
+    terms = {"light": light.value, "mean": mean.value}
+    return _emptied(case, outputs, stays, terms, part)
 
 
-def _tiles(pixels: int, width: int) -> Indices:
-    line, column = np.divmod(np.arange(pixels), width)
-    tiles: Indices = line // TILE * width + column // TILE
-    return tiles
-
-
-def _means(light: Bounded, tile: Indices, precision: Precision) -> Bounded:
+def _means(
+    light: Bounded, tile: Indices, dark_counts: bool, precision: Precision
+) -> Bounded:
     """Mean light of each row's tile, summed in any order.
 
     A sum of n numbers rounds n − 1 times by a part of what has been summed, which is no
@@ -111,8 +111,8 @@ def _means(light: Bounded, tile: Indices, precision: Precision) -> Bounded:
         sums: Scalars = np.bincount(tile, values)[tile]
         return sums
 
-    positive = light.value > 0
-    unsure = positive & ~light.surely_positive
+    positive = (light.value > 0) | dark_counts
+    unsure = positive & ~light.surely_positive & (not dark_counts)
     count = total(positive.astype(float))
     summed = total(light.value)
     error = total(light.error) + (count + 1) * light.rounding.unit * summed
@@ -123,15 +123,24 @@ def _means(light: Bounded, tile: Indices, precision: Precision) -> Bounded:
 
 
 def _emptied(
-    case: Case, outputs: Buffers, stays: Choice, terms: dict[str, Scalars]
+    case: Case,
+    outputs: Buffers,
+    stays: Choice,
+    terms: dict[str, Scalars],
+    part: FurtherRules,
 ) -> Judgement:
     """W and M as they were, or both 0."""
-    there = (outputs["W"] != 0) | (outputs["M"] != 0)
+    telling = ("W",) if part.keeps_confidence else ("W", "M")
+    there = np.any([outputs[name] != 0 for name in telling], axis=0)
     kept = stays.settled(there)
     compared = tuple(
-        exactly(name, outputs[name], np.where(kept, case.inputs[name], 0))
+        exactly(
+            name,
+            outputs[name],
+            np.where(kept | (name not in telling), case.inputs[name], 0),
+        )
         for name in ("W", "M")
     )
-    empty = (case.inputs["W"] == 0) & (case.inputs["M"] == 0)
+    empty = np.all([case.inputs[name] == 0 for name in telling], axis=0)
     decisions = stays.decisions(np.where(empty, stays.own, there))
     return Judgement(compared, terms, decisions, case.random)

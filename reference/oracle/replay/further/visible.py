@@ -1,28 +1,27 @@
 """Replay of visible points: where pixels look, and where the last frame saw it."""
 
-from math import cos, radians
-
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars
+from reference.arrays import Indices
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
 from reference.oracle.replay.bounded import Bounded, exact, rounding_of
 from reference.oracle.replay.further.camera import (
-    Eye,
+    depth_of,
     eye_of,
-    offset_from,
     rays,
     seen_at,
 )
 from reference.oracle.replay.further.numbers import (
     bounded_somehow,
+    moved,
     product,
     unit,
     where_all_positive,
 )
+from reference.oracle.replay.further.places import alike_at, may_hold, rows_at
+from reference.oracle.replay.further.rules import further
 from reference.oracle.replay.judgement import Decisions, Judgement, beside, exactly
-from reference.oracle.replay.neighbors import similarity
 from reference.oracle.replay.rules import Rules
 from reference.oracle.replay.verbs import choose, inner, times
 
@@ -49,11 +48,11 @@ def judge_gbuffer(
         N rows.  Whether the ray meets the triangle is open within the bounds of the
         signs of its sides; the other buffers are judged as the backend decided.
     """
-    rounding = rounding_of(precision)
-    eye = eye_of(case.settings, rounding)
+    rounding, part = rounding_of(precision), further(rules)
+    eye = eye_of(case.settings, rounding, part)
     a, b, c = (exact(case.inputs[name], rounding) for name in "abc")
     with np.errstate(invalid="ignore", over="ignore"):
-        d = rays(eye, case.inputs["pixel"])
+        d = rays(eye, case.inputs["pixel"], part.pixel_place)
         n = product(b - a, c - a)
         facing = inner(n, d)
         t = inner(n, a - eye.position) / facing
@@ -62,13 +61,10 @@ def judge_gbuffer(
             inner(n, product(to - start, p - start))
             for start, to in ((a, b), (b, c), (c, a))
         ]
-        met = where_all_positive([t, *sides])
-        normal = times(unit(n), exact(np.where(facing.value > 0, -1, 1), rounding))
-        # A triangle that is seen edge-on shows either side.
-        either_side = ~facing.surely_positive & ~facing.surely_not_positive
-        loose = np.where(either_side[:, None], 2.0, 0.0)
-        normal = Bounded(normal.value, normal.error + loose, rounding)
-        depth = inner(eye.forward, offset_from(eye, p))
+        tests = sides if part.behind_counts else [t, *sides]
+        met = where_all_positive(tests if part.back_faces else [*tests, -facing])
+        normal = _turned(unit(n), facing) if part.normal_turns else unit(n)
+        depth = depth_of(eye, p, part)
     p, normal, depth = (bounded_somehow(x) for x in (p, normal, depth))
     found = outputs["hit"] == 1
     hit = met.settled(found)
@@ -84,6 +80,14 @@ def judge_gbuffer(
         met.decisions(found),
         case.random,
     )
+
+
+def _turned(normal: Bounded, facing: Bounded) -> Bounded:
+    """Normals on the side that is seen; a triangle seen edge-on shows either."""
+    turned = times(normal, exact(np.where(facing.value > 0, -1, 1), facing.rounding))
+    either_side = ~facing.surely_positive & ~facing.surely_not_positive
+    loose = np.where(either_side[:, None], 2.0, 0.0)
+    return Bounded(turned.value, turned.error + loose, turned.rounding)
 
 
 def judge_reproject(
@@ -108,28 +112,32 @@ def judge_reproject(
         N rows.  A place near the border of two pixels may be in either, and a point
         that is barely similar may be similar or not.
     """
-    rounding = rounding_of(precision)
-    eye = eye_of(case.settings, rounding)
+    rounding, part = rounding_of(precision), further(rules)
+    eye = eye_of(case.settings, rounding, part)
+    position = exact(case.inputs["position"], rounding)
     with np.errstate(invalid="ignore", over="ignore"):
-        x, y, depth = seen_at(eye, exact(case.inputs["position"], rounding))
-    x, y = bounded_somehow(x), bounded_somehow(y)
-    seen = case.inputs["hit"] == 1
-    before = seen & ~depth.surely_not_positive
-    surely_before = seen & depth.surely_positive
+        x, y, along = seen_at(eye, position)
+        depth = depth_of(eye, position, part)
+    depth = abs(depth) if part.behind_counts else depth
+    x, y = (moved(bounded_somehow(v), part.place_shift) for v in (x, y))
+    seen = (case.inputs["hit"] == 1) | part.misses_go_on
+    before = seen & (~along.surely_not_positive | part.behind_counts)
+    surely_before = seen & (along.surely_positive | part.behind_counts)
+    own_before = seen & ((along.value > 0) | part.behind_counts)
     found = outputs["row"]
 
     def alike(row: Indices) -> Bounded:
-        return _alike(case, row, depth, rules)
+        return alike_at(case, row, depth, rules)
 
-    corners = _places(x, y, eye)
+    corners = rows_at(x, y, eye, part.border)
     answers = [alike(row) for row in corners]
     # Four corners see all pixels of a place that is known to half a pixel.
     vague = ~(np.maximum(x.error, y.error) < 0.5)
     unlike = np.any([~answer.surely_positive for answer in answers], axis=0)
     may_be_none = ~surely_before | vague | unlike
-    may_be_row = before & _may_hold(found, x, y, eye)
+    may_be_row = before & may_hold(found, x, y, eye, part.border)
     may_be_row &= ~alike(np.where(may_be_row, found, -1)).surely_not_positive
-    own = np.where(seen & (depth.value > 0) & (answers[0].value > 0), corners[0], -1)
+    own = np.where(own_before & (answers[0].value > 0), corners[0], -1)
     legal = np.where(found == -1, may_be_none, may_be_row)
     excused = legal & (found != own)
     # Places are spread over the pixels, whose borders they meet by chance.
@@ -144,55 +152,4 @@ def judge_reproject(
             float(crossing.sum() + unsure.sum() + (before & ~surely_before).sum()),
         ),
         case.random,
-    )
-
-
-def _places(x: Bounded, y: Bounded, eye: Eye) -> list[Indices]:
-    """Rows at a place, the exact one first, and at the corners of its bounds."""
-    with np.errstate(invalid="ignore"):
-        ends = [(v.value - v.error, v.value + v.error) for v in (x, y)]
-    corners = [(at_x, at_y) for at_x in ends[0] for at_y in ends[1]]
-    return [_row_at(at_x, at_y, eye) for at_x, at_y in ((x.value, y.value), *corners)]
-
-
-def _row_at(x: Scalars, y: Scalars, eye: Eye) -> Indices:
-    """Row of the pixel that holds a place, −1 outside and for what is no number."""
-    width, height = eye.width.value[0], eye.height.value[0]
-    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
-    column, line = (np.floor(np.where(inside, v, 0.0)) for v in (x, y))
-    return np.where(inside, line * width + column, -1).astype(np.int64)
-
-
-def _may_hold(row: Indices, x: Bounded, y: Bounded, eye: Eye) -> Masks:
-    """Whether the pixel of a row may hold a place."""
-    width, height = int(eye.width.value[0]), int(eye.height.value[0])
-    line, column = np.divmod(row, width)
-    may: Masks = (row >= 0) & (row < width * height)
-    for place, start in ((x, column), (y, line)):
-        # A bound that is no number excludes nothing.
-        may &= ~(start > place.value + place.error)
-        may &= ~(start + 1 <= place.value - place.error)
-    return may
-
-
-def _alike(case: Case, row: Indices, depth: Bounded, rules: Rules) -> Bounded:
-    """Positive where points are similar to what rows of the last frame saw."""
-    rounding, to = depth.rounding, np.maximum(row, 0)
-    max_depth = float(case.settings["max_depth"])
-    # The limit max_depth · max(z, z_row) has its share of the error of z.
-    whole = Bounded(depth.value, depth.error * (1 + max_depth), rounding)
-    found = similarity(
-        exact(case.inputs["normal"], rounding),
-        whole,
-        exact(case.inputs["normal_before"][to], rounding),
-        exact(case.inputs["depth_before"][to], rounding),
-        cos(radians(float(case.settings["max_angle"]))),
-        max_depth,
-        rules,
-    )
-    nowhere = row < 0
-    return Bounded(
-        np.where(nowhere, -1.0, found.value),
-        np.where(nowhere, 0.0, found.error),
-        rounding,
     )

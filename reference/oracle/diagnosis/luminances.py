@@ -1,0 +1,77 @@
+"""Numbers that stand in for luminance."""
+
+import numpy as np
+
+from reference.oracle.replay.bounded import Bounded
+from reference.oracle.replay.verbs import inner
+
+
+def rec_601(color: Bounded) -> Bounded:
+    """0.299 R + 0.587 G + 0.114 B, of another standard.
+
+    Parameters
+    ----------
+    color : Bounded
+        (N, 3)
+
+    Returns
+    -------
+    Bounded
+        (N,)
+    """
+    return _shares(color, 0.299, 0.587, 0.114)
+
+
+def mean_of_channels(color: Bounded) -> Bounded:
+    """(R + G + B) / 3.
+
+    Parameters
+    ----------
+    color : Bounded
+        (N, 3)
+
+    Returns
+    -------
+    Bounded
+        (N,)
+    """
+    return _shares(color, 1 / 3, 1 / 3, 1 / 3)
+
+
+def red_channel(color: Bounded) -> Bounded:
+    """R.
+
+    Parameters
+    ----------
+    color : Bounded
+        (N, 3)
+
+    Returns
+    -------
+    Bounded
+        (N,)
+    """
+    return color[:, 0]
+
+
+def largest_channel(color: Bounded) -> Bounded:
+    """max(R, G, B).
+
+    Parameters
+    ----------
+    color : Bounded
+        (N, 3)
+
+    Returns
+    -------
+    Bounded
+        (N,)
+    """
+    most = color.value.argmax(axis=1)
+    return color[np.arange(len(most)), most]
+
+
+def _shares(color: Bounded, red: float, green: float, blue: float) -> Bounded:
+    shares = np.broadcast_to([red, green, blue], color.value.shape)
+    error = color.rounding.unit * shares
+    return inner(color, Bounded(shares, error, color.rounding))

@@ -1,0 +1,45 @@
+"""The contract's source densities, on numbers with error bounds."""
+
+from math import pi
+
+from reference.oracle.contract.fields import Value
+from reference.oracle.replay.bounded import Bounded, constant
+from reference.oracle.replay.verbs import square_root
+
+
+def drawn_cosine(source: Value, u: Bounded) -> Bounded:
+    """Cosine with the normal of a direction that is drawn.
+
+    Parameters
+    ----------
+    source : 'uniform' or 'cosine'
+        Density.
+    u : Bounded
+        (N,), the first random number.
+
+    Returns
+    -------
+    Bounded
+        (N,)
+    """
+    return u if source == "uniform" else square_root(constant(1.0, u) - u)
+
+
+def density(source: Value, cosine: Bounded) -> Bounded:
+    """Source density of a direction.
+
+    Parameters
+    ----------
+    source : 'uniform' or 'cosine'
+        Which.
+    cosine : Bounded
+        (N,), with the normal.
+
+    Returns
+    -------
+    Bounded
+        (N,)
+    """
+    if source == "uniform":
+        return constant(1 / (2 * pi), cosine)
+    return cosine / constant(pi, cosine)

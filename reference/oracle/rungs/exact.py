@@ -1,0 +1,113 @@
+"""L0: kernels beside exact arithmetic on the very numbers that they were given."""
+
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from reference.arrays import Scalars
+from reference.oracle.cases import Buffers, Case
+from reference.oracle.contract.fields import Precision
+from reference.oracle.replay.judgement import Judgement
+from reference.oracle.rungs.exact_formulas import FORMULAS
+from reference.oracle.rungs.exact_numbers import rounded
+from reference.oracle.rungs.probe import Finding
+from reference.oracle.rungs.replayed import replayed
+
+PLACES = {"float32": 9, "float64": 17}
+"""Decimals that tell any two numbers of a type apart."""
+
+
+# A case is asked of many backends, and its exact numbers stay the same.
+@lru_cache(maxsize=32)
+def exact_outputs(case: Case) -> dict[str, Scalars]:
+    """What the contract asks for, in 50 digits, rounded once.
+
+    Parameters
+    ----------
+    case : Case
+        Of a kernel with real numbers, or of ``shade``; N rows, all of which are
+        calculated, at some 50 µs each.
+
+    Returns
+    -------
+    dict of str to (N, ...) float64
+        What the judge of the pass compares, by its names: the outputs, but for
+        ``direction``, whose frame is the backend's own, the cosine with the normal,
+        the length, the cosine of the azimuth from the first row of the same normal,
+        and the density.  Decisions are 0 or 1, and as exact.  Where W overflows, from
+        a quarter of the largest number of the inputs' type on, it is that number.
+    """
+    found = FORMULAS[case.pass_name](case.inputs, case.settings)
+    outputs = {name: rounded(values) for name, values in found.items()}
+    if "W" in outputs:
+        outputs["W"] = _up_to_the_largest(outputs["W"], case.inputs["w"])
+    for array in outputs.values():
+        array.setflags(write=False)
+    return outputs
+
+
+def _up_to_the_largest(W: Scalars, w: Scalars) -> Scalars:
+    most = float(np.finfo(w.dtype).max)
+    return np.where(most / 4 < W, most, W)
+
+
+def judged_exactly(case: Case, judgement: Judgement) -> Judgement:
+    """A judgement with exact numbers as what is expected.
+
+    Parameters
+    ----------
+    case : Case
+        As for `exact_outputs`.
+    judgement : Judgement
+        Of the replay.
+
+    Returns
+    -------
+    Judgement
+        What rounding may explain is as it was: the bounds and the free decisions.
+    """
+    exact = exact_outputs(case)
+    compared = (replace(c, expected=exact[c.name]) for c in judgement.compared)
+    return replace(judgement, compared=tuple(compared))
+
+
+def examined_exactly(case: Case, outputs: Buffers, precision: Precision) -> Finding:
+    """Examine a kernel's answer beside exact numbers.
+
+    Parameters
+    ----------
+    case : Case
+        As for `exact_outputs`.
+    outputs : mapping of str to array
+        By the backend.
+    precision : 'float32' or 'float64'
+        Of the backend.
+
+    Returns
+    -------
+    Finding
+        Passed where each number is within the replay's bound of the exact one; with
+        the judgement that says so.
+    """
+    judged = replayed("L0", case).examine(case, outputs, precision)
+    assert judged.judgement is not None
+    judgement = judged_exactly(case, judged.judgement)
+    if judgement.wrong.any():
+        return Finding(False, _told(case, judgement, precision), judgement)
+    if judgement.passed:
+        return Finding(True, judgement=judgement)
+    return Finding(False, judged.text, judgement)
+
+
+def _told(case: Case, judgement: Judgement, precision: Precision) -> str:
+    worst = max(judgement.compared, key=lambda c: float(c.excess.max()))
+    row = int(worst.excess.argmax())
+    found, expected = (np.ravel(a[row]) for a in (worst.found, worst.expected))
+    column = int(np.abs(found.astype(np.float64) - expected).argmax())
+    places = PLACES[precision]
+    return (
+        f"{case.name}: {int(judgement.wrong.sum())} of {case.rows} rows are wrong; in"
+        f" row {row} {worst.name} is {found[column]:.{places}g} instead of"
+        f" {expected[column]:.{places}g}"
+    )

@@ -1,0 +1,89 @@
+"""How often the oracle accuses a backend that is right.
+
+From the root of the checkout, some ten seconds a run on one core::
+
+    python -m tests.statistics.false_alarms --runs 1000 --out alarms.jsonl
+
+Each run has seeds of its own: rows of the kernels, frames of all scenes, runs of the
+mean and of the law; the lattices and spheres have no seed and are climbed once.  A run
+is written as soon as it ends, and what is written is not run again.
+"""
+
+import argparse
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from time import perf_counter
+
+from reference.oracle.backends.inside import InsideBackend
+from reference.oracle.builtin.backend import BuiltIn
+from reference.oracle.cases import Buffers, Case
+from reference.oracle.ladder import ladder, scene_probes
+from reference.oracle.parts import whole_contract
+from reference.oracle.rungs.kernels import kernel_probes
+from reference.oracle.rungs.law import SCENES as LAW_SCENES
+from reference.oracle.rungs.law import same_law
+from reference.oracle.rungs.means import mean_over_runs
+from reference.oracle.stage import SCENES
+from reference.oracle.steps import Step, ask_all
+
+CONTRACT = whole_contract()
+
+MEAN_SECONDS = 1.0
+"""Of one run; the bets are valid at every moment."""
+
+
+def faults(seed: int) -> Iterator[str]:
+    """What the oracle holds against the built-in backend in one run."""
+    backend = InsideBackend(BuiltIn("float32"))
+    probes = kernel_probes("float32", seed)
+    for scene in SCENES:
+        probes += scene_probes(scene, "float32", seed)
+    yield from Step("", "", ask_all(CONTRACT, backend, probes)).faults
+
+    def ask(case: Case) -> Buffers:
+        outcome = backend.run(CONTRACT, [case])[0]
+        assert isinstance(outcome, dict)
+        return outcome
+
+    end = perf_counter() + MEAN_SECONDS
+    mean = mean_over_runs(
+        ask, "float32", lambda: end - perf_counter(), first_seed=10**6 + 1000 * seed
+    )
+    laws = [same_law(ask, "float32", s, seed=1000 + seed).finding for s in LAW_SCENES]
+    yield from (f.text for f in (mean.finding, *laws) if not f.passed)
+
+
+def main() -> None:
+    """Run, and tell how many runs had an alarm."""
+    parser = argparse.ArgumentParser(description="Count the oracle's false alarms.")
+    parser.add_argument("--runs", type=int, default=1000)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--out", type=Path, required=True, metavar="FILE.jsonl")
+    given = parser.parse_args()
+    done = _read(given.out)
+    if not done:
+        backend = InsideBackend(BuiltIn("float32"))
+        for _, title, take in ladder(CONTRACT, backend):
+            print(title, take().faults or "nothing", flush=True)
+    for seed in range(given.first, given.first + given.runs):
+        if seed not in done:
+            found = list(faults(seed))
+            with given.out.open("a") as file:
+                file.write(json.dumps({"seed": seed, "faults": found}) + "\n")
+    found = _read(given.out)
+    alarms = {seed: texts for seed, texts in found.items() if texts}
+    print(f"{len(alarms)} of {len(found)} runs had an alarm")
+    for seed, texts in alarms.items():
+        print(seed, *texts, sep="\n  ")
+
+
+def _read(path: Path) -> dict[int, list[str]]:
+    if not path.exists():
+        return {}
+    runs = [json.loads(line) for line in path.read_text().splitlines()]
+    return {run["seed"]: run["faults"] for run in runs}
+
+
+if __name__ == "__main__":
+    main()
