@@ -3,14 +3,7 @@
 from dataclasses import replace
 
 from reference.oracle.diagnosis.hypothesis import Hypothesis
-from reference.oracle.diagnosis.jacobian_limits import (
-    clamped_2,
-    clamped_3,
-    clamped_8,
-    clamped_10,
-    rejected_2,
-    rejected_beyond_10,
-)
+from reference.oracle.diagnosis.jacobian_limits import clamped, rejected
 from reference.oracle.replay.bounded import Bounded, constant
 from reference.oracle.replay.formulas import jacobian
 from reference.oracle.replay.geometry import cosine_at
@@ -145,42 +138,42 @@ _TABLE = (
         "jacobian-clamped-to-3",
         "the Jacobian is clamped to [1/3, 3]",
         "J = clamp(J, 1/3, 3)",
-        clamped_3,
+        clamped(1 / 3, 3.0),
         ("RTXDI sample",),
     ),
     (
         "jacobian-clamped-to-2",
         "the Jacobian is clamped to [1/2, 2]",
         "J = clamp(J, 1/2, 2)",
-        clamped_2,
+        clamped(1 / 2, 2.0),
         (),
     ),
     (
         "jacobian-at-most-8",
         "the Jacobian is cut at 8",
         "J = min(J, 8)",
-        clamped_8,
+        clamped(0.0, 8.0),
         ("kajiya",),
     ),
     (
         "jacobian-at-most-10",
         "the Jacobian is cut at 10",
         "J = min(J, 10)",
-        clamped_10,
+        clamped(0.0, 10.0),
         ("ReSTIR_PT",),
     ),
     (
         "jacobian-rejected-beyond-10",
         "shifts with J outside of [1/10, 10] are refused, and Z does not know",
         "w = 0 where J < 1/10 or J > 10",
-        rejected_beyond_10,
+        rejected(0.1, 10.0),
         ("RTXDI", "bevy #20259"),
     ),
     (
         "jacobian-rejected-beyond-2",
         "shifts with J above 2 are refused, and Z does not know",
         "w = 0 where J > 2",
-        rejected_2,
+        rejected(0.0, 2.0),
         ("bevy #20580",),
     ),
 )

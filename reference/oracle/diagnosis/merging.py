@@ -12,7 +12,7 @@ from reference.oracle.diagnosis.hypothesis import (
     Hypothesis,
     mistake,
 )
-from reference.oracle.diagnosis.jacobian_limits import rejected_beyond_10
+from reference.oracle.diagnosis.jacobian_limits import rejected
 from reference.oracle.replay.bounded import Bounded, constant
 from reference.oracle.replay.formulas import finalized, target, weight
 from reference.oracle.replay.points import Point, Receiver
@@ -176,7 +176,7 @@ MERGING = (
         "w = p̂ W M J, and M counts",
         SHIFTED,
         "RTXDI #42",
-        jacobian=rejected_beyond_10,
+        jacobian=rejected(0.1, 10.0),
         refused_counts=False,
     ),
     *map(_divisor_floor, FLOORS),
