@@ -10,6 +10,7 @@ from reference.arrays import Indices, Masks
 from reference.oracle.buffers import given, prefixed, receivers, reservoirs, samples
 from reference.oracle.cases import Case
 from reference.oracle.contract.fields import Precision, Value
+from reference.oracle.sight import made_it
 from reference.oracle.stage import CAPS, NEIGHBORS, SIMILARITY, Stage
 from reference.passes.receivers import sees
 from reference.records import take
@@ -117,8 +118,9 @@ def _bits(
     at: Stage, viewers: list[Indices], lent: list[Samples], makers: list[Indices]
 ) -> NDArray[np.uint32]:
     words = np.zeros((len(at.neighbors), len(viewers)), np.uint32)
+    places = [y.position for y in lent]
     for column, viewer in enumerate(viewers):
-        for bit, (y, maker) in enumerate(zip(lent, makers, strict=True)):
-            seen = _sees(at, viewer, y, (viewer == maker) & (viewer >= 0))
+        for bit, y in enumerate(lent):
+            seen = _sees(at, viewer, y, made_it(viewer, y.position, makers, places))
             words[:, column] |= seen << np.uint32(bit)
     return words

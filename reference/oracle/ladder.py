@@ -160,7 +160,8 @@ def _relations(passes: Passes, backend: Backend) -> Step:
         for case in frame_cases(at, backend.precision)
         for test in relations_of(case)
     ]
-    return taken("L2", "relations", passes, backend, tests, ("target",))
+    departures: tuple[Departure, ...] = ("confidence", "target")
+    return taken("L2", "relations", passes, backend, tests, departures)
 
 
 def _mean(passes: Passes, backend: Backend, remaining: Callable[[], float]) -> Step:

@@ -12,6 +12,7 @@ from reference.arrays import Indices, Masks, Vec3s
 from reference.oracle.buffers import given, prefixed
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision, Value
+from reference.oracle.sight import made_it
 from reference.rng import KeyedUniforms, Stream
 
 Array = NDArray[Any]
@@ -170,13 +171,13 @@ def _bits(
     rows, count = np.arange(len(around)), around.shape[1]
     viewers = [rows, *(around[:, k] for k in range(count))]
     lent = [(own, row) for row in viewers] + [(past, rows)]
+    places = [r["position"][np.maximum(row, 0)] for r, row in lent]
+    makers = [*viewers, np.full(len(rows), -1)]
     words = np.zeros((len(rows), count + 1), np.uint32)
     for column, viewer in enumerate(viewers):
         for bit, (r, row) in enumerate(lent):
             at = np.maximum(row, 0)
-            seen = theatre.sees(
-                np.maximum(viewer, 0), r["position"][at], r["normal"][at]
-            )
-            made = (viewer == row) & (r is own)
+            seen = theatre.sees(np.maximum(viewer, 0), places[bit], r["normal"][at])
+            made = made_it(viewer, places[bit], makers, places)
             words[:, column] |= (seen | made).astype(np.uint32) << np.uint32(bit)
     return words

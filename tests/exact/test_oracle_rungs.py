@@ -1,6 +1,7 @@
 """Rungs without statistics: what is right passes, what is planted does not."""
 
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -250,3 +251,26 @@ def test_relations_see_what_has_a_scale_of_its_own(cases, pass_name, change, wor
     found = all_relations(changed("float32", pass_name, change), cases)
     text = [f.text for f in found if not f.passed]
     assert any(words in line for line in text), text
+
+
+# ---------------------------------------------------------------- who sees what
+
+
+def test_a_copy_of_a_sample_is_seen_by_whom_the_sample_is():
+    """Here a ray back to a sample fails, at an edge, for the one who made it."""
+    found = 0
+    for case in frame_cases(stage(find_scene("many-lights"), 48, 639), "float32"):
+        if case.pass_name != "spatial":
+            continue
+        rows, given = np.arange(case.rows), case.inputs
+        around = list(given["neighbors"].T)
+        lent = [given["position"][np.maximum(row, 0)] for row in [rows, *around]]
+        lent.append(given["past_position"])
+        for column, viewer in enumerate([rows, *around]):
+            words = given["visible"][:, column]
+            bits = [words >> np.uint32(bit) & np.uint32(1) for bit in range(len(lent))]
+            for i, j in combinations(range(len(lent)), 2):
+                same = (viewer >= 0) & (lent[i] == lent[j]).all(axis=1)
+                found += int(same.sum())
+                np.testing.assert_array_equal(bits[i][same], bits[j][same])
+    assert found > 100
