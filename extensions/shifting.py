@@ -1,0 +1,191 @@
+"""Shift mappings of paths in primary sample space, and their domains.
+
+The random numbers of a base path are replayed from another visible point, up to the
+point before its reconnection vertex; there the two are joined.  A path without
+reconnection vertex is replayed whole.  What makes a path joinable, and where, is tested
+on the offset path as it was on the base path: so the shift back leads to where it came
+from, or does not exist.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from extensions.connection import Criterion, seen_from, segment
+from extensions.light import chosen_light, light_by_chance, share_of_choice
+from extensions.paths import Paths, Technique
+from extensions.walking import Step, arrive, leave, start
+from reference.arrays import (
+    Indices,
+    Masks,
+    Scalars,
+    Vec3s,
+    divide_or_zero,
+    dot,
+    zero_vectors,
+)
+from reference.direct_light import balance
+from reference.records import take
+from reference.rng import Uniforms
+from reference.scene.materials.table import pdf, scattering
+from reference.scene.origins import contact
+from reference.scene.surface import SurfacePoints
+from reference.world import World
+
+
+@dataclass(frozen=True, slots=True)
+class Shifted:
+    """Offset paths, N rows.
+
+    Attributes
+    ----------
+    paths : Paths
+        With the value that they have at their new pixels; 0 where the shift fails.
+    jacobian : (N,) float64
+        |∂u_to / ∂u_from| in primary sample space; 0 where the shift fails.
+    """
+
+    paths: Paths
+    jacobian: Scalars
+
+
+@dataclass(frozen=True, slots=True)
+class Shift:
+    """How paths are shifted.
+
+    Attributes
+    ----------
+    criterion : Criterion
+        When points may be joined.
+    uniforms : callable
+        Random numbers of the paths that have the given numbers.
+    """
+
+    criterion: Criterion
+    uniforms: Callable[[Indices], Uniforms]
+
+    def __call__(
+        self, world: World, points: SurfacePoints, paths: Paths, active: Masks
+    ) -> Shifted:
+        """Shift paths to other visible points.
+
+        Parameters
+        ----------
+        world : World
+            The scene.
+        points : SurfacePoints
+            N visible points, to which the paths go.
+        paths : Paths
+            N base paths.
+        active : (N,) bool
+            Which of them.
+
+        Returns
+        -------
+        Shifted
+            Value and Jacobian 0 where the path does not exist at the new point: out of
+            sight, below a horizon, of another length, or joinable elsewhere.
+
+        Notes
+        -----
+        [Lin22, section 7.2].
+        """
+        value, density = zero_vectors(len(paths)), np.zeros(len(paths))
+        able = paths.there if self.criterion.replays else paths.joint == 2
+        rows = np.flatnonzero(active & able & points.hit)
+        some, step = take(paths, rows), start(take(points, rows))
+        vertex = 1
+        while len(rows):
+            joins = some.joint == vertex + 1
+            ends = (some.joint == 0) & (some.end == vertex)
+            for here, finish in ((joins, self._joined), (ends, self._replayed)):
+                at = np.flatnonzero(here)
+                if len(at):
+                    part = take(some, at)
+                    v, d = finish(world, take(step, at), part, vertex)
+                    value[rows[at]], density[rows[at]] = v, d
+            going = np.flatnonzero(~(joins | ends))
+            rows, some, step = rows[going], take(some, going), take(step, going)
+            if not len(rows):
+                break
+            # Replay one more direction; here, too, the base path could not be joined.
+            leaving = leave(
+                world, step, vertex, self.uniforms(some.number), step.points.hit
+            )
+            same = ~(step.joinable & ~leaving.bsdf.delta)
+            step = arrive(world, self.criterion, step, vertex, leaving)
+            alive = np.flatnonzero(same & step.points.hit)
+            rows, some, step = rows[alive], take(some, alive), take(step, alive)
+            vertex += 1
+        base = np.where(paths.joint > 0, paths.density, 1.0)
+        jacobian = divide_or_zero(density, base)
+        found = replace(
+            paths,
+            value=value,
+            density=np.where(paths.joint > 0, density, paths.density),
+        )
+        return Shifted(found, jacobian)
+
+    def _joined(
+        self, world: World, step: Step, paths: Paths, vertex: int
+    ) -> tuple[Vec3s, Scalars]:
+        """Value and density of paths that are joined to x_(v+1)."""
+        x, table = step.points, world.materials
+        x_s = contact(world.geometry, paths.surface)
+        there = seen_from(world.geometry, x, paths.surface, x_s)
+        omega = -there.wo
+        came = segment(self.criterion, world.geometry, x, there)
+        # Joined here as the base path was, from the same side, and not before.
+        fits = came.joinable & ~step.joinable & (dot(there.normal, omega) < 0)
+        left = scattering(table, x, omega)
+        p_left = np.where(fits, pdf(table, x, omega), 0.0)
+        onward = scattering(table, there, paths.wi)
+        chosen = paths.technique == Technique.NEXT_EVENT
+        last = paths.end == paths.joint
+        p_onward = pdf(table, there, paths.wi)
+        share = np.where(
+            chosen,
+            share_of_choice(world, there, paths.wi, paths.pdf_light),
+            balance(p_onward, paths.pdf_light),
+        )
+        # The light was chosen by numbers that the joint does not touch.
+        p_onward = np.where(last & chosen, 1.0, p_onward)
+        weight = divide_or_zero(left, p_left[:, None])
+        weight = weight * divide_or_zero(onward, p_onward[:, None])
+        weight = weight * np.where(last, share, 1.0)[:, None]
+        value = step.throughput * weight * paths.incoming
+        value = np.where(fits[:, None], value, 0.0)
+        shines: Masks = np.any(value > 0, axis=1)
+        seen = world.caster.visible(x, x_s, there.normal, shines, "reuse")
+        return (
+            np.where(seen[:, None], value, 0.0),
+            np.where(seen & fits, p_left * came.spread * p_onward, 0.0),
+        )
+
+    def _replayed(
+        self, world: World, step: Step, paths: Paths, vertex: int
+    ) -> tuple[Vec3s, Scalars]:
+        """Value of paths that end at x_v; in their own random numbers J is 1."""
+        x, uniforms = step.points, self.uniforms(paths.number)
+        chosen = paths.technique == Technique.NEXT_EVENT
+        value, fits = zero_vectors(len(paths)), np.zeros(len(paths), bool)
+        if chosen.any():
+            active = chosen & x.hit & ~step.joinable
+            light = chosen_light(world, x, uniforms.draw(2 * vertex - 1), active)
+            share = share_of_choice(world, x, light.wi, light.pdf_light)
+            scattered = scattering(world.materials, x, light.wi) * share[:, None]
+            value = np.where(active[:, None], scattered * light.radiance, value)
+            fits |= active
+        if not chosen.all():
+            leaving = leave(world, step, vertex, uniforms, ~chosen & x.hit)
+            bsdf = leaving.bsdf
+            active = ~chosen & ~(step.joinable & ~bsdf.delta)
+            light = light_by_chance(world, x, bsdf, leaving.hits)
+            mine = divide_or_zero(bsdf.pdf, bsdf.pdf + light.pdf_light)
+            share = np.where(bsdf.delta, 1.0, mine)
+            found = bsdf.weight * light.radiance * share[:, None]
+            value = np.where(active[:, None], found, value)
+            fits |= active
+        value = step.throughput * value
+        return value, (fits & value.any(axis=1)).astype(float)

@@ -1,0 +1,156 @@
+"""One step of a walk, drawn from random numbers: the same for base and offset paths."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from extensions.connection import Criterion, Segment, seen_from, segment
+from reference.arrays import Masks, Scalars, Vec3s, divide_or_zero, dot, zero_vectors
+from reference.records import where
+from reference.rng import Uniforms
+from reference.scene.hits import Hits, surface_points
+from reference.scene.materials.bsdf_sampling import BsdfSamples, sample
+from reference.scene.materials.table import pdf, scattering
+from reference.scene.origins import contact
+from reference.scene.surface import SurfacePoints
+from reference.world import World
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A point x_v of N walks, and how they came to it.
+
+    Attributes
+    ----------
+    points : SurfacePoints
+        x_v; misses where a walk has ended.
+    throughput : (N, 3) float64
+        Product of f cos θ / p of x_1 to x_(v-1).
+    weight : (N, 3) float64
+        The last of these factors.
+    came : Segment or None
+        From x_(v-1); ``None`` at x_1.
+    joinable : (N,) bool
+        x_v may be a reconnection vertex, if it is left by no delta lobe.
+    pdf : (N,) float64, 1/sr
+        Density of the direction in which x_(v-1) was left; 0 for a delta lobe.
+    """
+
+    points: SurfacePoints
+    throughput: Vec3s
+    weight: Vec3s
+    came: Segment | None
+    joinable: Masks
+    pdf: Scalars
+
+
+@dataclass(frozen=True, slots=True)
+class Leaving:
+    """Directions in which N walks leave a point, and what they meet.
+
+    Attributes
+    ----------
+    bsdf : BsdfSamples
+        The directions.
+    hits : Hits
+        Of the rays.
+    """
+
+    bsdf: BsdfSamples
+    hits: Hits
+
+
+def start(points: SurfacePoints) -> Step:
+    """Walks that have not left their visible points.
+
+    Parameters
+    ----------
+    points : SurfacePoints
+        N visible points x_1.
+
+    Returns
+    -------
+    Step
+        N rows.
+    """
+    size = len(points)
+    return Step(
+        points,
+        1.0 + zero_vectors(size),
+        1.0 + zero_vectors(size),
+        None,
+        np.zeros(size, bool),
+        np.zeros(size),
+    )
+
+
+def leave(
+    world: World, step: Step, vertex: int, uniforms: Uniforms, active: Masks
+) -> Leaving:
+    """Draw directions and trace them.
+
+    Parameters
+    ----------
+    world : World
+        The scene.
+    step : Step
+        Where the walks are.
+    vertex : int
+        v, of all of them.
+    uniforms : Uniforms
+        N rows; dimension 2 (v - 1) draws the direction.
+    active : (N,) bool
+        Which walks go on.
+
+    Returns
+    -------
+    Leaving
+        N rows.
+    """
+    bsdf = sample(world.materials, step.points, uniforms.draw(2 * (vertex - 1)))
+    goes_on = active & step.points.hit & (dot(bsdf.weight, bsdf.weight) > 0)
+    hits = world.caster.from_surface(step.points, bsdf.wi, goes_on, "bounce")
+    return Leaving(bsdf, hits)
+
+
+def arrive(
+    world: World, criterion: Criterion, step: Step, vertex: int, leaving: Leaving
+) -> Step:
+    """Go on to what the rays met.
+
+    Parameters
+    ----------
+    world : World
+        The scene.
+    criterion : Criterion
+        When points may be joined.
+    step : Step
+        Where the walks were.
+    vertex : int
+        v, of all of them.
+    leaving : Leaving
+        How they went on.
+
+    Returns
+    -------
+    Step
+        x_(v+1).
+    """
+    bsdf = leaving.bsdf
+    met = surface_points(world.geometry, leaving.hits, step.points.position, bsdf.wi)
+    came = segment(criterion, world.geometry, step.points, met)
+    joinable = came.joinable & ~bsdf.delta & (vertex < criterion.last_joint)
+    weight, density = bsdf.weight, bsdf.pdf
+    if joinable.any():
+        # What may be joined is the point, not the ray.
+        x_s = contact(world.geometry, met)
+        there = seen_from(world.geometry, step.points, met, x_s)
+        met = where(joinable, there, met)
+        came = segment(criterion, world.geometry, step.points, met)
+        value = scattering(world.materials, step.points, -met.wo)
+        density = np.where(
+            joinable, pdf(world.materials, step.points, -met.wo), density
+        )
+        exact = divide_or_zero(value, density[:, None])
+        weight = np.where(joinable[:, None], exact, weight)
+    return Step(met, step.throughput * weight, weight, came, joinable, density)
