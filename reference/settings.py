@@ -19,7 +19,29 @@ FinalVisibility = Literal["in-weight", "traced", "reused"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Settings:
+class Search:
+    """Which points are similar, and where neighbours are looked for.
+
+    Attributes
+    ----------
+    radius : float
+        Of the disk, in widths of the image.
+    min_radius : float, pixels
+        Least radius.
+    max_angle : float, degrees
+        Between the normals of similar points.
+    max_depth : float
+        Relative difference of their depths.
+    """
+
+    radius: float = 0.1
+    min_radius: float = 3.0
+    max_angle: float = 25.0
+    max_depth: float = 0.05
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings(Search):
     """Settings of ReSTIR GI; the defaults are the paper's, in its unbiased form.
 
     Attributes
@@ -111,10 +133,6 @@ class Settings:
     spatial_cap: float = 500.0
     iterations_few: int = 3
     iterations_many: int = 9
-    radius: float = 0.1
-    min_radius: float = 3.0
-    max_angle: float = 25.0
-    max_depth: float = 0.05
     motion: MotionReuse = "shifted"
     validate_every: int = 0
     validation_tolerance: float = 0.1

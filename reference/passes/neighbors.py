@@ -7,7 +7,7 @@ from reference.passes.gbuffer import similar
 from reference.records import take
 from reference.rng import Draw
 from reference.scene.surface import VisiblePoints
-from reference.settings import Settings
+from reference.settings import Search
 
 NONE = -1
 """In place of a neighbour: outside of the image, not similar, or the pixel itself."""
@@ -17,7 +17,7 @@ def find_neighbors(
     rows: Indices,
     visible: VisiblePoints,
     width: int,
-    settings: Settings,
+    settings: Search,
     draws: list[Draw],
 ) -> list[Indices]:
     """Neighbours drawn in a disk around each pixel, one a draw.
@@ -30,7 +30,7 @@ def find_neighbors(
         Of the whole frame.
     width : int, pixels
         Of the image.
-    settings : Settings
+    settings : Search
         Radius and similarity.
     draws : list of four (K,) float64
         Lanes 0 and 1 of each give a point of the disk.

@@ -9,7 +9,7 @@ from reference.records import take
 from reference.scene.camera import image_points, view_depth
 from reference.scene.motion import Motion, carry, turn
 from reference.scene.surface import VisiblePoints
-from reference.settings import Settings
+from reference.settings import Search
 from reference.world import World
 
 
@@ -92,7 +92,7 @@ def alike_before(
     visible: VisiblePoints,
     back: Motion | None,
     rows: Indices,
-    settings: Settings,
+    settings: Search,
 ) -> Masks:
     """Whether pixels of the last frame saw something like what each pixel sees now.
 
@@ -106,7 +106,7 @@ def alike_before(
         From this frame to the last.
     rows : (N,) int
         Pixels of the last frame, or ``NONE``.
-    settings : Settings
+    settings : Search
         Similarity of depths and normals.
 
     Returns
@@ -135,7 +135,7 @@ def reproject(
     world: World,
     visible: VisiblePoints,
     back: Motion | None,
-    settings: Settings,
+    settings: Search,
 ) -> Indices:
     """Pixel of the last frame that saw what each pixel of this one sees.
 
@@ -147,7 +147,7 @@ def reproject(
         G-buffers of both frames, N rows each.
     back : Motion or None
         From this frame to the last.
-    settings : Settings
+    settings : Search
         Similarity of depths and normals.
 
     Returns

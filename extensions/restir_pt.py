@@ -1,0 +1,217 @@
+"""ReSTIR PT: the frame loop of ReSTIR GI, on whole paths."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from extensions.candidates import draw_paths
+from extensions.connection import CRITERIA
+from extensions.pt_settings import PathSettings
+from extensions.reuse import Donor, resample
+from extensions.shifting import Shift
+from reference.arrays import Indices, Scalars, Vec3s
+from reference.passes.gbuffer import visible_points
+from reference.passes.neighbors import NONE, find_neighbors
+from reference.passes.reproject import reproject
+from reference.records import cut, take
+from reference.resampling.reservoir import Reservoirs, finalize
+from reference.rng import KeyedUniforms, Stream, Uniforms
+from reference.scene.animation import Animation, still
+from reference.scene.camera import pixel_centers
+from reference.scene.surface import VisiblePoints
+from reference.schedule import Schedule, in_bands
+from reference.world import World, next_world
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PathFrame:
+    """What one frame leaves for the next, and the picture.
+
+    Attributes
+    ----------
+    number : int
+        From 0.
+    world : World
+        The scene as it was.
+    visible : VisiblePoints
+        G-buffer.
+    reservoirs : Reservoirs
+        Of `Paths`, at the visible points.
+    color : (N, 3) float64, W/(m² sr)
+        Indirect light.
+    """
+
+    number: int
+    world: World
+    visible: VisiblePoints
+    reservoirs: Reservoirs
+    color: Vec3s
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Moment:
+    """What the passes of one frame share."""
+
+    number: int
+    world: World
+    visible: VisiblePoints
+    settings: PathSettings
+    bounces: int
+    seed: int
+
+    @property
+    def pixels(self) -> int:
+        return len(self.visible.depth)
+
+    @property
+    def shift(self) -> Shift:
+        return Shift(CRITERIA[self.settings.shift], self._of_paths)
+
+    def _of_paths(self, number: Indices) -> Uniforms:
+        pixel = (number % self.pixels).astype(np.uint32)
+        return KeyedUniforms(pixel, number // self.pixels, self.seed, Stream.PATH)
+
+    def uniforms(self, rows: slice, stream: Stream) -> Uniforms:
+        pixel = np.arange(rows.start, rows.stop, dtype=np.uint32)
+        return KeyedUniforms(pixel, self.number, self.seed, stream)
+
+
+def render_path_frames(
+    world: World,
+    settings: PathSettings,
+    bounces: int,
+    seed: int,
+    schedule: Schedule,
+    animation: Animation | None = None,
+) -> Iterator[PathFrame]:
+    """Frames of indirect light by ReSTIR PT, without end.
+
+    Parameters
+    ----------
+    world : World
+        The scene in frame 0.
+    settings : PathSettings
+        The algorithm.
+    bounces : int
+        Bounces of indirect light, 1 to 30.
+    seed : int
+        Runs of different seeds are independent.
+    schedule : Schedule
+        Bands and threads; no influence on the result.
+    animation : Animation, optional
+        Validated scenes of all frames; by default the scene stands still.  Where
+        shapes or lights move, every frame begins anew: their paths are of another
+        scene.
+
+    Yields
+    ------
+    PathFrame
+        Frame after frame, each resampling what the last one left.
+
+    Notes
+    -----
+    [Lin22, section 6].
+    """
+    animation = animation or still(world.scene)
+    x, y = pixel_centers(world.camera.width, world.camera.height)
+
+    def g_buffer(now: World) -> VisiblePoints:
+        return in_bands(schedule, len(x), lambda r: visible_points(now, x[r], y[r]))
+
+    last: PathFrame | None = None
+    while True:
+        now = next_world(last.world, animation(last.number + 1)) if last else world
+        visible = last.visible if last and now is last.world else g_buffer(now)
+        number = last.number + 1 if last else 0
+        moment = _Moment(number, now, visible, settings, bounces, seed)
+        before = None if animation.changes == "scene" else last
+        last = _frame(moment, before, schedule)
+        yield last
+
+
+def _frame(moment: _Moment, last: PathFrame | None, schedule: Schedule) -> PathFrame:
+    rows = moment.pixels
+    past = _rows_before(moment, last)
+    fresh = in_bands(
+        schedule, rows, lambda r: _drawn_and_temporal(moment, last, past, r)
+    )
+    kept = fresh
+    if moment.settings.spatial:
+        # Every pixel's reservoir is complete before a neighbour reads it.
+        kept = in_bands(schedule, rows, lambda r: _spatial(moment, fresh, r))
+    color = kept.y.value * kept.W[:, None]
+    return PathFrame(moment.number, moment.world, moment.visible, kept, color)
+
+
+def _rows_before(moment: _Moment, last: PathFrame | None) -> Indices | None:
+    """Where each pixel finds its past; ``None`` where all are at their own place."""
+    if last is None or last.world is moment.world:
+        return None
+    return reproject(
+        last.world, last.visible, moment.world, moment.visible, None, moment.settings
+    )
+
+
+def _drawn_and_temporal(
+    moment: _Moment, last: PathFrame | None, past: Indices | None, rows: slice
+) -> Reservoirs:
+    points = cut(moment.visible.surface, rows)
+    shift = moment.shift
+    number = np.arange(rows.start, rows.stop) + moment.number * moment.pixels
+    tree = draw_paths(
+        moment.world,
+        points,
+        moment.bounces,
+        shift.criterion,
+        number,
+        shift.uniforms(number),
+    )
+    new = finalize(tree, tree.M)
+    if last is None or not moment.settings.temporal:
+        return new
+    own = Donor(moment.world, points, new, stands=True)
+    donors = [_past(moment, last, past, rows), own]
+    u = moment.uniforms(rows, Stream.TEMPORAL).draw(0)[0]
+    s = moment.settings
+    return resample(shift, moment.world, points, donors, [u, u], s.mis, s.temporal_cap)
+
+
+def _past(moment: _Moment, last: PathFrame, past: Indices | None, rows: slice) -> Donor:
+    if past is None:
+        reservoirs = cut(last.reservoirs, rows)
+        points = cut(last.visible.surface, rows)
+        return Donor(last.world, points, reservoirs, stands=True)
+    return _lent(last.world, last.visible, last.reservoirs, past[rows])
+
+
+def _lent(
+    world: World, visible: VisiblePoints, reservoirs: Reservoirs, row: Indices
+) -> Donor:
+    """Rows of a frame, and nothing where there is none."""
+    there, at = row != NONE, np.maximum(row, 0)
+    r = take(reservoirs, at)
+    r = replace(r, W=np.where(there, r.W, 0.0), M=np.where(there, r.M, 0.0))
+    return Donor(world, take(visible.surface, at), r)
+
+
+def _spatial(moment: _Moment, fresh: Reservoirs, rows: slice) -> Reservoirs:
+    s, points = moment.settings, cut(moment.visible.surface, rows)
+    own = Donor(moment.world, points, cut(fresh, rows), stands=True)
+    uniforms = moment.uniforms(rows, Stream.SPATIAL)
+    draws = [uniforms.draw(k) for k in range(s.neighbors)]
+    width = moment.world.camera.width
+    here = np.arange(rows.start, rows.stop)
+    around = find_neighbors(here, moment.visible, width, s, draws)
+    lent = [_lent(moment.world, moment.visible, fresh, row) for row in around]
+    decisions: list[Scalars] = [draws[0][2] if draws else np.zeros(len(points))]
+    decisions += [draw[2] for draw in draws]
+    return resample(
+        moment.shift,
+        moment.world,
+        points,
+        [own, *lent],
+        decisions,
+        s.mis,
+        s.spatial_cap,
+    )
