@@ -1,10 +1,22 @@
 """Settings of ReSTIR PT."""
 
 from dataclasses import dataclass
+from math import inf
 
 from extensions.connection import Shift
 from extensions.reuse import Mis
+from reference.methods.framed import Image
 from reference.settings import Search
+
+LEAST_AND_MOST = {
+    "temporal_cap": (1, inf),
+    "spatial_cap": (1, inf),
+    "neighbors": (0, 63),
+    "radius": (0, 1),
+    "min_radius": (0, 2**14),
+    "max_angle": (0, 180),
+    "max_depth": (0, inf),
+}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,6 +35,8 @@ class PathSettings(Search):
         Limits of M.
     neighbors : int
         Whose paths the spatial pass takes over.
+    image : 'last' or 'mean'
+        The last frame, as a renderer shows it, or the mean of all.
     """
 
     shift: Shift = "hybrid"
@@ -32,3 +46,11 @@ class PathSettings(Search):
     temporal_cap: float = 20.0
     spatial_cap: float = 500.0
     neighbors: int = 3
+    image: Image = "last"
+
+    def __post_init__(self) -> None:
+        for name, (least, most) in LEAST_AND_MOST.items():
+            if not least <= getattr(self, name) <= most:
+                raise ValueError(
+                    f"{name}={getattr(self, name)} is out of range: {least} to {most}"
+                )

@@ -1,0 +1,69 @@
+"""Method ``restir-pt``: whole paths, reused by shift mappings."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from extensions.pt_settings import PathSettings
+from extensions.restir_pt import PathFrame, render_path_frames
+from reference.arrays import Scalars
+from reference.methods.aovs import GBUFFER
+from reference.methods.framed import PARTS, Framed
+from reference.methods.method import Job, Method
+
+PATHS = {
+    "M": "confidence of the pixel's reservoir",
+    "W": "its unbiased contribution weight, in primary sample space",
+    "joint": "index of the reconnection vertex, 0 where the path is replayed whole",
+    "length": "index of the last surface point, 0 where there is no path",
+}
+
+
+def _frames(job: Job) -> Iterator[PathFrame]:
+    return render_path_frames(
+        job.world, job.settings, job.bounces, job.seed, job.schedule, job.animation
+    )
+
+
+def _layers(frame: PathFrame, names: tuple[str, ...]) -> Mapping[str, Scalars]:
+    r = frame.reservoirs
+    full = r.W > 0
+    found = {
+        "M": r.M,
+        "W": r.W,
+        "joint": np.where(full, r.y.joint, 0.0),
+        "length": np.where(full, r.y.end, 0.0),
+    }
+    return {name: found[name] for name in names if name in PATHS}
+
+
+def named_biases(job: Job) -> tuple[str, ...]:
+    """What biases the indirect light of a picture.
+
+    Parameters
+    ----------
+    job : Job
+        What is rendered.
+
+    Returns
+    -------
+    tuple of str
+        A line each.
+    """
+    reuses = job.settings.spatial or (job.animation and job.settings.temporal)
+    if job.light == "direct" or job.bounces == 0 or not reuses:
+        return ()
+    if job.settings.mis == "1/M":
+        return ("mis=1/M counts those who could not have made the sample: too dark",)
+    return ()
+
+
+METHOD = Method(
+    name="restir-pt",
+    summary="whole paths, reused by reconnection, random replay or both",
+    counts={"frames": 32, "spp": 32},
+    settings=PathSettings(),
+    aovs={**PARTS, **PATHS, **GBUFFER},
+    render=Framed(_frames, _layers, PATHS).render,
+    biases=named_biases,
+)

@@ -1,0 +1,142 @@
+"""Pictures of methods that go on from frame to frame: their light, and all the rest."""
+
+from collections.abc import Callable, Generator, Iterator, Mapping
+from dataclasses import dataclass, replace
+from itertools import islice
+from typing import Any, Literal, Protocol
+
+import numpy as np
+
+from reference.arrays import Scalars, Vec3s
+from reference.errors import UsageError
+from reference.methods.aovs import gbuffer_layers
+from reference.methods.method import Job, Progress, Rendering
+from reference.methods.path import mean_of_paths
+from reference.rng import Stream
+from reference.world import World, next_world
+
+Image = Literal["last", "mean"]
+
+PARTS = {
+    "direct": "path-traced direct light, a mean of --spp samples",
+    "indirect": "indirect light by the method",
+    "mean": "mean of the indirect light of all frames",
+}
+
+
+class Shown(Protocol):
+    """What a frame shows: ``number``, ``world`` and ``color``."""
+
+    @property
+    def number(self) -> int:
+        """From 0."""
+        ...
+
+    @property
+    def world(self) -> World:
+        """The scene as it was."""
+        ...
+
+    @property
+    def color(self) -> Vec3s:
+        """Indirect light, (N, 3)."""
+        ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Framed:
+    """How a method makes frames.
+
+    Attributes
+    ----------
+    frames : callable
+        From a job to frames without end.
+    layers : callable
+        From a frame and names to the layers of these names, beside the picture's.
+    own : mapping of str to str
+        Names that ``layers`` knows, and what they are.
+    """
+
+    frames: Callable[[Job], Iterator[Any]]
+    layers: Callable[[Any, tuple[str, ...]], Mapping[str, Scalars]]
+    own: Mapping[str, str]
+
+    def render(self, job: Job) -> Rendering:
+        """Indirect light by the method, direct light by path tracing.
+
+        Parameters
+        ----------
+        job : Job
+            What to render; its settings have ``image``, the last frame or the mean of
+            the indirect light of all.
+
+        Yields
+        ------
+        Progress
+            In frames, then in samples of the direct light.
+
+        Returns
+        -------
+        Layers
+            The colour, and the layers asked for, all of the last frame.
+
+        Raises
+        ------
+        UsageError
+            A layer of the frames is wanted where there are none.
+        """
+        has_direct = job.light != "indirect" or "direct" in job.aovs
+        has_indirect = job.light != "direct" or "indirect" in job.aovs
+        frames = job.counts["frames"] if has_indirect and job.bounces else 0
+        missing = [name for name in job.aovs if name in (*self.own, "mean")]
+        if missing and not frames:
+            raise UsageError(
+                f"--aov {missing[0]} needs indirect light: --light indirect or full,"
+                " and --bounces of at least 1"
+            )
+        total = frames + (job.counts["spp"] if has_direct else 0)
+        layers: dict[str, Scalars] = {}
+        indirect = direct = _black(job)
+        if frames:
+            found = yield from self._frames(job, frames, total)
+            last = found.last
+            indirect = found.mean if job.settings.image == "mean" else last.color
+            layers |= {"mean": found.mean} if "mean" in job.aovs else {}
+            layers |= self.layers(last, job.aovs)
+        shown = found.last.world if frames else _last_world(job)
+        if has_direct:
+            there = replace(job, world=shown)
+            moments = yield from mean_of_paths(
+                there, "direct", "center", Stream.DIRECT, frames, total
+            )
+            direct = moments.mean
+        parts = {"indirect": indirect, "direct": direct, "full": indirect + direct}
+        wanted = [name for name in ("indirect", "direct") if name in job.aovs]
+        layers |= {name: parts[name] for name in wanted}
+        layers |= gbuffer_layers(shown, job.schedule, job.aovs)
+        return {"color": parts[job.light], **layers}
+
+    def _frames(
+        self, job: Job, frames: int, total: int
+    ) -> Generator[Progress, None, "_Indirect"]:
+        mean = _black(job)
+        for frame in islice(self.frames(job), frames):
+            mean = mean + (frame.color - mean) / (frame.number + 1.0)
+            yield Progress(frame.number + 1, total, "frames")
+        return _Indirect(frame, mean)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Indirect:
+    last: Shown
+    mean: Vec3s
+
+
+def _last_world(job: Job) -> World:
+    if job.animation is None:
+        return job.world
+    return next_world(job.world, job.animation(job.counts["frames"] - 1))
+
+
+def _black(job: Job) -> Vec3s:
+    return np.zeros((job.world.camera.width * job.world.camera.height, 3))
