@@ -1,7 +1,7 @@
 """ReSTIR PT: the frame loop of ReSTIR GI, on whole paths."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,9 +12,9 @@ from extensions.reuse import Donor, resample
 from extensions.shifting import Shift
 from reference.arrays import Indices, Scalars, Vec3s
 from reference.passes.gbuffer import visible_points
-from reference.passes.neighbors import NONE, find_neighbors
+from reference.passes.neighbors import find_neighbors
 from reference.passes.reproject import reproject
-from reference.records import cut, take
+from reference.records import cut
 from reference.resampling.reservoir import Reservoirs, finalize
 from reference.rng import KeyedUniforms, Stream, Uniforms
 from reference.scene.animation import Animation, still
@@ -170,47 +170,43 @@ def _drawn_and_temporal(
     new = finalize(tree, tree.M)
     if last is None or not moment.settings.temporal:
         return new
-    own = Donor(moment.world, points, new, stands=True)
-    donors = [_past(moment, last, past, rows), own]
+    here = np.arange(len(points))
+    own = Donor(moment.world, points, new, here, stands=True)
+    rows_before = np.arange(rows.start, rows.stop) if past is None else past[rows]
+    before = Donor(
+        last.world,
+        last.visible.surface,
+        last.reservoirs,
+        rows_before,
+        stands=past is None,
+    )
     u = moment.uniforms(rows, Stream.TEMPORAL).draw(0)[0]
     s = moment.settings
-    return resample(shift, moment.world, points, donors, [u, u], s.mis, s.temporal_cap)
-
-
-def _past(moment: _Moment, last: PathFrame, past: Indices | None, rows: slice) -> Donor:
-    if past is None:
-        reservoirs = cut(last.reservoirs, rows)
-        points = cut(last.visible.surface, rows)
-        return Donor(last.world, points, reservoirs, stands=True)
-    return _lent(last.world, last.visible, last.reservoirs, past[rows])
-
-
-def _lent(
-    world: World, visible: VisiblePoints, reservoirs: Reservoirs, row: Indices
-) -> Donor:
-    """Rows of a frame, and nothing where there is none."""
-    there, at = row != NONE, np.maximum(row, 0)
-    r = take(reservoirs, at)
-    r = replace(r, W=np.where(there, r.W, 0.0), M=np.where(there, r.M, 0.0))
-    return Donor(world, take(visible.surface, at), r)
+    return resample(
+        shift, moment.world, points, [before, own], [u, u], s.mis, s.temporal_cap
+    )
 
 
 def _spatial(moment: _Moment, fresh: Reservoirs, rows: slice) -> Reservoirs:
     s, points = moment.settings, cut(moment.visible.surface, rows)
-    own = Donor(moment.world, points, cut(fresh, rows), stands=True)
+    here = np.arange(rows.start, rows.stop)
     uniforms = moment.uniforms(rows, Stream.SPATIAL)
     draws = [uniforms.draw(k) for k in range(s.neighbors)]
     width = moment.world.camera.width
-    here = np.arange(rows.start, rows.stop)
     around = find_neighbors(here, moment.visible, width, s, draws)
-    lent = [_lent(moment.world, moment.visible, fresh, row) for row in around]
+
+    def lent(row: Indices, stands: bool) -> Donor:
+        surface = moment.visible.surface
+        return Donor(moment.world, surface, fresh, row, stands)
+
+    donors = [lent(here, stands=True), *(lent(row, stands=False) for row in around)]
     decisions: list[Scalars] = [draws[0][2] if draws else np.zeros(len(points))]
     decisions += [draw[2] for draw in draws]
     return resample(
         moment.shift,
         moment.world,
         points,
-        [own, *lent],
+        donors,
         decisions,
         s.mis,
         s.spatial_cap,

@@ -26,7 +26,7 @@ from reference.arrays import (
     zero_vectors,
 )
 from reference.direct_light import balance
-from reference.records import take
+from reference.records import scatter, take
 from reference.rng import Uniforms
 from reference.scene.materials.table import pdf, scattering
 from reference.scene.origins import contact
@@ -91,41 +91,61 @@ class Shift:
         -----
         [Lin22, section 7.2].
         """
+        rows = np.flatnonzero(active & points.hit)
+        value, jacobian = self.of_all(world, take(points, rows), take(paths, rows))
+        size = len(paths)
+        found = replace(
+            paths,
+            value=scatter(rows, value, size),
+            density=paths.density * scatter(rows, jacobian, size),
+        )
+        return Shifted(found, scatter(rows, jacobian, size))
+
+    def of_all(
+        self, world: World, points: SurfacePoints, paths: Paths
+    ) -> tuple[Vec3s, Scalars]:
+        """Values and Jacobians alone, of paths that are all to be shifted.
+
+        Parameters
+        ----------
+        world : World
+            The scene.
+        points : SurfacePoints
+            N visible points, none of them a miss.
+        paths : Paths
+            N base paths.
+
+        Returns
+        -------
+        value : (N, 3) float64, W/(m² sr)
+            As in `Shifted`.
+        jacobian : (N,) float64
+            Likewise; times the density of a base path it is that of the offset path.
+        """
         value, density = zero_vectors(len(paths)), np.zeros(len(paths))
         able = paths.there if self.criterion.replays else paths.joint == 2
-        rows = np.flatnonzero(active & able & points.hit)
-        some, step = take(paths, rows), start(take(points, rows))
+        rows, some, step = _kept(able, np.arange(len(paths)), paths, start(points))
         vertex = 1
         while len(rows):
             joins = some.joint == vertex + 1
             ends = (some.joint == 0) & (some.end == vertex)
             for here, finish in ((joins, self._joined), (ends, self._replayed)):
-                at = np.flatnonzero(here)
+                at, part, there = _kept(here, rows, some, step)
                 if len(at):
-                    part = take(some, at)
-                    v, d = finish(world, take(step, at), part, vertex)
-                    value[rows[at]], density[rows[at]] = v, d
-            going = np.flatnonzero(~(joins | ends))
-            rows, some, step = rows[going], take(some, going), take(step, going)
-            if not len(rows):
+                    value[at], density[at] = finish(world, there, part, vertex)
+            going = ~(joins | ends)
+            if not going.any():
                 break
+            rows, some, step = _kept(going, rows, some, step)
             # Replay one more direction; here, too, the base path could not be joined.
-            leaving = leave(
-                world, step, vertex, self.uniforms(some.number), step.points.hit
-            )
+            everyone = np.ones(len(rows), bool)
+            leaving = leave(world, step, vertex, self.uniforms(some.number), everyone)
             same = ~(step.joinable & ~leaving.bsdf.delta)
             step = arrive(world, self.criterion, step, vertex, leaving)
-            alive = np.flatnonzero(same & step.points.hit)
-            rows, some, step = rows[alive], take(some, alive), take(step, alive)
+            rows, some, step = _kept(same & step.points.hit, rows, some, step)
             vertex += 1
         base = np.where(paths.joint > 0, paths.density, 1.0)
-        jacobian = divide_or_zero(density, base)
-        found = replace(
-            paths,
-            value=value,
-            density=np.where(paths.joint > 0, density, paths.density),
-        )
-        return Shifted(found, jacobian)
+        return value, divide_or_zero(density, base)
 
     def _joined(
         self, world: World, step: Step, paths: Paths, vertex: int
@@ -189,3 +209,13 @@ class Shift:
             fits |= active
         value = step.throughput * value
         return value, (fits & value.any(axis=1)).astype(float)
+
+
+def _kept(
+    mask: Masks, rows: Indices, paths: Paths, step: Step
+) -> tuple[Indices, Paths, Step]:
+    """Some of the rows; without a copy, if they are all."""
+    if mask.all():
+        return rows, paths, step
+    at = np.flatnonzero(mask)
+    return rows[at], take(paths, at), take(step, at)
