@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from reference.arrays import Masks, Scalars
 
+# Array of mpf, of WHOLE or of DIGITS.
 Exact = NDArray[Any]
-"""Array of mpf, of `WHOLE` or of `DIGITS`."""
 
 # Contexts of our own: the precision of mpmath.mp is anybody's to set.
 WHOLE = MPContext()

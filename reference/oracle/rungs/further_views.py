@@ -10,8 +10,8 @@ from reference.arrays import Scalars, Vec3s, normalize
 from reference.oracle.contract.fields import Value
 from reference.scene.camera import Camera, camera_rays, pixel_centers
 
+# Name, settings and inputs of a case.
 Parts = tuple[str, dict[str, Value], dict[str, Any]]
-"""Name, settings and inputs of a case."""
 
 WIDTH, HEIGHT = 40, 25
 ROWS = WIDTH * HEIGHT
