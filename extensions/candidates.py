@@ -5,15 +5,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from extensions.connection import Criterion
-from extensions.light import chosen_light, light_by_chance, share_of_choice
 from extensions.paths import Paths, Technique, no_paths
 from extensions.walking import Leaving, Step, arrive, leave, start
-from reference.arrays import Indices, Masks, Scalars, Vec3s, divide_or_zero
-from reference.records import where
+from reference.arrays import Indices, Masks, Scalars, Vec3s
+from reference.direct_light import choose_light, met_lights, share_of_chance
+from reference.records import scatter, where
 from reference.resampling.reservoir import Candidates, merge
 from reference.resampling.target import luminance
-from reference.rng import Uniforms
-from reference.scene.materials.table import scattering
+from reference.rng import Draw, Uniforms
 from reference.scene.surface import SurfacePoints
 from reference.world import World
 
@@ -116,17 +115,9 @@ def _density(step: Step, pdf: Scalars | float) -> Scalars:
     return density
 
 
-def _chosen(
-    world: World,
-    step: Step,
-    trunk: _Trunk,
-    vertex: int,
-    u: tuple[Scalars, Scalars, Scalars, Scalars],
-) -> Paths:
+def _chosen(world: World, step: Step, trunk: _Trunk, vertex: int, u: Draw) -> Paths:
     """Paths that end at x_v by next-event estimation."""
-    light = chosen_light(world, step.points, u, step.points.hit)
-    share = share_of_choice(world, step.points, light.wi, light.pdf_light)
-    scattered = scattering(world.materials, step.points, light.wi) * share[:, None]
+    light = choose_light(world, step.points, u)
     here = step.joinable & (trunk.paths.joint == 0)
     return _ended(
         step,
@@ -135,9 +126,9 @@ def _chosen(
         Technique.NEXT_EVENT,
         here,
         light.wi,
-        light.radiance,
-        scattered,
-        light.pdf_light,
+        np.where(light.seen[:, None], light.weight, 0.0),
+        light.value,
+        light.pdf,
         _density(step, 1.0),
     )
 
@@ -147,9 +138,10 @@ def _by_chance(
 ) -> Paths:
     """Paths that end at x_v since its ray met a light."""
     bsdf = leaving.bsdf
-    light = light_by_chance(world, step.points, bsdf, leaving.hits)
-    mine = divide_or_zero(bsdf.pdf, bsdf.pdf + light.pdf_light)
-    share = np.where(bsdf.delta, 1.0, mine)
+    rows, some, by_choice = met_lights(world, step.points, bsdf, leaving.hits)
+    size = len(step.points)
+    radiance, pdf_light = scatter(rows, some, size), scatter(rows, by_choice, size)
+    share = share_of_chance(bsdf.pdf, bsdf.delta, pdf_light)
     here = step.joinable & ~bsdf.delta & (trunk.paths.joint == 0)
     return _ended(
         step,
@@ -158,9 +150,9 @@ def _by_chance(
         Technique.CHANCE,
         here,
         bsdf.wi,
-        light.radiance,
-        bsdf.weight * share[:, None],
-        light.pdf_light,
+        radiance,
+        bsdf.weight * radiance * share[:, None],
+        pdf_light,
         _density(step, bsdf.pdf),
     )
 
@@ -173,13 +165,12 @@ def _ended(
     here: Masks,
     wi: Vec3s,
     radiance: Vec3s,
-    weight: Vec3s,
+    reflected: Vec3s,
     pdf_light: Scalars,
     density: Scalars,
 ) -> Paths:
     """Paths with a light after x_v, which is the reconnection vertex ``here``."""
     paths, size = trunk.paths, len(step.points)
-    reflected = weight * radiance
     longer = replace(paths, incoming=paths.incoming * reflected)
     joined = replace(
         paths,

@@ -12,7 +12,7 @@ from reference.scene.materials.parameters import Kind, MaterialTable
 from reference.scene.origins import contact, step_before
 from reference.scene.surface import SurfacePoints, direction_and_distance
 
-Shift = Literal["reconnection", "replay", "hybrid"]
+ShiftKind = Literal["reconnection", "replay", "hybrid"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ class Criterion:
     replays: bool = True
 
 
-CRITERIA: dict[Shift, Criterion] = {
+CRITERIA: dict[ShiftKind, Criterion] = {
     "reconnection": Criterion(0.0, 0.0, last_joint=2, replays=False),
     "replay": Criterion(roughness=inf),
     "hybrid": Criterion(),

@@ -1,6 +1,6 @@
 """Paths as samples: what is kept of one, so that another pixel can take it over."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
@@ -70,6 +70,25 @@ class Paths:
         """(N,) bool: there is a path at all."""
         found: Masks = self.end > 0
         return found
+
+    def moved(self, value: Vec3s, jacobian: Scalars) -> "Paths":
+        """The same paths from other pixels.
+
+        Parameters
+        ----------
+        value : (N, 3) float64
+            There.
+        jacobian : (N,) float64
+            Of the shift.
+
+        Returns
+        -------
+        Paths
+            Densities at the joint change as the Jacobian says.
+        """
+        joined = self.joint > 0
+        density = np.where(joined, self.density * jacobian, self.density)
+        return replace(self, value=value, density=density)
 
 
 def no_paths(points: SurfacePoints, number: Indices) -> Paths:

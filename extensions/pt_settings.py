@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import inf
 
-from extensions.connection import Shift
+from extensions.connection import ShiftKind
 from extensions.reuse import Mis
 from reference.methods.framed import Image
 from reference.settings import Search
@@ -39,7 +39,7 @@ class PathSettings(Search):
         The last frame, as a renderer shows it, or the mean of all.
     """
 
-    shift: Shift = "hybrid"
+    shift: ShiftKind = "hybrid"
     mis: Mis = "1/Z"
     temporal: bool = True
     spatial: bool = True

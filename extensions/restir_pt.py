@@ -10,7 +10,7 @@ from extensions.connection import CRITERIA
 from extensions.pt_settings import PathSettings
 from extensions.reuse import Donor, resample
 from extensions.shifting import Shift
-from reference.arrays import Indices, Scalars, Vec3s
+from reference.arrays import Indices, Vec3s
 from reference.passes.gbuffer import visible_points
 from reference.passes.neighbors import find_neighbors
 from reference.passes.reproject import reproject
@@ -200,8 +200,7 @@ def _spatial(moment: _Moment, fresh: Reservoirs, rows: slice) -> Reservoirs:
         return Donor(moment.world, surface, fresh, row, stands)
 
     donors = [lent(here, stands=True), *(lent(row, stands=False) for row in around)]
-    decisions: list[Scalars] = [draws[0][2] if draws else np.zeros(len(points))]
-    decisions += [draw[2] for draw in draws]
+    decisions = [np.zeros(len(points)), *(draw[2] for draw in draws)]
     return resample(
         moment.shift,
         moment.world,

@@ -123,7 +123,7 @@ def _entry(
     else:
         at = np.flatnonzero((W > 0) & points.hit)
         base = take(r.y, row[at])
-        some, factor = shift.of_all(world, take(points, at), base)
+        some, factor = shift(world, take(points, at), base)
         value, jacobian = scatter(at, some, size), scatter(at, factor, size)
     c = reused_candidates(offered, luminance(value), jacobian)
     return _Entry(donor, c, value, jacobian)
@@ -141,8 +141,7 @@ def _kept_paths(entries: list[_Entry], place: Indices) -> Paths:
         part = take(reservoirs.y, np.maximum(row, 0))
         found = part if found is None else where(row != NONE, part, found)
     assert found is not None
-    density = np.where(found.joint > 0, found.density * factor, found.density)
-    return replace(found, value=value, density=density)
+    return found.moved(value, factor)
 
 
 def _by_frame(
@@ -174,7 +173,7 @@ def _normalization(
         at = np.flatnonzero((chosen.w > 0) & ~mine & (M_k[k] > 0))
         row = np.maximum(donor.rows, 0)
         there = take(donor.points, row[at])
-        value, factor = shift.of_all(donor.world, there, take(z, at))
+        value, factor = shift(donor.world, there, take(z, at))
         p = scatter(at, luminance(value) * factor, len(mine))
         base = luminance(take(donor.reservoirs.y.value, row))
         own = divide_or_zero(base, entry.jacobian)

@@ -8,12 +8,11 @@ from, or does not exist.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from extensions.connection import Criterion, seen_from, segment
-from extensions.light import chosen_light, light_by_chance, share_of_choice
 from extensions.paths import Paths, Technique
 from extensions.walking import Step, arrive, leave, start
 from reference.arrays import (
@@ -25,29 +24,19 @@ from reference.arrays import (
     dot,
     zero_vectors,
 )
-from reference.direct_light import balance
+from reference.direct_light import (
+    balance,
+    choose_light,
+    met_lights,
+    share_of_chance,
+    share_of_choice,
+)
 from reference.records import scatter, take
 from reference.rng import Uniforms
 from reference.scene.materials.table import pdf, scattering
 from reference.scene.origins import contact
 from reference.scene.surface import SurfacePoints
 from reference.world import World
-
-
-@dataclass(frozen=True, slots=True)
-class Shifted:
-    """Offset paths, N rows.
-
-    Attributes
-    ----------
-    paths : Paths
-        With the value that they have at their new pixels; 0 where the shift fails.
-    jacobian : (N,) float64
-        |∂u_to / ∂u_from| in primary sample space; 0 where the shift fails.
-    """
-
-    paths: Paths
-    jacobian: Scalars
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,8 +55,8 @@ class Shift:
     uniforms: Callable[[Indices], Uniforms]
 
     def __call__(
-        self, world: World, points: SurfacePoints, paths: Paths, active: Masks
-    ) -> Shifted:
+        self, world: World, points: SurfacePoints, paths: Paths
+    ) -> tuple[Vec3s, Scalars]:
         """Shift paths to other visible points.
 
         Parameters
@@ -75,52 +64,21 @@ class Shift:
         world : World
             The scene.
         points : SurfacePoints
-            N visible points, to which the paths go.
-        paths : Paths
-            N base paths.
-        active : (N,) bool
-            Which of them.
-
-        Returns
-        -------
-        Shifted
-            Value and Jacobian 0 where the path does not exist at the new point: out of
-            sight, below a horizon, of another length, or joinable elsewhere.
-
-        Notes
-        -----
-        [Lin22, section 7.2].
-        """
-        rows = np.flatnonzero(active & points.hit)
-        value, jacobian = self.of_all(world, take(points, rows), take(paths, rows))
-        size = len(paths)
-        found = replace(
-            paths,
-            value=scatter(rows, value, size),
-            density=paths.density * scatter(rows, jacobian, size),
-        )
-        return Shifted(found, scatter(rows, jacobian, size))
-
-    def of_all(
-        self, world: World, points: SurfacePoints, paths: Paths
-    ) -> tuple[Vec3s, Scalars]:
-        """Values and Jacobians alone, of paths that are all to be shifted.
-
-        Parameters
-        ----------
-        world : World
-            The scene.
-        points : SurfacePoints
-            N visible points, none of them a miss.
+            N visible points, none of them a miss, to which the paths go.
         paths : Paths
             N base paths.
 
         Returns
         -------
         value : (N, 3) float64, W/(m² sr)
-            As in `Shifted`.
+            f / p at the new point; 0 where the path does not exist there: out of sight,
+            below a horizon, of another length, or joinable elsewhere.
         jacobian : (N,) float64
-            Likewise; times the density of a base path it is that of the offset path.
+            |∂u_to / ∂u_from| in primary sample space; 0 where there is no such path.
+
+        Notes
+        -----
+        [Lin22, section 7.2].
         """
         value, density = zero_vectors(len(paths)), np.zeros(len(paths))
         able = paths.there if self.criterion.replays else paths.joint == 2
@@ -192,21 +150,17 @@ class Shift:
         value, fits = zero_vectors(len(paths)), np.zeros(len(paths), bool)
         if chosen.any():
             active = chosen & x.hit & ~step.joinable
-            light = chosen_light(world, x, uniforms.draw(2 * vertex - 1), active)
-            share = share_of_choice(world, x, light.wi, light.pdf_light)
-            scattered = scattering(world.materials, x, light.wi) * share[:, None]
-            value = np.where(active[:, None], scattered * light.radiance, value)
-            fits |= active
+            light = choose_light(world, x, uniforms.draw(2 * vertex - 1), active)
+            value, fits = light.value, active
         if not chosen.all():
             leaving = leave(world, step, vertex, uniforms, ~chosen & x.hit)
             bsdf = leaving.bsdf
             active = ~chosen & ~(step.joinable & ~bsdf.delta)
-            light = light_by_chance(world, x, bsdf, leaving.hits)
-            mine = divide_or_zero(bsdf.pdf, bsdf.pdf + light.pdf_light)
-            share = np.where(bsdf.delta, 1.0, mine)
-            found = bsdf.weight * light.radiance * share[:, None]
-            value = np.where(active[:, None], found, value)
-            fits |= active
+            rows, radiance, by_choice = met_lights(world, x, bsdf, leaving.hits)
+            share = share_of_chance(bsdf.pdf[rows], bsdf.delta[rows], by_choice)
+            met = scatter(rows, radiance * share[:, None], len(paths))
+            value = np.where(active[:, None], bsdf.weight * met, value)
+            fits = fits | active
         value = step.throughput * value
         return value, (fits & value.any(axis=1)).astype(float)
 

@@ -1,8 +1,17 @@
 """Direct light at surface points: next-event estimation and chance hits, weighted."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from reference.arrays import Indices, Scalars, Vec3s, divide_or_zero, zero_vectors
+from reference.arrays import (
+    Indices,
+    Masks,
+    Scalars,
+    Vec3s,
+    divide_or_zero,
+    zero_vectors,
+)
 from reference.records import take
 from reference.rng import Draw
 from reference.scene.emitters import emitted, may_emit, pdf_light
@@ -12,6 +21,76 @@ from reference.scene.materials.bsdf_sampling import BsdfSamples
 from reference.scene.materials.table import pdf, scattering
 from reference.scene.surface import SurfacePoints
 from reference.world import World
+
+
+@dataclass(frozen=True, slots=True)
+class ChosenLight:
+    """Points drawn on lights, as N surface points receive them.
+
+    Attributes
+    ----------
+    wi : (N, 3) float64
+        Unit directions to them.
+    weight : (N, 3) float64
+        Radiance over the density of the choice, whether or not it is seen.
+    pdf : (N,) float64, 1/sr
+        Density of the choice; 0 where only this strategy finds the light.
+    seen : (N,) bool
+        Nothing lies between; false where nothing would be reflected.
+    value : (N, 3) float64, W/(m² sr)
+        Reflected towards the viewer, weighted against the chance of hitting the light;
+        0 where it is not seen.
+    """
+
+    wi: Vec3s
+    weight: Vec3s
+    pdf: Scalars
+    seen: Masks
+    value: Vec3s
+
+
+def choose_light(
+    world: World, points: SurfacePoints, u: Draw, active: Masks | None = None
+) -> ChosenLight:
+    """Draw a point on a light for each surface point, and look whether it is seen.
+
+    Parameters
+    ----------
+    world : World
+        The scene.
+    points : SurfacePoints
+        N points.
+    u : four (N,) float64
+        Lane 0 chooses the light, 1 and 2 the point on it.
+    active : (N,) bool, optional
+        Who asks; by default everyone.
+
+    Returns
+    -------
+    ChosenLight
+        N rows.
+
+    Notes
+    -----
+    Balance heuristic [Veach95, Eq. 8].  A light that no ray can meet by chance, and a
+    surface whose lobes are all narrower than any light, keep their whole weight.
+    """
+    if world.emitters is None or len(points) == 0:
+        none, size = zero_vectors(len(points)), len(points)
+        return ChosenLight(none, none, np.zeros(size), np.zeros(size, bool), none)
+    light = sample_light(world.emitters, world.geometry, points.position, u)
+    value = scattering(world.materials, points, light.wi) * light.weight
+    if world.emitters.can_be_hit:
+        value *= share_of_choice(world, points, light.wi, light.pdf)[:, None]
+    shines = value.any(axis=1)
+    if active is not None:
+        shines = shines & active
+    near, far = shines & ~light.distant, shines & light.distant
+    seen = world.caster.visible(points, light.x_to, light.n_to, near, "shadow")
+    if far.any():
+        seen = seen | world.caster.escapes(points, light.wi, far, "shadow")
+    value = np.where(seen[:, None], value, 0.0)
+    return ChosenLight(light.wi, light.weight, light.pdf, seen, value)
 
 
 def next_event(world: World, points: SurfacePoints, u: Draw) -> Vec3s:
@@ -32,25 +111,41 @@ def next_event(world: World, points: SurfacePoints, u: Draw) -> Vec3s:
     -------
     (N, 3) float64, W/(m² sr)
         Reflected towards the viewer; 0 on misses and where the light is hidden.
-
-    Notes
-    -----
-    Balance heuristic [Veach95, Eq. 8].  A light that no ray can meet by chance, and a
-    surface whose lobes are all narrower than any light, keep their whole weight.
     """
-    if world.emitters is None or len(points) == 0:
-        return zero_vectors(len(points))
-    light = sample_light(world.emitters, world.geometry, points.position, u)
-    value = scattering(world.materials, points, light.wi) * light.weight
-    if world.emitters.can_be_hit:
-        by_chance = pdf(world.materials, points, light.wi)
-        value *= balance(light.pdf, by_chance)[:, None]
-    shines = value.any(axis=1)
-    near, far = shines & ~light.distant, shines & light.distant
-    seen = world.caster.visible(points, light.x_to, light.n_to, near, "shadow")
-    if far.any():
-        seen = seen | world.caster.escapes(points, light.wi, far, "shadow")
-    return np.where(seen[:, None], value, 0.0)
+    return choose_light(world, points, u).value
+
+
+def met_lights(
+    world: World, points: SurfacePoints, bsdf: BsdfSamples, hits: Hits
+) -> tuple[Indices, Vec3s, Scalars]:
+    """Lights that rays drawn from the material met.
+
+    Parameters
+    ----------
+    world : World
+        The scene.
+    points : SurfacePoints
+        N points that the rays left.
+    bsdf : BsdfSamples
+        How the rays were drawn.
+    hits : Hits
+        What they met.
+
+    Returns
+    -------
+    (K,) int, (K, 3) float64, (K,) float64
+        Rows that met a light; its radiance in W/(m² sr), without any weight; and the
+        density with which next-event estimation would have chosen it, in 1/sr.
+    """
+    if world.emitters is None:
+        return np.zeros(0, np.int64), zero_vectors(0), np.zeros(0)
+    rows = np.flatnonzero(may_emit(world.emitters, hits.primitive))
+    if len(rows) == 0:
+        return rows, zero_vectors(0), np.zeros(0)
+    x, wi = take(points.position, rows), take(bsdf.wi, rows)
+    met = surface_points(world.geometry, take(hits, rows), x, wi)
+    radiance = emitted(world.emitters, world.geometry, met)
+    return rows, radiance, pdf_light(world.emitters, world.geometry, x, met)
 
 
 def found_by_chance(
@@ -75,18 +170,53 @@ def found_by_chance(
         Rows that met a light; its radiance in W/(m² sr) times the weight of this
         strategy, not yet times ``bsdf.weight``.
     """
-    if world.emitters is None:
-        return np.zeros(0, np.int64), zero_vectors(0)
-    rows = np.flatnonzero(may_emit(world.emitters, hits.primitive))
-    if len(rows) == 0:
-        return rows, zero_vectors(0)
-    x, wi = take(points.position, rows), take(bsdf.wi, rows)
-    met = surface_points(world.geometry, take(hits, rows), x, wi)
-    radiance = emitted(world.emitters, world.geometry, met)
-    by_choice = pdf_light(world.emitters, world.geometry, x, met)
-    mine = balance(bsdf.pdf[rows], by_choice)
-    share = np.where(bsdf.delta[rows], 1.0, mine)
+    rows, radiance, by_choice = met_lights(world, points, bsdf, hits)
+    share = share_of_chance(bsdf.pdf[rows], bsdf.delta[rows], by_choice)
     return rows, radiance * share[:, None]
+
+
+def share_of_choice(
+    world: World, points: SurfacePoints, wi: Vec3s, by_choice: Scalars
+) -> Scalars:
+    """Weight of next-event estimation against the chance of meeting the light.
+
+    Parameters
+    ----------
+    world : World
+        The scene.
+    points : SurfacePoints
+        N points.
+    wi : (N, 3) float64
+        Unit directions to the light.
+    by_choice : (N,) float64, 1/sr
+        Density of the choice.
+
+    Returns
+    -------
+    (N,) float64
+        1 where no light can be met by chance.
+    """
+    if world.emitters is None or not world.emitters.can_be_hit:
+        return np.ones(len(points))
+    return balance(by_choice, pdf(world.materials, points, wi))
+
+
+def share_of_chance(by_chance: Scalars, delta: Masks, by_choice: Scalars) -> Scalars:
+    """Weight of meeting a light by chance against next-event estimation.
+
+    Parameters
+    ----------
+    by_chance, by_choice : (N,) float64, 1/sr
+        Densities of both.
+    delta : (N,) bool
+        The ray left by a delta lobe, for which no light can be chosen.
+
+    Returns
+    -------
+    (N,) float64
+        1 for delta lobes.
+    """
+    return np.where(delta, 1.0, balance(by_chance, by_choice))
 
 
 def balance(mine: Scalars, other: Scalars) -> Scalars:

@@ -9,6 +9,7 @@ from extensions.candidates import draw_paths
 from extensions.connection import CRITERIA
 from extensions.shifting import Shift
 from reference.passes.gbuffer import visible_points
+from reference.records import scatter, take
 from reference.rng import KeyedUniforms, Stream
 from reference.scene.camera import pixel_centers
 from reference.scene.catalogue.registry import find_scene
@@ -58,6 +59,15 @@ def uniforms(pixels, seed=7):
         return KeyedUniforms(pixel, number // pixels, seed, Stream.PATH)
 
     return of
+
+
+def shifted(shift, w, x, paths, rows):
+    """Paths at other points, and the Jacobian, for some of the rows; 0 elsewhere."""
+    at = np.flatnonzero(rows & x.hit)
+    value, jacobian = shift(w, take(x, at), take(paths, at))
+    size = len(paths)
+    jacobian = scatter(at, jacobian, size)
+    return paths.moved(scatter(at, value, size), jacobian), jacobian
 
 
 def drawn(name, kind, frame=0, bounces=4, size=SIZE):

@@ -158,7 +158,7 @@ FILTERS = (
         "Y = 0.299 R + 0.587 G + 0.114 B",
         LUMINANCE_RIGHT,
         (*VALIDATION, *BOILING),
-        departure="target",
+        departure="filter",
         part=FurtherRules(luminance=rec_601),
     ),
     mistake(
@@ -167,7 +167,7 @@ FILTERS = (
         "Y = (R + G + B) / 3",
         LUMINANCE_RIGHT,
         (*VALIDATION, *BOILING),
-        departure="target",
+        departure="filter",
         part=FurtherRules(luminance=mean_of_channels),
     ),
     mistake(
@@ -176,7 +176,7 @@ FILTERS = (
         "Y = max(R, G, B)",
         LUMINANCE_RIGHT,
         (*VALIDATION, *BOILING),
-        departure="target",
+        departure="filter",
         part=FurtherRules(luminance=largest_channel),
     ),
     mistake(

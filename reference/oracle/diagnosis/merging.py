@@ -13,6 +13,7 @@ from reference.oracle.diagnosis.hypothesis import (
     mistake,
 )
 from reference.oracle.diagnosis.jacobian_limits import rejected
+from reference.oracle.diagnosis.targets import TARGETS_IN
 from reference.oracle.replay.bounded import Bounded, constant
 from reference.oracle.replay.formulas import finalized, target, weight
 from reference.oracle.replay.points import Point, Receiver
@@ -21,7 +22,6 @@ from reference.oracle.replay.verbs import choose
 MERGED = "w = w_a + w_b, M = M_a + M_b"
 MERGES = ("merge", *REUSE)
 FLOORS = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
-TARGETS_IN = ("target", "initial", *REUSE)
 
 
 def _last(a: Bounded, b: Bounded) -> Bounded:
