@@ -53,23 +53,23 @@ def draw_paths(
     Paths of other lengths, or that end otherwise, are other integrals: each is drawn
     once, so that w = p̂(u), the luminance of f / p, without a weight.
     """
-    size = len(points)
-    nothing = Candidates(
-        no_paths(points, number), np.zeros(size), np.zeros(size), np.zeros(size)
-    )
-    kept, step, trunk = nothing, start(points), _Trunk(no_paths(points, number))
+    step, trunk = start(points), _Trunk(no_paths(points, number))
+    kept: Candidates | None = None
     for vertex in range(1, bounces + 2):
         is_last = vertex == bounces + 1
+        by_chance = not is_last or (
+            world.emitters is not None and world.emitters.can_be_hit
+        )
+        active = step.points.hit & by_chance
+        leaving = leave(world, step, vertex, uniforms, active)
         if vertex > 1:
             u = uniforms.draw(2 * vertex - 1)
-            found = _chosen(world, step, trunk, vertex, u)
-            kept = _streamed(kept, found, u[3])
-        if is_last and not (world.emitters and world.emitters.can_be_hit):
-            break
-        leaving = leave(world, step, vertex, uniforms, step.points.hit)
-        if vertex > 1:
-            found = _by_chance(world, step, trunk, vertex, leaving)
-            kept = _streamed(kept, found, uniforms.draw(2 * (vertex - 1))[3])
+            lights = _chosen(world, step, u)
+            if by_chance:
+                other = uniforms.draw(2 * (vertex - 1))[3]
+                lights = merge(lights, _met(world, step, leaving), other)
+            found = replace(lights, y=_ended(step, trunk, vertex, lights.y))
+            kept = found if kept is None else merge(kept, found, u[3])
         if is_last:
             break
         before, step = step, arrive(world, criterion, step, vertex, leaving)
@@ -77,7 +77,10 @@ def draw_paths(
             trunk = trunk.grown(before, vertex, leaving, step)
         if not step.points.hit.any():
             break
-    return Candidates(kept.y, kept.p_hat, kept.w, np.ones(size))
+    ones = np.ones(len(points))
+    if kept is None:
+        return Candidates(no_paths(points, number), 0 * ones, 0 * ones, ones)
+    return replace(kept, M=ones)
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,83 +118,91 @@ def _density(step: Step, pdf: Scalars | float) -> Scalars:
     return density
 
 
-def _chosen(world: World, step: Step, trunk: _Trunk, vertex: int, u: Draw) -> Paths:
-    """Paths that end at x_v by next-event estimation."""
-    light = choose_light(world, step.points, u)
-    here = step.joinable & (trunk.paths.joint == 0)
-    return _ended(
-        step,
-        trunk,
-        vertex,
-        Technique.NEXT_EVENT,
-        here,
-        light.wi,
-        np.where(light.seen[:, None], light.weight, 0.0),
-        light.value,
-        light.pdf,
-        _density(step, 1.0),
+@dataclass(frozen=True, slots=True)
+class _Lights:
+    """Lights that end N paths, as their last points receive them.
+
+    ``pdf`` is the density with which the path chose its direction to the light, 1 where
+    the light itself was chosen; ``joins`` tells whether the last point may be joined.
+    """
+
+    technique: Indices
+    joins: Masks
+    wi: Vec3s
+    radiance: Vec3s
+    reflected: Vec3s
+    pdf_light: Scalars
+    pdf: Scalars
+
+
+def _chosen(world: World, step: Step, u: Draw) -> Candidates:
+    """Lights by next-event estimation."""
+    light, size = choose_light(world, step.points, u), len(step.points)
+    found = _Lights(
+        technique=np.full(size, Technique.NEXT_EVENT, np.int8),
+        joins=step.joinable,
+        wi=light.wi,
+        radiance=np.where(light.seen[:, None], light.weight, 0.0),
+        reflected=light.value,
+        pdf_light=light.pdf,
+        pdf=np.ones(size),
     )
+    return _competing(step, found)
 
 
-def _by_chance(
-    world: World, step: Step, trunk: _Trunk, vertex: int, leaving: Leaving
-) -> Paths:
-    """Paths that end at x_v since its ray met a light."""
-    bsdf = leaving.bsdf
+def _met(world: World, step: Step, leaving: Leaving) -> Candidates:
+    """Lights that the rays met."""
+    bsdf, size = leaving.bsdf, len(step.points)
     rows, some, by_choice = met_lights(world, step.points, bsdf, leaving.hits)
-    size = len(step.points)
     radiance, pdf_light = scatter(rows, some, size), scatter(rows, by_choice, size)
     share = share_of_chance(bsdf.pdf, bsdf.delta, pdf_light)
-    here = step.joinable & ~bsdf.delta & (trunk.paths.joint == 0)
-    return _ended(
-        step,
-        trunk,
-        vertex,
-        Technique.CHANCE,
-        here,
-        bsdf.wi,
-        radiance,
-        bsdf.weight * radiance * share[:, None],
-        pdf_light,
-        _density(step, bsdf.pdf),
+    found = _Lights(
+        technique=np.full(size, Technique.CHANCE, np.int8),
+        joins=step.joinable & ~bsdf.delta,
+        wi=bsdf.wi,
+        radiance=radiance,
+        reflected=bsdf.weight * radiance * share[:, None],
+        pdf_light=pdf_light,
+        pdf=bsdf.pdf,
     )
+    return _competing(step, found)
 
 
-def _ended(
-    step: Step,
-    trunk: _Trunk,
-    vertex: int,
-    technique: Technique,
-    here: Masks,
-    wi: Vec3s,
-    radiance: Vec3s,
-    reflected: Vec3s,
-    pdf_light: Scalars,
-    density: Scalars,
-) -> Paths:
-    """Paths with a light after x_v, which is the reconnection vertex ``here``."""
+def _competing(step: Step, lights: _Lights) -> Candidates:
+    p_hat = luminance(step.throughput * lights.reflected)
+    return Candidates(lights, p_hat, p_hat, np.zeros(len(p_hat)))
+
+
+def _ended(step: Step, trunk: _Trunk, vertex: int, lights: _Lights) -> Paths:
+    """Paths with a light after x_v, which is the reconnection vertex if it can be."""
     paths, size = trunk.paths, len(step.points)
-    longer = replace(paths, incoming=paths.incoming * reflected)
-    joined = replace(
+    end, value = np.full(size, vertex, np.int8), step.throughput * lights.reflected
+    known = paths.joint > 0
+    here = lights.joins & ~known
+    surface, wi, pdf_light = paths.surface, paths.wi, paths.pdf_light
+    joint, density = paths.joint, paths.density
+    incoming = paths.incoming * lights.reflected
+    if here.any():
+        surface = where(known, surface, step.points)
+        joint = np.where(here, end, joint)
+        wi, incoming, pdf_light, density = (
+            where(here, a, b)
+            for a, b in (
+                (lights.wi, wi),
+                (lights.radiance, incoming),
+                (lights.pdf_light, pdf_light),
+                (_density(step, lights.pdf), density),
+            )
+        )
+    return replace(
         paths,
-        joint=np.full(size, vertex, np.int8),
-        surface=step.points,
+        end=end,
+        technique=lights.technique,
+        joint=joint,
+        surface=surface,
         wi=wi,
-        incoming=radiance,
+        incoming=incoming,
         pdf_light=pdf_light,
         density=density,
+        value=value,
     )
-    found: Paths = where(here, joined, longer)
-    return replace(
-        found,
-        end=np.full(size, vertex, np.int8),
-        technique=np.full(size, technique, np.int8),
-        value=step.throughput * reflected,
-    )
-
-
-def _streamed(kept: Candidates, found: Paths, u: Scalars) -> Candidates:
-    """Another path of the tree competes."""
-    p_hat = luminance(found.value)
-    M = np.zeros(len(found))
-    return merge(kept, Candidates(found, p_hat, p_hat, M), u)

@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from reference.arrays import Masks, Scalars, Vec3s, dot
+from reference.arrays import Masks, Scalars, divide_or_zero, dot
 from reference.scene.geometry import Geometry
 from reference.scene.materials.parameters import Kind, MaterialTable
 from reference.scene.origins import contact, step_before
@@ -65,38 +65,11 @@ def roughness(table: MaterialTable, points: SurfacePoints) -> Scalars:
     -----
     The thresholds of the literature are in this unit; alpha is its square.
     """
-    kind, alpha = table.kind[points.material], table.alpha[points.material]
+    kind = table.kind
     painted = (kind == Kind.LAMBERTIAN) | (kind == Kind.SMOOTH_COATED)
     single = (kind == Kind.SMOOTH_CONDUCTOR) | (kind == Kind.DIELECTRIC)
-    found = np.where(painted, 1.0, np.sqrt(alpha))
-    return np.where(single | ~points.hit, -1.0, found)
-
-
-def seen_from(
-    geometry: Geometry, x_from: SurfacePoints, x_to: SurfacePoints, x_s: Vec3s
-) -> SurfacePoints:
-    """The same points of surfaces, as they are seen from elsewhere.
-
-    Parameters
-    ----------
-    geometry : Geometry
-        The scene.
-    x_from : SurfacePoints
-        N points that look.
-    x_to : SurfacePoints
-        N points looked at.
-    x_s : (N, 3) float64, m
-        Where these touch their surfaces.
-
-    Returns
-    -------
-    SurfacePoints
-        ``wo`` looks back to ``x_from``.  The direction is that from point to point: a
-        ray's differs by the rounding of its hit.
-    """
-    omega, _ = direction_and_distance(x_from.position, x_s)
-    offset = step_before(geometry, x_to.primitive, x_to.normal, -omega)
-    return replace(x_to, wo=-omega, position=x_s + offset)
+    rough = np.where(painted, 1.0, np.where(single, -1.0, np.sqrt(table.alpha)))
+    return np.where(points.hit, rough[points.material], -1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,8 +96,8 @@ def segment(
     geometry: Geometry,
     x_from: SurfacePoints,
     x_to: SurfacePoints,
-) -> Segment:
-    """Measure a segment; the same for whoever measures it, base path or offset path.
+) -> tuple[SurfacePoints, Segment]:
+    """Look from one point to another, and measure the way.
 
     Parameters
     ----------
@@ -133,19 +106,25 @@ def segment(
     geometry : Geometry
         The scene.
     x_from, x_to : SurfacePoints
-        N points; ``x_to.wo`` looks back to ``x_from``.
+        N points.
 
     Returns
     -------
+    SurfacePoints
+        The second, as the first sees it: ``wo`` looks back.  The direction is that from
+        point to point; a ray's differs by the rounding of its hit.
     Segment
-        N rows; not joinable where a point is a miss.
+        The same for whoever measures it, base path or offset path; not joinable where
+        a point is a miss.
     """
-    _, distance = direction_and_distance(x_from.position, contact(geometry, x_to))
-    cosine = np.abs(dot(x_to.normal, x_to.wo))
-    apart = distance > 0
-    spread = np.divide(cosine, distance**2, out=np.zeros(len(cosine)), where=apart)
+    x_s = contact(geometry, x_to)
+    omega, distance = direction_and_distance(x_from.position, x_s)
+    offset = step_before(geometry, x_to.primitive, x_to.normal, -omega)
+    seen = replace(x_to, wo=-omega, position=x_s + offset)
+    cosine = np.abs(dot(x_to.normal, omega))
+    spread = divide_or_zero(cosine, distance**2)
     table = geometry.materials
     rough = np.minimum(roughness(table, x_from), roughness(table, x_to))
     far = distance > criterion.distance * geometry.extent
-    joinable = apart & far & (rough >= max(criterion.roughness, 0.0))
-    return Segment(distance, spread, joinable)
+    joinable = (distance > 0) & far & (rough >= max(criterion.roughness, 0.0))
+    return seen, Segment(distance, spread, joinable)

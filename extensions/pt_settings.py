@@ -27,8 +27,8 @@ class PathSettings(Search):
     ----------
     shift : 'reconnection', 'replay' or 'hybrid'
         How paths are shifted between pixels.
-    mis : '1/M', '1/Z' or 'balance'
-        What the sum of weights is divided by; the first is biased.
+    mis : '1/M', '1/Z', 'balance', 'pairwise' or 'defensive'
+        How those share a sample that could have made it; the first is biased.
     temporal, spatial : bool
         Which passes run.
     temporal_cap, spatial_cap : float

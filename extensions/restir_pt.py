@@ -7,8 +7,9 @@ import numpy as np
 
 from extensions.candidates import draw_paths
 from extensions.connection import CRITERIA
+from extensions.donors import PointDonor
 from extensions.pt_settings import PathSettings
-from extensions.reuse import Donor, resample
+from extensions.reuse import resample
 from extensions.shifting import Shift
 from reference.arrays import Indices, Vec3s
 from reference.passes.gbuffer import visible_points
@@ -171,9 +172,11 @@ def _drawn_and_temporal(
     if last is None or not moment.settings.temporal:
         return new
     here = np.arange(len(points))
-    own = Donor(moment.world, points, new, here, stands=True)
+    now = shift, moment.world, points
+    own = PointDonor(*now, moment.world, points, new, here, stands=True)
     rows_before = np.arange(rows.start, rows.stop) if past is None else past[rows]
-    before = Donor(
+    before = PointDonor(
+        *now,
         last.world,
         last.visible.surface,
         last.reservoirs,
@@ -182,31 +185,21 @@ def _drawn_and_temporal(
     )
     u = moment.uniforms(rows, Stream.TEMPORAL).draw(0)[0]
     s = moment.settings
-    return resample(
-        shift, moment.world, points, [before, own], [u, u], s.mis, s.temporal_cap
-    )
+    return resample([before, own], [u, u], s.mis, s.temporal_cap)
 
 
 def _spatial(moment: _Moment, fresh: Reservoirs, rows: slice) -> Reservoirs:
-    s, points = moment.settings, cut(moment.visible.surface, rows)
+    s, surface = moment.settings, moment.visible.surface
     here = np.arange(rows.start, rows.stop)
     uniforms = moment.uniforms(rows, Stream.SPATIAL)
     draws = [uniforms.draw(k) for k in range(s.neighbors)]
     width = moment.world.camera.width
     around = find_neighbors(here, moment.visible, width, s, draws)
+    now = moment.shift, moment.world, cut(surface, rows)
 
-    def lent(row: Indices, stands: bool) -> Donor:
-        surface = moment.visible.surface
-        return Donor(moment.world, surface, fresh, row, stands)
+    def lent(row: Indices, stands: bool) -> PointDonor:
+        return PointDonor(*now, moment.world, surface, fresh, row, stands)
 
     donors = [lent(here, stands=True), *(lent(row, stands=False) for row in around)]
-    decisions = [np.zeros(len(points)), *(draw[2] for draw in draws)]
-    return resample(
-        moment.shift,
-        moment.world,
-        points,
-        donors,
-        decisions,
-        s.mis,
-        s.spatial_cap,
-    )
+    decisions = [np.zeros(len(here)), *(draw[2] for draw in draws)]
+    return resample(donors, decisions, s.mis, s.spatial_cap)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from extensions.connection import Criterion, seen_from, segment
+from extensions.connection import Criterion, segment
 from extensions.paths import Paths, Technique
 from extensions.walking import Step, arrive, leave, start
 from reference.arrays import (
@@ -55,7 +55,12 @@ class Shift:
     uniforms: Callable[[Indices], Uniforms]
 
     def __call__(
-        self, world: World, points: SurfacePoints, paths: Paths
+        self,
+        world: World,
+        points: SurfacePoints,
+        at: Indices,
+        paths: Paths,
+        rows: Indices,
     ) -> tuple[Vec3s, Scalars]:
         """Shift paths to other visible points.
 
@@ -64,9 +69,13 @@ class Shift:
         world : World
             The scene.
         points : SurfacePoints
-            N visible points, none of them a miss, to which the paths go.
+            Visible points.
+        at : (N,) int
+            Which of them the paths go to.
         paths : Paths
-            N base paths.
+            Base paths.
+        rows : (N,) int
+            Which of them are shifted.
 
         Returns
         -------
@@ -80,40 +89,55 @@ class Shift:
         -----
         [Lin22, section 7.2].
         """
+        value, density = zero_vectors(len(rows)), np.zeros(len(rows))
+        joint = paths.joint[rows]
+        able = (points.primitive[at] >= 0) & (paths.end[rows] > 0)
+        # Wide records are gathered once, for those that need them.
+        here = np.flatnonzero(able & (joint == 2))
+        if len(here):
+            step = start(take(points, at[here]))
+            some = take(paths, rows[here])
+            value[here], density[here] = self._joined(world, step, some, 1)
+        going = able & (joint != 2) & self.criterion.replays
+        here = np.flatnonzero(going)
+        if len(here):
+            step = start(take(points, at[here]))
+            some = take(paths, rows[here])
+            value[here], density[here] = self._replayed_until(world, step, some)
+        base = np.where(joint > 0, paths.density[rows], 1.0)
+        return value, divide_or_zero(density, base)
+
+    def _replayed_until(
+        self, world: World, step: Step, paths: Paths
+    ) -> tuple[Vec3s, Scalars]:
+        """Value and density of paths that are joined later than x_2, or never."""
         value, density = zero_vectors(len(paths)), np.zeros(len(paths))
-        able = paths.there if self.criterion.replays else paths.joint == 2
-        rows, some, step = _kept(able, np.arange(len(paths)), paths, start(points))
+        rows: Indices = np.arange(len(paths))
         vertex = 1
         while len(rows):
-            joins = some.joint == vertex + 1
-            ends = (some.joint == 0) & (some.end == vertex)
-            for here, finish in ((joins, self._joined), (ends, self._replayed)):
-                at, part, there = _kept(here, rows, some, step)
-                if len(at):
-                    value[at], density[at] = finish(world, there, part, vertex)
-            going = ~(joins | ends)
-            if not going.any():
-                break
-            rows, some, step = _kept(going, rows, some, step)
             # Replay one more direction; here, too, the base path could not be joined.
             everyone = np.ones(len(rows), bool)
-            leaving = leave(world, step, vertex, self.uniforms(some.number), everyone)
+            leaving = leave(world, step, vertex, self.uniforms(paths.number), everyone)
             same = ~(step.joinable & ~leaving.bsdf.delta)
             step = arrive(world, self.criterion, step, vertex, leaving)
-            rows, some, step = _kept(same & step.points.hit, rows, some, step)
+            rows, paths, step = _kept(same & step.points.hit, rows, paths, step)
             vertex += 1
-        base = np.where(paths.joint > 0, paths.density, 1.0)
-        return value, divide_or_zero(density, base)
+            joins = paths.joint == vertex + 1
+            ends = (paths.joint == 0) & (paths.end == vertex)
+            for here, finish in ((joins, self._joined), (ends, self._replayed)):
+                at, part, there = _kept(here, rows, paths, step)
+                if len(at):
+                    value[at], density[at] = finish(world, there, part, vertex)
+            rows, paths, step = _kept(~(joins | ends), rows, paths, step)
+        return value, density
 
     def _joined(
         self, world: World, step: Step, paths: Paths, vertex: int
     ) -> tuple[Vec3s, Scalars]:
         """Value and density of paths that are joined to x_(v+1)."""
         x, table = step.points, world.materials
-        x_s = contact(world.geometry, paths.surface)
-        there = seen_from(world.geometry, x, paths.surface, x_s)
+        there, came = segment(self.criterion, world.geometry, x, paths.surface)
         omega = -there.wo
-        came = segment(self.criterion, world.geometry, x, there)
         # Joined here as the base path was, from the same side, and not before.
         fits = came.joinable & ~step.joinable & (dot(there.normal, omega) < 0)
         left = scattering(table, x, omega)
@@ -135,6 +159,7 @@ class Shift:
         value = step.throughput * weight * paths.incoming
         value = np.where(fits[:, None], value, 0.0)
         shines: Masks = np.any(value > 0, axis=1)
+        x_s = contact(world.geometry, there)
         seen = world.caster.visible(x, x_s, there.normal, shines, "reuse")
         return (
             np.where(seen[:, None], value, 0.0),

@@ -1,17 +1,16 @@
 """One step of a walk, drawn from random numbers: the same for base and offset paths."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from extensions.connection import Criterion, Segment, seen_from, segment
+from extensions.connection import Criterion, Segment, segment
 from reference.arrays import Masks, Scalars, Vec3s, divide_or_zero, dot, zero_vectors
 from reference.records import where
 from reference.rng import Uniforms
 from reference.scene.hits import Hits, surface_points
 from reference.scene.materials.bsdf_sampling import BsdfSamples, sample
 from reference.scene.materials.table import pdf, scattering
-from reference.scene.origins import contact
 from reference.scene.surface import SurfacePoints
 from reference.world import World
 
@@ -138,19 +137,18 @@ def arrive(
     """
     bsdf = leaving.bsdf
     met = surface_points(world.geometry, leaving.hits, step.points.position, bsdf.wi)
-    came = segment(criterion, world.geometry, step.points, met)
+    seen, came = segment(criterion, world.geometry, step.points, met)
     joinable = came.joinable & ~bsdf.delta & (vertex < criterion.last_joint)
     weight, density = bsdf.weight, bsdf.pdf
     if joinable.any():
         # What may be joined is the point, not the ray.
-        x_s = contact(world.geometry, met)
-        there = seen_from(world.geometry, step.points, met, x_s)
-        met = where(joinable, there, met)
-        came = segment(criterion, world.geometry, step.points, met)
-        value = scattering(world.materials, step.points, -met.wo)
-        density = np.where(
-            joinable, pdf(world.materials, step.points, -met.wo), density
+        wo, position = (
+            where(joinable, a, b)
+            for a, b in ((seen.wo, met.wo), (seen.position, met.position))
         )
+        met = replace(met, wo=wo, position=position)
+        value = scattering(world.materials, step.points, -wo)
+        density = np.where(joinable, pdf(world.materials, step.points, -wo), density)
         exact = divide_or_zero(value, density[:, None])
-        weight = np.where(joinable[:, None], exact, weight)
+        weight = where(joinable, exact, weight)
     return Step(met, step.throughput * weight, weight, came, joinable, density)

@@ -23,8 +23,8 @@ def last(schedule, settings, name="glass", frames=3):
     return list(islice(found, frames))[-1]
 
 
-@pytest.mark.parametrize("mis", ["1/M", "1/Z", "balance"])
-@pytest.mark.parametrize("shift", ["reconnection", "replay", "hybrid"])
+@pytest.mark.parametrize("mis", ["1/M", "1/Z", "balance", "pairwise", "defensive"])
+@pytest.mark.parametrize("shift", ["replay", "hybrid"])
 def test_bands_and_threads_change_no_bit(mis, shift):
     settings = PathSettings(mis=mis, shift=shift)
     whole = last(Schedule(1 << 20), settings)
@@ -51,7 +51,7 @@ def test_without_reuse_every_frame_begins_anew():
 
 
 @pytest.mark.parametrize(
-    "text", ["neighbors=64", "temporal_cap=0", "radius=2", "mis=pairwise", "shift=none"]
+    "text", ["neighbors=64", "temporal_cap=0", "radius=2", "mis=median", "shift=none"]
 )
 def test_settings_out_of_range_are_refused(text):
     with pytest.raises(UsageError, match=text.partition("=")[0]):

@@ -7,13 +7,18 @@ import numpy as np
 
 from extensions.candidates import draw_paths
 from extensions.connection import CRITERIA
+from extensions.paths import Technique
 from extensions.shifting import Shift
+from extensions.walking import arrive, leave, start
 from reference.passes.gbuffer import visible_points
-from reference.records import scatter, take
+from reference.records import scatter, where
 from reference.rng import KeyedUniforms, Stream
 from reference.scene.camera import pixel_centers
 from reference.scene.catalogue.registry import find_scene
 from reference.scene.materials.kinds import Coated, Conductor, Dielectric, mirror
+from reference.scene.materials.parameters import Kind
+from reference.scene.origins import contact, step_before
+from reference.scene.surface import direction_and_distance
 from reference.scene.validation import validate
 from reference.world import build_world
 
@@ -64,7 +69,7 @@ def uniforms(pixels, seed=7):
 def shifted(shift, w, x, paths, rows):
     """Paths at other points, and the Jacobian, for some of the rows; 0 elsewhere."""
     at = np.flatnonzero(rows & x.hit)
-    value, jacobian = shift(w, take(x, at), take(paths, at))
+    value, jacobian = shift(w, x, at, paths, at)
     size = len(paths)
     jacobian = scatter(at, jacobian, size)
     return paths.moved(scatter(at, value, size), jacobian), jacobian
@@ -79,3 +84,63 @@ def drawn(name, kind, frame=0, bounces=4, size=SIZE):
     criterion = CRITERIA[kind]
     found = draw_paths(w, x, bounces, criterion, number, of(number))
     return w, x, found, Shift(criterion, of)
+
+
+def neighbors(size, right, down):
+    """Row of each pixel's neighbour, so many pixels off; the image is a torus."""
+    grid = np.arange(size * size).reshape(size, size)
+    return np.roll(grid, (-down, -right), axis=(0, 1)).ravel()
+
+
+def walked(w, criterion, x, number, of, last):
+    """Points x_1 to x_last of walks with these random numbers.
+
+    Returns for each v the points, and whether they were left by a delta lobe.
+    """
+    step, visited = start(x), []
+    for vertex in range(1, last + 1):
+        leaving = leave(w, step, vertex, of(number), step.points.hit)
+        visited.append((step.points, leaving.bsdf.delta))
+        if vertex < last:
+            step = arrive(w, criterion, step, vertex, leaving)
+    return visited
+
+
+def joints(w, criterion, visited, paths):
+    """Index of the first point at which paths can be joined; 0 where there is none.
+
+    Judged from the points themselves: their distances, and the widths of their lobes.
+    """
+    found = np.zeros(len(paths), int)
+    last = min(len(visited), criterion.last_joint)
+    for v in range(2, last + 1):
+        (x, delta_from), (met, delta_to) = visited[v - 2], visited[v - 1]
+        x_to = where(paths.joint == v, paths.surface, met)
+        chosen = (paths.end == v) & (paths.technique == Technique.NEXT_EVENT)
+        # At a joint no numbers are replayed, nor are its ends left by delta lobes.
+        single = (delta_from & (paths.joint != v)) | (
+            delta_to & ~chosen & (paths.joint != v) & (paths.joint != v + 1)
+        )
+        distance = np.linalg.norm(contact(w.geometry, x_to) - x.position, axis=1)
+        fits = distance > criterion.distance * w.geometry.extent
+        for end in (x, x_to):
+            fits = fits & (least_roughness(w.materials, end) >= criterion.roughness)
+        exists = (paths.joint == 0) | (v <= paths.joint)
+        fits = fits & ~single & exists & (v <= paths.end)
+        found = np.where(fits & (found == 0), v, found)
+    return found
+
+
+def least_roughness(table, points):
+    """Root of the GGX width, 1 for paint and for what lies under smooth coats."""
+    kind, width = table.kind[points.material], table.alpha[points.material]
+    rough = np.isin(kind, (Kind.ROUGH_CONDUCTOR, Kind.ROUGH_COATED))
+    painted = np.isin(kind, (Kind.LAMBERTIAN, Kind.SMOOTH_COATED))
+    return np.where(points.hit, np.where(rough, width**0.5, painted * 2.0 - 1.0), -1.0)
+
+
+def seen_from(w, x, surface, x_s):
+    """Points of surfaces as other points see them, and how far away they are."""
+    omega, d = direction_and_distance(x.position, x_s)
+    step = step_before(w.geometry, surface.primitive, surface.normal, -omega)
+    return replace(surface, wo=-omega, position=x_s + step), d

@@ -195,7 +195,8 @@ def test_the_jacobian_is_the_ratio_of_densities_of_one_point(name):
     w, x, found, shift = drawn(name, "hybrid")
     rows = np.flatnonzero(found.y.value.any(axis=1) & (found.y.joint == 2))
     paths, x_to = take(found.y, rows), take(x, elsewhere(1)[rows])
-    _, jacobian = shift(w, x_to, paths)
+    everyone = np.arange(len(rows))
+    _, jacobian = shift(w, x_to, everyone, paths, everyone)
     ok = jacobian > 0
     x_s = contact(w.geometry, paths.surface)
     densities = []

@@ -69,15 +69,17 @@ PLANS = [
     Plan("door-ajar", 2),
     Plan("glossy-floor", 2),
     Plan("many-lights", 1),
+    Plan("paint", 2, mis="pairwise"),
+    Plan("glass", 3, mis="defensive"),
 ]
 
 
 class Flat(Shift):
     """Values are right, and all Jacobians 1."""
 
-    def __call__(self, w, x, paths):
+    def __call__(self, *whence):
         """Shift, and forget what it does to the measure."""
-        value, jacobian = Shift.__call__(self, w, x, paths)
+        value, jacobian = Shift.__call__(self, *whence)
         return value, (jacobian > 0).astype(float)
 
 
@@ -149,8 +151,13 @@ PAST_ALONE = PathSettings(spatial=False), 700
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "plan",
-    [PAST_ALONE, (PathSettings(), 300), (PathSettings(mis="balance"), 300)],
-    ids=["past alone", "1/Z", "balance"],
+    [
+        PAST_ALONE,
+        (PathSettings(), 300),
+        (PathSettings(mis="balance"), 300),
+        (PathSettings(mis="defensive"), 300),
+    ],
+    ids=["past alone", "1/Z", "balance", "defensive"],
 )
 def test_a_camera_that_moves_brings_no_bias(plan):
     """What the last frame left is shifted from where its eye stood."""
