@@ -9,13 +9,17 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from extensions.shifting import Shift
-from reference.arrays import Indices, Scalars, Vec3s
+from reference.arrays import Indices, Scalars
 from reference.resampling.reservoir import Reservoirs
 from reference.scene.surface import SurfacePoints
 from reference.world import World
 
-Worth = tuple[Vec3s, Scalars]
-"""Value f / p, (N, 3), and Jacobian of the shift, (N,); 0 where it does not exist."""
+Worth = tuple[Any, Scalars]
+"""Value, and Jacobian of the shift; 0 where it does not exist.
+
+The value is all that a sample has of its own at each receiver: its f / p, (N, 3), or a
+record with that in it.
+"""
 
 
 class Donor(Protocol):

@@ -4,12 +4,15 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from extensions.frame_loop import PathFrame
+from extensions.paths import Paths
 from extensions.pt_settings import PathSettings
-from extensions.restir_pt import PathFrame, render_path_frames
+from extensions.restir_pt import render_path_frames
 from reference.arrays import Scalars
 from reference.methods.aovs import GBUFFER
 from reference.methods.framed import PARTS, Framed
 from reference.methods.method import Job, Method
+from reference.resampling.reservoir import Reservoirs
 
 PATHS = {
     "M": "confidence of the pixel's reservoir",
@@ -25,16 +28,37 @@ def _frames(job: Job) -> Iterator[PathFrame]:
     )
 
 
-def _layers(frame: PathFrame, names: tuple[str, ...]) -> Mapping[str, Scalars]:
-    r = frame.reservoirs
+def path_layers(
+    r: Reservoirs, paths: Paths, names: tuple[str, ...]
+) -> dict[str, Scalars]:
+    """Layers of what reservoirs of paths keep.
+
+    Parameters
+    ----------
+    r : Reservoirs
+        A pixel each.
+    paths : Paths
+        Their samples.
+    names : tuple of str
+        Which; others than those of `PATHS` are passed over.
+
+    Returns
+    -------
+    dict of str to (N,) float64
+        By name.
+    """
     full = r.W > 0
     found = {
         "M": r.M,
         "W": r.W,
-        "joint": np.where(full, r.y.joint, 0.0),
-        "length": np.where(full, r.y.end, 0.0),
+        "joint": np.where(full, paths.joint, 0.0),
+        "length": np.where(full, paths.end, 0.0),
     }
     return {name: found[name] for name in names if name in PATHS}
+
+
+def _layers(frame: PathFrame, names: tuple[str, ...]) -> Mapping[str, Scalars]:
+    return path_layers(frame.reservoirs, frame.reservoirs.y, names)
 
 
 def named_biases(job: Job) -> tuple[str, ...]:

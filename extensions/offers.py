@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from extensions.donors import Donor
-from reference.arrays import Indices, Masks, Scalars, Vec3s
+from reference.arrays import Indices, Masks, Scalars
 from reference.passes.neighbors import NONE
 from reference.records import scatter, take, where
 from reference.resampling.reservoir import Candidates, Reservoirs, reused_candidates
 
-Target = Callable[[Vec3s], Scalars]
+Target = Callable[[Any], Scalars]
 """p̂ of a value; its luminance, as a rule."""
 
 
@@ -28,7 +28,7 @@ class Offer:
         In the stream.
     candidates : Candidates
         K rows, of which y is the place.
-    value : (K, 3)
+    value : record or (K, 3)
         Of the samples at the receivers.
     jacobian : (K,)
         Of their shifts.
@@ -37,7 +37,7 @@ class Offer:
     donor: Donor
     place: int
     candidates: Candidates
-    value: Vec3s
+    value: Any
     jacobian: Scalars
 
 
@@ -142,7 +142,7 @@ def samples_of(offers: list[Offer], place: Indices) -> Any:
     value, jacobian = offers[0].value, offers[0].jacobian
     for offer in offers[1:]:
         here = place == offer.place
-        value = np.where(here[:, None], offer.value, value)
+        value = where(here, offer.value, value)
         jacobian = np.where(here, offer.jacobian, jacobian)
     found: Any = None
     for reservoirs, row in _by_frame(offers, place):

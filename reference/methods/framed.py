@@ -7,6 +7,7 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 
+from reference.accumulate import Pixel
 from reference.arrays import Scalars, Vec3s
 from reference.errors import UsageError
 from reference.methods.aovs import gbuffer_layers
@@ -55,11 +56,14 @@ class Framed:
         From a frame and names to the layers of these names, beside the picture's.
     own : mapping of str to str
         Names that ``layers`` knows, and what they are.
+    pixel : 'center' or 'box'
+        What a pixel shows: what its centre sees, or the mean over its area.
     """
 
     frames: Callable[[Job], Iterator[Any]]
     layers: Callable[[Any, tuple[str, ...]], Mapping[str, Scalars]]
     own: Mapping[str, str]
+    pixel: Pixel = "center"
 
     def render(self, job: Job) -> Rendering:
         """Indirect light by the method, direct light by path tracing.
@@ -107,7 +111,7 @@ class Framed:
         if has_direct:
             there = replace(job, world=shown)
             moments = yield from mean_of_paths(
-                there, "direct", "center", Stream.DIRECT, frames, total
+                there, "direct", self.pixel, Stream.DIRECT, frames, total
             )
             direct = moments.mean
         parts = {"indirect": indirect, "direct": direct, "full": indirect + direct}

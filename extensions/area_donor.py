@@ -1,0 +1,170 @@
+"""Shifts of a pixel's area: to the same place of another pixel, or with x_1 kept."""
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from extensions.area_paths import AreaPaths, Placed
+from extensions.shifting import Shift
+from reference.arrays import Indices, Masks, Scalars, Vec3s, dot
+from reference.caster import STOP
+from reference.passes.reproject import row_at
+from reference.path_tracer import first_hits
+from reference.records import scatter, take
+from reference.resampling.reservoir import Reservoirs
+from reference.scene.camera import Camera, image_points, view_depth
+from reference.scene.origins import contact
+from reference.scene.surface import SurfacePoints
+from reference.world import World
+
+Primary = Literal["move", "keep"]
+"""The primary hit moves with the place in the image, or stays where it is."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AreaDonor:
+    """Donors and receivers that are pixels with an area.
+
+    Attributes
+    ----------
+    shift : Shift
+        Of all beyond x_1.
+    primary : 'move' or 'keep'
+        What becomes of x_1.
+    world : World
+        Of the K receivers.
+    pixel : (K,) int
+        Rows of the image that these are.
+    world_from : World
+        In which the paths were made.
+    reservoirs : Reservoirs
+        N rows of `AreaPaths`, a pixel each.
+    rows : (K,) int
+        Row that is offered to each pixel, or ``NONE``.
+    dx, dy : (K,) float64, pixels
+        How far places move from the donor to the receiver, if x_1 moves.
+    stands : bool
+        Donor and receiver are one pixel of one image, and nothing is shifted.
+    """
+
+    shift: Shift
+    primary: Primary
+    world: World
+    pixel: Indices
+    world_from: World
+    reservoirs: Reservoirs
+    rows: Indices
+    dx: Scalars
+    dy: Scalars
+    stands: bool = False
+
+    def forth(self, at: Indices) -> tuple[Placed, Scalars]:
+        """Worth of the donors' paths at the receivers.
+
+        Parameters
+        ----------
+        at : (A,) int
+            Receivers, none without a donor.
+
+        Returns
+        -------
+        Placed, (A,) float64
+            A rows, and the Jacobian of place and path; 0 where the path falls out of
+            the receiver, or out of sight.
+        """
+        samples = take(self.reservoirs.y, self.rows[at])
+        dx, dy = self.dx[at], self.dy[at]
+        return self._worth(samples, self.world_from, self.world, self.pixel[at], dx, dy)
+
+    def back(self, samples: Any, at: Indices) -> tuple[Placed, Scalars]:
+        """Worth of the receivers' paths at their donors.
+
+        Parameters
+        ----------
+        samples : AreaPaths
+            K rows, at the receivers.
+        at : (A,) int
+            Which of them, none without a donor.
+
+        Returns
+        -------
+        Placed, (A,) float64
+            As of `forth`.
+        """
+        some, dx, dy = take(samples, at), -self.dx[at], -self.dy[at]
+        return self._worth(some, self.world, self.world_from, self.rows[at], dx, dy)
+
+    def _worth(
+        self,
+        samples: AreaPaths,
+        world_from: World,
+        world_to: World,
+        pixel: Indices,
+        dx: Scalars,
+        dy: Scalars,
+    ) -> tuple[Placed, Scalars]:
+        size = len(samples)
+        if self.primary == "move":
+            x, y, factor = samples.x + dx, samples.y + dy, np.ones(size)
+            at = np.flatnonzero(row_at(x, y, world_to) == pixel)
+            points = first_hits(world_to, x[at], y[at])
+        else:
+            seen = first_hits(world_from, samples.x, samples.y)
+            x, y, factor = kept_in_place(world_from, world_to, seen)
+            inside = (row_at(x, y, world_to) == pixel) & seen.hit
+            at = np.flatnonzero(inside)
+            points = first_hits(world_to, x[at], y[at])
+            same = _same(world_to, take(seen, at), points)
+            at, points = at[same], take(points, np.flatnonzero(same))
+        everyone = np.arange(len(at))
+        value, jacobian = self.shift(world_to, points, everyone, samples.paths, at)
+        value, jacobian = scatter(at, value, size), scatter(at, jacobian, size)
+        return Placed(x, y, value, jacobian), jacobian * factor
+
+
+def kept_in_place(
+    world_from: World, world_to: World, seen: SurfacePoints
+) -> tuple[Scalars, Scalars, Scalars]:
+    """Where points that one camera sees appear to another.
+
+    Parameters
+    ----------
+    world_from, world_to : World
+        Of the two cameras; nothing else has moved.
+    seen : SurfacePoints
+        N points that the first sees.
+
+    Returns
+    -------
+    x, y : (N,) float64, pixels
+        In the image of the second; NaN behind it.
+    jacobian : (N,) float64
+        |∂(x, y)_to / ∂(x, y)_from|: both images' pixels per area at the point; 0
+        behind the second.
+    """
+    x_s = contact(world_from.geometry, seen)
+    x, y = image_points(world_to.camera, x_s)
+    to, here = (
+        _pixels_per_area(w.camera, x_s, seen.normal) for w in (world_to, world_from)
+    )
+    ahead = seen.hit & (here > 0) & np.isfinite(x)
+    return x, y, np.divide(to, here, out=np.zeros(len(x)), where=ahead)
+
+
+def _pixels_per_area(camera: Camera, x_s: Vec3s, normal: Vec3s) -> Scalars:
+    """Pixels that a unit of area fills: f² |n · v| / z³, with f pixels a tangent."""
+    offset = x_s - np.asarray(camera.position, float)
+    z = view_depth(camera, x_s)
+    per_tangent = camera.width / 2 / np.tan(np.radians(camera.fov_x) / 2)
+    across = np.abs(dot(offset, normal)) * per_tangent**2
+    density: Scalars = np.divide(across, z**3, out=np.zeros(len(z)), where=z > 0)
+    return density
+
+
+def _same(world: World, a: SurfacePoints, b: SurfacePoints) -> Masks:
+    """Whether both are one point: nothing hides it from the second camera."""
+    apart = contact(world.geometry, a) - contact(world.geometry, b)
+    near = dot(apart, apart) < (STOP * world.geometry.extent) ** 2
+    same: Masks = (a.primitive == b.primitive) & near
+    return same

@@ -1,0 +1,40 @@
+"""Method ``area-restir``: whole paths over the area of each pixel."""
+
+from collections.abc import Iterator, Mapping
+
+from extensions.area_restir import render_area_frames
+from extensions.area_settings import AreaSettings
+from extensions.frame_loop import PathFrame
+from extensions.method import PATHS, path_layers
+from reference.arrays import Scalars
+from reference.methods.aovs import GBUFFER
+from reference.methods.framed import PARTS, Framed
+from reference.methods.method import Job, Method
+
+PLACES = {
+    "x": "where the kept path appears in the image, pixels from the left",
+    "y": "where the kept path appears in the image, pixels from the top",
+}
+
+
+def _frames(job: Job) -> Iterator[PathFrame]:
+    return render_area_frames(
+        job.world, job.settings, job.bounces, job.seed, job.schedule, job.animation
+    )
+
+
+def _layers(frame: PathFrame, names: tuple[str, ...]) -> Mapping[str, Scalars]:
+    r = frame.reservoirs
+    places = {name: getattr(r.y, name) for name in names if name in PLACES}
+    return {**path_layers(r, r.y.paths, names), **places}
+
+
+METHOD = Method(
+    name="area-restir",
+    summary="whole paths, reused over the area of each pixel: antialiased",
+    counts={"frames": 32, "spp": 32},
+    settings=AreaSettings(),
+    aovs={**PARTS, **PATHS, **PLACES, **GBUFFER},
+    render=Framed(_frames, _layers, {**PATHS, **PLACES}, pixel="box").render,
+    biases=lambda job: (),
+)

@@ -1,0 +1,129 @@
+"""Paths of which the place in the image is a part: samples of a pixel's whole area."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from extensions.candidates import draw_paths
+from extensions.connection import Criterion
+from extensions.paths import Paths
+from reference.arrays import Indices, Scalars, Vec3s
+from reference.path_tracer import first_hits
+from reference.resampling.reservoir import Candidates
+from reference.resampling.target import luminance
+from reference.rng import Draw, Uniforms
+from reference.world import World
+
+
+@dataclass(frozen=True, slots=True)
+class Placed:
+    """What of N paths depends on the pixel that they belong to.
+
+    Attributes
+    ----------
+    x, y : (N,) float64, pixels
+        Where x_1 appears in the image.
+    value : (N, 3) float64, W/(m² sr)
+        Contribution f / p.
+    jacobian : (N,) float64
+        Of the shift that brought it here, without that of the place.
+    """
+
+    x: Scalars
+    y: Scalars
+    value: Vec3s
+    jacobian: Scalars
+
+
+@dataclass(frozen=True, slots=True)
+class AreaPaths:
+    """N paths, and the points of the image through which they are seen.
+
+    Attributes
+    ----------
+    x, y : (N,) float64, pixels
+        Where x_1 appears; x_1 itself is what the camera sees there.
+    paths : Paths
+        All beyond x_1.
+    """
+
+    x: Scalars
+    y: Scalars
+    paths: Paths
+
+    def __len__(self) -> int:
+        """Number of rows."""
+        return len(self.x)
+
+    @property
+    def value(self) -> Placed:
+        """N rows, as they are here."""
+        return Placed(self.x, self.y, self.paths.value, np.ones(len(self)))
+
+    def moved(self, value: Placed, jacobian: Scalars) -> "AreaPaths":
+        """The same paths in other pixels.
+
+        Parameters
+        ----------
+        value : Placed
+            There.
+        jacobian : (N,) float64
+            Of the whole shift; densities at the joint change by their part of it.
+
+        Returns
+        -------
+        AreaPaths
+            N rows.
+        """
+        paths = self.paths.moved(value.value, value.jacobian)
+        return AreaPaths(value.x, value.y, paths)
+
+
+def target(value: Placed) -> Scalars:
+    """Luminance of the contribution.
+
+    Parameters
+    ----------
+    value : Placed
+        N rows.
+
+    Returns
+    -------
+    (N,) float64
+        p̂.
+    """
+    return luminance(value.value)
+
+
+def draw_area_paths(
+    world: World,
+    pixel: Indices,
+    place: Draw,
+    bounces: int,
+    criterion: Criterion,
+    number: Indices,
+    uniforms: Uniforms,
+) -> Candidates:
+    """Draw a point of each pixel, and a tree of paths from what is seen there.
+
+    Parameters
+    ----------
+    world : World
+        The scene.
+    pixel : (N,) int
+        Rows of the image.
+    place : four (N,) float64
+        Lanes 0 and 1: where in the pixel.
+    bounces, criterion, number, uniforms
+        As of `draw_paths`.
+
+    Returns
+    -------
+    Candidates
+        Of `AreaPaths`; the density of a place is 1 in pixels.
+    """
+    width = world.camera.width
+    x, y = pixel % width + place[0], pixel // width + place[1]
+    points = first_hits(world, x, y)
+    tree = draw_paths(world, points, bounces, criterion, number, uniforms)
+    return replace(tree, y=AreaPaths(x, y, tree.y))

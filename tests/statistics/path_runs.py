@@ -1,0 +1,95 @@
+"""Runs of methods of whole paths, and what reuse does to their mean.
+
+A replicate is a run under its own seed, minus the mean of its own candidates without
+reuse, whose expectation is 0.  Correct reuse fails the tiles of a scene with
+probability 1e-4, and the image mean with as much.
+"""
+
+from dataclasses import replace
+from itertools import islice
+
+import numpy as np
+from scipy import stats
+
+from extensions.restir_pt import render_path_frames
+from extensions.shifting import Shift
+from reference.scene.animation import Animation
+from reference.scene.catalogue.registry import find_animation
+from reference.scene.validation import validate
+from reference.world import build_world
+from tests.properties.path_scenes import world
+from tests.statistics.replicates import (
+    ONE_BAND,
+    largest_t,
+    means,
+    path_traced,
+    threshold,
+)
+
+FAMILY = 1e-4
+SIZE, FRAMES = 24, 4
+COLUMNS = 3 * (SIZE // 8) ** 2
+
+
+class Flat(Shift):
+    """Values are right, and all Jacobians 1."""
+
+    def __call__(self, *whence):
+        """Shift, and forget what it does to the measure."""
+        value, jacobian = Shift.__call__(self, *whence)
+        return value, (jacobian > 0).astype(float)
+
+
+def of_reuse(scene, settings, bounces, runs, render=render_path_frames):
+    """Means of the last frame over those of the same candidates without reuse."""
+    w = world(scene, SIZE)
+    alone = replace(settings, temporal=False, spatial=False)
+    rows = []
+    for seed in range(runs):
+
+        def colors(s, seed=seed):
+            frames = render(w, s, bounces, seed, ONE_BAND)
+            return [frame.color for frame in islice(frames, FRAMES)]
+
+        rows.append(colors(settings)[-1] - np.mean(colors(alone), axis=0))
+    return means(rows, SIZE)
+
+
+def judged(found, scale):
+    """Whether no bias is seen: largest |t| of the tiles, and of the image."""
+    n = len(found.values)
+    image = float(np.abs(found.mean[0] / found.error[0]))
+    print(
+        f"bias of reuse {100 * found.mean[0] / scale:+.2f} % ±"
+        f" {100 * found.error[0] / scale:.2f}, largest tile |t| {largest_t(found):.1f}"
+        f" of {threshold(COLUMNS, FAMILY, n):.1f}"
+    )
+    tiles = largest_t(found) < threshold(COLUMNS, FAMILY, n)
+    return tiles and image < stats.t.isf(FAMILY / 2, n - 1)
+
+
+def brightness(scene, bounces):
+    """Of the path-traced picture."""
+    return float(path_traced(world(scene, SIZE), 64, bounces).mean[0])
+
+
+def of_a_camera_that_moves(settings, runs, render=render_path_frames):
+    """Last frame with reuse less that without, and the image's mean."""
+    found = find_animation("moving-camera")
+
+    def at(frame):
+        scene = found(4 * frame)
+        camera = replace(scene.camera, width=SIZE, height=SIZE)
+        return validate(replace(scene, camera=camera))
+
+    animation, w, rows = Animation(at, found.changes), build_world(at(0)), []
+    for seed in range(runs):
+
+        def last(s, seed=seed):
+            frames = render(w, s, 2, seed, ONE_BAND, animation)
+            return [frame.color for frame in islice(frames, FRAMES)][-1]
+
+        alone = replace(settings, temporal=False, spatial=False)
+        rows.append(last(settings) - last(alone))
+    scale = float(path_traced(build_world(at(FRAMES - 1)), 64, 2).mean[0])
+    return means(rows, SIZE), scale

@@ -1,0 +1,136 @@
+"""Area ReSTIR: reuse over the areas of pixels brings no bias, whatever becomes of x_1.
+
+Controls: paths that fall out of the receiver's area are not refused; a primary hit is
+kept without its Jacobian.
+"""
+
+from itertools import islice
+
+import numpy as np
+import pytest
+
+import extensions.area_donor
+from extensions.area_restir import render_area_frames
+from extensions.area_settings import AreaSettings
+from tests.properties.path_scenes import world
+from tests.statistics.path_runs import (
+    COLUMNS,
+    FAMILY,
+    SIZE,
+    brightness,
+    judged,
+    of_a_camera_that_moves,
+    of_reuse,
+)
+from tests.statistics.replicates import (
+    BATCHES,
+    ONE_BAND,
+    means,
+    path_traced,
+    threshold,
+)
+
+STILL = [
+    ("paint", 2, AreaSettings()),
+    ("rough metal", 2, AreaSettings(mis="balance")),
+    ("mirror", 3, AreaSettings(mis="defensive")),
+    ("glass", 3, AreaSettings()),
+    ("checker", 1, AreaSettings(mis="pairwise")),
+]
+PAST_ALONE = {
+    primary: AreaSettings(primary=primary, spatial=False)
+    for primary in ("move", "keep")
+}
+MOVING = [
+    *((settings, 600) for settings in PAST_ALONE.values()),
+    (AreaSettings(mis="defensive"), 250),
+    (AreaSettings(primary="keep", mis="balance"), 250),
+]
+
+
+def still(scene, bounces, settings, runs):
+    found = of_reuse(scene, settings, bounces, runs, render_area_frames)
+    return judged(found, brightness(scene, bounces))
+
+
+def moving(settings, runs):
+    return judged(*of_a_camera_that_moves(settings, runs, render_area_frames))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("scene", "bounces", "settings"), STILL, ids=str)
+def test_reuse_brings_no_bias(scene, bounces, settings):
+    assert still(scene, bounces, settings, 150)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("settings", "runs"), MOVING, ids=str)
+def test_a_camera_that_moves_brings_no_bias(settings, runs):
+    """The past is found by fractions of pixels."""
+    assert moving(settings, runs)
+
+
+@pytest.mark.parametrize("primary", ["move", "keep"])
+def test_a_few_runs_show_no_bias(primary):
+    assert moving(AreaSettings(primary=primary), 40)
+
+
+@pytest.mark.slow
+def test_control_what_falls_out_of_the_pixel_is_not_refused(monkeypatch):
+    """Samples of its neighbours' areas make a pixel brighter."""
+    monkeypatch.setattr(extensions.area_donor, "row_at", Everywhere())
+    assert not moving(PAST_ALONE["move"], 600)
+
+
+class Everywhere:
+    """In place of `row_at`: whoever asks, the place is in their pixel."""
+
+    def __call__(self, x, y, world):
+        """Equal to everything."""
+        return self
+
+    def __eq__(self, pixel):
+        """Yes."""
+        return np.ones(len(pixel), bool)
+
+    __hash__ = None
+
+
+@pytest.mark.slow
+def test_control_a_primary_hit_kept_without_its_jacobian_is_refuted(monkeypatch):
+    kept = extensions.area_donor.kept_in_place
+
+    def flat(*seen):
+        x, y, jacobian = kept(*seen)
+        return x, y, (jacobian > 0).astype(float)
+
+    monkeypatch.setattr(extensions.area_donor, "kept_in_place", flat)
+    assert not moving(PAST_ALONE["keep"], 600)
+
+
+def of_candidates(jitter, frames=1024):
+    """Largest |t| of the difference to the path tracer, of tiles and image."""
+    w = world("checker", SIZE)
+    alone = AreaSettings(temporal=False, spatial=False)
+    rows = []
+    for batch in range(BATCHES):
+        found = render_area_frames(w, alone, 2, batch, ONE_BAND)
+        some = [frame.color for frame in islice(found, frames // BATCHES)]
+        rows.append(np.mean(some, axis=0))
+    mine, truth = means(rows, SIZE), path_traced(w, frames, 2, jitter)
+    error = np.hypot(mine.error, truth.error)
+    t = np.abs(mine.mean - truth.mean) / np.maximum(error, 1e-300)
+    return t[error > 0].max()
+
+
+BOUND = threshold(COLUMNS + 1, FAMILY, BATCHES)
+
+
+@pytest.mark.slow
+def test_candidates_are_means_over_the_areas_of_pixels():
+    assert of_candidates(np.random.default_rng(5)) < BOUND
+
+
+@pytest.mark.slow
+def test_control_the_centres_of_pixels_are_another_picture():
+    assert of_candidates(None) > BOUND
