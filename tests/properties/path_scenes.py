@@ -10,6 +10,7 @@ from extensions.connection import CRITERIA
 from extensions.paths import Technique
 from extensions.shifting import Shift
 from extensions.walking import arrive, leave, start
+from reference.arrays import dot
 from reference.passes.gbuffer import visible_points
 from reference.records import scatter, where
 from reference.rng import KeyedUniforms, Stream
@@ -35,11 +36,53 @@ FLOORS = {
 
 SIZE = 32
 
+UNIT = 2.0**-53
+"""Relative rounding of one operation."""
+
+
+def far():
+    """A Cornell box of two kilometres."""
+    found, larger = find_scene("cornell-box"), np.diag((1e3, 1e3, 1e3, 1.0))
+    meshes = tuple(replace(mesh, pose=larger @ mesh.pose) for mesh in found.meshes)
+    position, target = (
+        tuple(1e3 * np.array(v)) for v in (found.camera.position, found.camera.target)
+    )
+    camera = replace(found.camera, position=position, target=target)
+    return replace(found, camera=camera, meshes=meshes)
+
+
+def near():
+    """Where the short block stands on the floor: ways of millimetres."""
+    found = find_scene("cornell-box")
+    camera = replace(found.camera, target=(0.35, 0.0, 0.6636), fov_x=0.3)
+    return replace(found, camera=camera)
+
+
+def bright():
+    """Mirrors under a ceiling that shines, which is often met by chance."""
+    found, ceiling = find_scene("cornell-box"), {"emission": (1.0, 1.0, 1.0)}
+    reflecting = {"material": FLOORS["mirror"]}
+    meshes = tuple(
+        replace(
+            mesh,
+            **(ceiling if mesh.name == "ceiling" else {}),
+            **(reflecting if "block" in mesh.name else {}),
+        )
+        for mesh in found.meshes
+    )
+    return replace(found, meshes=meshes)
+
+
+ROOMS = {"far": far, "near": near, "bright": bright}
+
 
 @cache
 def world(name, size=SIZE):
-    """A scene of the catalogue, or the Cornell box with other blocks."""
-    found = find_scene("cornell-box" if name in FLOORS else name)
+    """A scene of the catalogue, or the Cornell box, other blocks or another view."""
+    if name in ROOMS:
+        found = ROOMS[name]()
+    else:
+        found = find_scene("cornell-box" if name in FLOORS else name)
     camera = replace(found.camera, width=size, height=size)
     meshes = found.meshes
     if FLOORS.get(name) is not None:
@@ -144,3 +187,27 @@ def seen_from(w, x, surface, x_s):
     omega, d = direction_and_distance(x.position, x_s)
     step = step_before(w.geometry, surface.primitive, surface.normal, -omega)
     return replace(surface, wo=-omega, position=x_s + step), d
+
+
+def steepness(w, points, omega, other):
+    """Largest derivative of the logarithm of a density by the angle of a direction.
+
+    A cosine's is at most 1 / cos.  That of GGX is 2 / α by the angle of the normal
+    between both directions, which turns 1 / (2 cos θ_d) as fast as either of them.
+    """
+    table = w.materials
+    kind, alpha = table.kind[points.material], table.alpha[points.material]
+    rough = np.isin(kind, (Kind.ROUGH_CONDUCTOR, Kind.ROUGH_COATED))
+    cosine = np.maximum(np.abs(dot(points.shading, omega)), UNIT)
+    half = np.sqrt(np.maximum(0.5 + 0.5 * dot(omega, other), UNIT))
+    return 1.0 / cosine + rough / (np.where(rough, alpha, 1.0) * half)
+
+
+def left_from(w, x, paths, shift):
+    """Points x_(c-1) at which paths that start at x_1 are joined."""
+    last = int(paths.joint.max()) - 1
+    visited = walked(w, shift.criterion, x, paths.number, shift.uniforms, last)
+    found = visited[0][0]
+    for v, (met, _) in enumerate(visited, start=1):
+        found = where(paths.joint == v + 1, met, found)
+    return found
