@@ -1,4 +1,4 @@
-"""``restir figures``: the figures of the ReSTIR GI paper, measured and drawn anew."""
+"""``restir figures``: the figures of the papers, measured and drawn anew."""
 
 import argparse
 import json
@@ -13,7 +13,7 @@ from reference.commands.targets import make_folder
 from reference.commands.values import whole
 from reference.errors import UsageError
 from reference.figures.record import Plan
-from reference.figures.registry import FIGURES, Entry, find_figure
+from reference.figures.registry import FIGURES, Entry, figure_names, find_figure
 from reference.figures.table import as_plain, table
 from reference.files import write_file
 from reference.schedule import Schedule
@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "figures",
         metavar="NAME",
         nargs="*",
-        help=f"{', '.join(FIGURES)}, or numbers of the paper (default: all of them)",
+        help=f"{', '.join(figure_names())}, or numbers of the paper (default: all)",
     )
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder")
     parser.add_argument(
@@ -75,7 +75,7 @@ def run(arguments: argparse.Namespace) -> None:
     UsageError
         No such figure, too few runs for one, or a file cannot be written.
     """
-    wanted = [find_figure(name) for name in arguments.figures or FIGURES]
+    wanted = [find_figure(name) for name in arguments.figures or figure_names()]
     entries = list(dict.fromkeys(wanted))
     plans = [_plan(arguments, entry) for entry in entries]
     refuse_what_does_not_fit(arguments.size, arguments.size)

@@ -1,9 +1,10 @@
-"""The figures by name."""
+"""The figures by name: those of the ReSTIR GI paper, and what packages announce."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from difflib import get_close_matches
 
+from reference.announced import announced, announced_names
 from reference.errors import UsageError
 from reference.figures import (
     bias,
@@ -50,8 +51,22 @@ _ENTRIES = (
     Entry(source.NAME, source.source, 32, ("14",)),
 )
 
+GROUP = "restir.figures"
+
 FIGURES: dict[str, Entry] = {entry.name: entry for entry in _ENTRIES}
-"""All figures, by name, in the order in which they are made."""
+"""The paper's, by name, in the order in which they are made."""
+
+
+def figure_names() -> list[str]:
+    """Names of all figures.
+
+    Returns
+    -------
+    list of str
+        The paper's first.  Nothing is imported.
+    """
+    theirs = [name for name in announced_names(GROUP) if name not in FIGURES]
+    return [*FIGURES, *theirs]
 
 
 def find_figure(name: str) -> Entry:
@@ -60,7 +75,7 @@ def find_figure(name: str) -> Entry:
     Parameters
     ----------
     name : str
-        As in the registry, or its number in the paper.
+        As `figure_names` lists it, or its number in the paper.
 
     Returns
     -------
@@ -70,14 +85,20 @@ def find_figure(name: str) -> Entry:
     Raises
     ------
     UsageError
-        No figure has that name; the message says which do, the closest one first.
+        No figure has that name; the message says which do, the closest one first.  Or
+        the package that brings it is broken.
     """
     if name in FIGURES:
         return FIGURES[name]
     for entry in _ENTRIES:
         if name in entry.numbers:
             return entry
-    close = get_close_matches(name, FIGURES, n=1)
+    found = announced(GROUP, name, Entry, "figure")
+    if found is not None:
+        return found
+    names = figure_names()
+    close = get_close_matches(name, names, n=1)
     hint = f"did you mean {close[0]}? " if close else ""
-    every = ", ".join(f"{e.name} ({', '.join(e.numbers)})" for e in _ENTRIES)
+    numbers = {e.name: f" ({', '.join(e.numbers)})" for e in _ENTRIES}
+    every = ", ".join(each + numbers.get(each, "") for each in names)
     raise UsageError(f"there is no figure {name!r}; {hint}the figures are {every}")

@@ -1,7 +1,6 @@
 """Methods by name: the built-in ones, and those that other packages announce."""
 
-from importlib.metadata import EntryPoint, entry_points
-
+from reference.announced import announced, announced_names
 from reference.errors import UsageError
 from reference.methods.method import Method
 from reference.methods.path import PATH
@@ -17,11 +16,10 @@ def method_names() -> list[str]:
     Returns
     -------
     list of str
-        The built-in ones first.  Nothing is imported, so that a broken package
-        disturbs nobody who does not ask for its method.
+        The built-in ones first.  Nothing is imported.
     """
-    announced = {point.name for point in entry_points(group=GROUP)}
-    return [*BUILT_IN, *sorted(announced - BUILT_IN.keys())]
+    theirs = [name for name in announced_names(GROUP) if name not in BUILT_IN]
+    return [*BUILT_IN, *theirs]
 
 
 def method_named(name: str) -> Method:
@@ -42,39 +40,9 @@ def method_named(name: str) -> Method:
     UsageError
         No such name, or its package is broken; the message names the package.
     """
-    if name in BUILT_IN:
-        return BUILT_IN[name]
-    points = list(entry_points(group=GROUP, name=name))
-    if not points:
+    found = BUILT_IN.get(name) or announced(GROUP, name, Method, "method")
+    if found is None:
         raise UsageError(
             f"unknown method {name!r}; known are {', '.join(method_names())}"
         )
-    if len(points) > 1:
-        raise UsageError(
-            f"method {name!r} is announced by {' and by '.join(map(_origin, points))};"
-            " uninstall all but one"
-        )
-    return _load(points[0])
-
-
-def _load(point: EntryPoint) -> Method:
-    try:
-        method = point.load()
-    # The code of others may fail in any way.
-    except Exception as error:
-        reason = f"{type(error).__name__}: {error}"
-        raise UsageError(
-            f"method {point.name!r} of {_origin(point)} cannot be loaded ({reason});"
-            " repair or uninstall that package"
-        ) from error
-    if not isinstance(method, Method) or method.name != point.name:
-        raise UsageError(
-            f"method {point.name!r} of {_origin(point)} is {method!r:.80}, which is no"
-            " reference.methods.Method of that name; repair or uninstall that package"
-        )
-    return method
-
-
-def _origin(point: EntryPoint) -> str:
-    package = point.dist.name if point.dist else "an unknown package"
-    return f"{package} ({point.value})"
+    return found

@@ -11,7 +11,7 @@ from reference.scene.catalogue.animations import CHANGE
 from reference.scene.catalogue.registry import CATALOGUE, find_animation, find_scene
 from reference.scene.catalogue.rooms import WHITE
 from reference.scene.geometry import world_corners
-from reference.scene.materials.kinds import Coated
+from reference.scene.materials.kinds import Coated, Dielectric, Lambertian
 from reference.scene.shapes import quad
 from tests.analytic.rendering import path_traced, what_is_seen, world_of
 
@@ -26,6 +26,9 @@ NAMES = [
     "parallel-plates",
     "checker",
     "many-lights",
+    "specular-floor",
+    "mirror-floor",
+    "glass-floor",
     "moving-camera",
     "moving-block",
     "moving-light",
@@ -34,12 +37,15 @@ NAMES = [
 ]
 KNOWN = {"sunlit-wall", "sphere-furnace", "half-lit-sphere", "parallel-plates"}
 
-ANIMATED = set(NAMES[10:])
+HARD = {"specular-floor": (2, 200)}
+"""Bounces, and samples a pixel, with which indirect light is found."""
+
+ANIMATED = set(NAMES[13:])
 
 every_scene = pytest.mark.parametrize("name", NAMES)
 
 
-def test_the_catalogue_has_the_fifteen_scenes():
+def test_the_catalogue_has_the_eighteen_scenes():
     assert list(CATALOGUE) == NAMES
     assert {name for name, entry in CATALOGUE.items() if entry.animate} == ANIMATED
     assert {name for name, entry in CATALOGUE.items() if entry.answer} == KNOWN
@@ -95,7 +101,9 @@ def test_a_picture_has_light_and_most_of_it_is_finite_and_seen(name):
     assert np.isfinite(color).all()
     assert (color >= 0).all()
     assert color.any()
-    indirect = path_traced(world, "indirect", bounces=1, samples=8)
+    # Few paths find the light that the polished floor shows.
+    bounces, samples = HARD.get(name, (1, 8))
+    indirect = path_traced(world, "indirect", bounces=bounces, samples=samples)
     # The subject of the project: indirect light in a good part of each picture.
     assert (indirect.sum(axis=1) > 0).mean() > 0.1
 
@@ -177,6 +185,65 @@ def test_many_lights_are_thirty_thousand_and_none_is_forgotten():
         front = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         assert (front[:, 1] < 0).all()
         assert np.ptp(corners[..., 1], axis=1).max() < 1e-12
+
+
+def test_on_the_specular_floor_the_lamp_lights_a_spot_of_the_floor_alone():
+    """Whatever else is bright has its light from there."""
+    seen, direct = direct_on("specular-floor")
+    lit = direct.any(axis=1)
+    assert 20 < lit.sum() < 0.1 * len(lit)
+    assert (seen.position[lit, 1] < 0.01).all()
+    # The spot is that of a point through the mouth of the shade.
+    x, z = seen.position[lit, 0], seen.position[lit, 2]
+    spread = 0.25 * 0.65 / 0.4 + 0.01
+    assert np.abs(x - 0.75).max() < spread
+    assert np.abs(z + 1.25).max() < spread
+
+
+def test_what_the_specular_floor_mirrors_is_more_than_what_it_paints():
+    """In the picture of indirect light: with a matt floor most of it is gone."""
+    scene = find_scene("specular-floor")
+    floor = scene.meshes[0]
+    matt = replace(floor, material=Lambertian(floor.material.reflectance))
+    shiny, painted = (
+        world_of(replace(scene, meshes=(mesh, *scene.meshes[1:])), 32)
+        for mesh in (floor, matt)
+    )
+    # Of the floor that is not lit itself, seen under its own grazing angle.
+    seen = what_is_seen(shiny)
+    rows = seen.hit & (seen.position[:, 1] < 0.01)
+    colors = [
+        path_traced(w, "indirect", bounces=2, samples=400) for w in (shiny, painted)
+    ]
+    ratio = colors[0][rows].sum() / colors[1][rows].sum()
+    assert ratio > 1.5
+
+
+def of_the_floor(name, part):
+    """Light of the pixels that see the floor: as it is, of the rest, without a part."""
+    scene = find_scene(name)
+    seen = what_is_seen(world_of(scene, 32))
+    floor = seen.hit & (seen.position[:, 1] < 0.01)
+    assert floor.mean() > 0.3
+    meshes = tuple(mesh for mesh in scene.meshes if mesh.name != part)
+    assert len(meshes) == len(scene.meshes) - 1
+    color, bare = (
+        path_traced(world_of(each, 32), "full", bounces=4, samples=64)
+        for each in (scene, replace(scene, meshes=meshes))
+    )
+    return color[floor].mean(), color[~floor].mean(), bare[floor].mean()
+
+
+def test_the_mirror_floor_shows_the_room():
+    floor, room, bare = of_the_floor("mirror-floor", "floor")
+    assert 0.3 * room < floor < 1.5 * room
+    assert bare == 0.0
+
+
+def test_the_ground_is_seen_through_the_glass_floor():
+    pane, _, bare = of_the_floor("glass-floor", "ground")
+    assert isinstance(find_scene("glass-floor").meshes[0].material, Dielectric)
+    assert pane > 1.3 * bare > 0
 
 
 def test_spheres_are_seen_from_inside():

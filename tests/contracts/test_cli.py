@@ -12,12 +12,12 @@ from typing import Literal
 import numpy as np
 import pytest
 
+from reference import announced
 from reference.cli import main
 from reference.exr import read_exr
 from reference.methods import (
     Method,
     Progress,
-    discovery,
     method_named,
     method_names,
 )
@@ -440,7 +440,7 @@ GREY = Method(
 def test_a_method_of_another_package(render, monkeypatch):
     """Announced by an entry point, it has the options of the built-in ones."""
     point = SimpleNamespace(name="grey", value="x:GREY", dist=None, load=lambda: GREY)
-    monkeypatch.setattr(discovery, "entry_points", lambda **_: [point])
+    monkeypatch.setattr(announced, "entry_points", lambda **_: [point])
     assert method_names() == [*BUILT_IN, "grey"]
     image = render("grey", "--set", "level=0.25", "--aov", "ramp")
     assert (image.color == 0.25).all()

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from reference import announced
 from reference.cli import main
-from reference.commands import figures as command
 from reference.demo.runs import CONVERGED
 from reference.figures import contest, registry, validation
 from reference.figures.batches import merge
@@ -24,7 +24,7 @@ from reference.figures.record import (
     Plan,
 )
 from reference.figures.regions import floor_points, zones
-from reference.figures.registry import FIGURES, Entry, find_figure
+from reference.figures.registry import FIGURES, Entry, figure_names, find_figure
 from reference.figures.table import as_plain, table, text
 from reference.figures.tiles import largest_of_half, rms_without_noise, tile_luminance
 from reference.images import luminance
@@ -51,7 +51,7 @@ def restir(capsys):
     return run
 
 
-@pytest.mark.parametrize("name", FIGURES)
+@pytest.mark.parametrize("name", figure_names())
 def test_every_figure_is_made(restir, tmp_path, monkeypatch, name):
     """Small, of few frames: what is written is what is printed, and it is finite."""
     monkeypatch.setattr(contest, "FRAMES", 4)
@@ -73,7 +73,7 @@ def test_every_figure_is_made(restir, tmp_path, monkeypatch, name):
 
 def test_the_figures_as_a_table(restir, tmp_path, monkeypatch):
     monkeypatch.setattr(registry, "FIGURES", planted("one", "two"))
-    monkeypatch.setattr(command, "FIGURES", planted("one", "two"))
+    monkeypatch.setattr(registry, "announced_names", lambda group: [])
     code, printed, told = restir("figures", "--out", tmp_path)
     assert (code, told) == (0, "")
     assert printed.index("title of one") < printed.index("title of two")
@@ -122,6 +122,20 @@ def test_the_folder_is_needed(restir):
     assert "--out" in told
 
 
+def test_a_figure_of_another_package(restir, tmp_path, monkeypatch):
+    """Announced by an entry point; broken, its package is named in one line."""
+    found = planted("grey")["grey"]
+    point = SimpleNamespace(name="grey", value="x:GREY", dist=None, load=lambda: found)
+    monkeypatch.setattr(announced, "entry_points", lambda **_: [point])
+    assert figure_names() == [*FIGURES, "grey"]
+    code, printed, _ = restir("figures", "grey", "--out", tmp_path)
+    assert (code, "title of grey" in printed) == (0, True)
+    point.load = lambda: None
+    code, _, told = restir("figures", "grey", "--out", tmp_path)
+    assert code == 2
+    assert "figure 'grey' of an unknown package (x:GREY) is None" in told
+
+
 def planted(*names):
     """Registry of figures that take no time."""
     return {name: Entry(name, lambda plan, n=name: drawn(n), 2, ()) for name in names}
@@ -138,7 +152,8 @@ def drawn(name):
 
 
 def test_names_are_those_of_the_entries():
-    assert all(find_figure(name).name == name for name in FIGURES)
+    assert all(find_figure(name).name == name for name in figure_names())
+    assert set(FIGURES) < set(figure_names())
     assert find_figure("13") is find_figure("1") is FIGURES["equal-time"]
     assert {n for e in FIGURES.values() for n in e.numbers} == {
         "1", "7", "8", "9", "11", "13", "14",

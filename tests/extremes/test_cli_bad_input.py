@@ -13,11 +13,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from reference import announced
 from reference.cli import main
 from reference.commands import memory
 from reference.exr import read_exr, write_exr
 from reference.images import Image
-from reference.methods import Method, Progress, discovery, method_names
+from reference.methods import Method, Progress, method_names
 from reference.settings import Settings
 
 ROOT = Path(__file__).parents[2]
@@ -480,7 +481,7 @@ def announce(monkeypatch):
 
         point = SimpleNamespace(name="grey", value="grey:METHOD", dist=None, load=load)
         monkeypatch.setattr(
-            discovery,
+            announced,
             "entry_points",
             lambda group, name="grey": [point] * times if name == "grey" else [],
         )
@@ -496,10 +497,10 @@ def announce(monkeypatch):
             "cannot be loaded (ImportError: no mod",
         ),
         (ZeroDivisionError(), "cannot be loaded (ZeroDivisionError"),
-        (None, "is None, which is no reference.methods.Method of that name"),
+        (None, "is None, which is no reference.methods.method.Method of that name"),
         (
             a_method(nothing, "gray"),
-            "which is no reference.methods.Method of that name",
+            "which is no reference.methods.method.Method of that name",
         ),
         (a_method(nothing), "did not return a picture"),
         (a_method(too_few), "3 rows are no 4x4 frame"),

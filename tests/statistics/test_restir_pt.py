@@ -63,6 +63,9 @@ PLANS = [
     Plan("door-ajar", 2),
     Plan("glossy-floor", 2),
     Plan("many-lights", 1),
+    Plan("mirror-floor", 4),
+    Plan("glass-floor", 5, mis="balance"),
+    Plan("specular-floor", 2),
     Plan("paint", 2, mis="pairwise"),
     Plan("glass", 3, mis="defensive"),
 ]
@@ -127,7 +130,16 @@ def test_control_a_shift_without_jacobian_is_refuted(monkeypatch):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "name", ["paint", "glossy metal", "mirror", "smooth coat", "glass"]
+    "name",
+    [
+        "paint",
+        "glossy metal",
+        "mirror",
+        "smooth coat",
+        "glass",
+        "mirror-floor",
+        "glass-floor",
+    ],
 )
 @pytest.mark.parametrize("bounces", [1, 4])
 def test_candidates_are_what_the_path_tracer_finds(name, bounces):

@@ -6,7 +6,7 @@ from difflib import get_close_matches
 
 from reference.errors import UsageError
 from reference.scene.animation import Animation, still
-from reference.scene.catalogue import animations, rooms, spheres, walls
+from reference.scene.catalogue import animations, rooms, speculars, spheres, walls
 from reference.scene.scene import Scene
 
 
@@ -98,6 +98,21 @@ _ENTRIES = (
         "many-lights",
         rooms.many_lights,
         "a hall under 30,000 small coloured lamps",
+    ),
+    Entry(
+        "specular-floor",
+        speculars.specular_floor,
+        "a polished floor mirrors a ceiling that only a lit spot of the floor lights",
+    ),
+    Entry(
+        "mirror-floor",
+        speculars.mirror_floor,
+        "a room on a mirror, which light passes too",
+    ),
+    Entry(
+        "glass-floor",
+        speculars.glass_floor,
+        "a room on a pane of glass over a painted ground",
     ),
     Entry(
         "moving-camera",

@@ -1,0 +1,84 @@
+"""What other packages announce through entry points, found by name."""
+
+from importlib.metadata import EntryPoint, entry_points
+from typing import TypeVar
+
+from reference.errors import UsageError
+
+Kind = TypeVar("Kind")
+
+
+def announced_names(group: str) -> list[str]:
+    """Names that packages announce in a group.
+
+    Parameters
+    ----------
+    group : str
+        Of entry points.
+
+    Returns
+    -------
+    list of str
+        In alphabetical order.  Nothing is imported, so that a broken package disturbs
+        nobody who does not ask for what it brings.
+    """
+    return sorted({point.name for point in entry_points(group=group)})
+
+
+def announced(group: str, name: str, kind: type[Kind], word: str) -> Kind | None:
+    """What a package announces under a name.
+
+    Parameters
+    ----------
+    group : str
+        Of entry points.
+    name : str
+        Under which, and what the object itself is called.
+    kind : type
+        Of the object; it has a ``name``.
+    word : str
+        For it, in messages.
+
+    Returns
+    -------
+    object or None
+        ``None`` where nobody announces it.
+
+    Raises
+    ------
+    UsageError
+        Several packages do, or theirs is broken; the message names the package.
+    """
+    points = list(entry_points(group=group, name=name))
+    if not points:
+        return None
+    if len(points) > 1:
+        raise UsageError(
+            f"{word} {name!r} is announced by {' and by '.join(map(_origin, points))};"
+            " uninstall all but one"
+        )
+    return _load(points[0], kind, word)
+
+
+def _load(point: EntryPoint, kind: type[Kind], word: str) -> Kind:
+    try:
+        found = point.load()
+    # The code of others may fail in any way.
+    except Exception as error:
+        reason = f"{type(error).__name__}: {error}"
+        raise UsageError(
+            f"{word} {point.name!r} of {_origin(point)} cannot be loaded ({reason});"
+            " repair or uninstall that package"
+        ) from error
+    if not isinstance(found, kind) or getattr(found, "name", None) != point.name:
+        raise UsageError(
+            f"{word} {point.name!r} of {_origin(point)} is {found!r:.80}, which is no"
+            f" {kind.__module__}.{kind.__qualname__} of that name;"
+            " repair or uninstall that package"
+        )
+    return found
+
+
+def _origin(point: EntryPoint) -> str:
+    package = point.dist.name if point.dist else "an unknown package"
+    return f"{package} ({point.value})"

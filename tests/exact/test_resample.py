@@ -1,0 +1,331 @@
+"""Whole samples are reused without bias: `extensions.reuse`, proved by enumeration.
+
+E[W 1{z = x}] is the measure of x for each weight but 1/M, one pass or two, supports
+that differ, confidences of any kind; and weights sum to one over those who could have
+made a sample.
+"""
+
+from fractions import Fraction
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from extensions.reuse import resample
+from reference.passes.neighbors import NONE
+from reference.resampling.reservoir import Reservoirs
+from tests.exact import claims, shifted
+from tests.exact.domain import CELLS, HOLDS, MU, NOTHING, PIXELS, SEES
+from tests.exact.explore import explore
+from tests.exact.mutants import MODULES
+from tests.exact.pipeline import P_HAT
+from tests.mutants.plant import planted
+
+CODE = SimpleNamespace(**{**MODULES, "pipeline": shifted})
+CAP = Fraction(2)
+UNBIASED = ("1/Z", "balance", "pairwise", "defensive")
+each_weight = pytest.mark.parametrize("mis", UNBIASED)
+
+
+@each_weight
+def test_one_pass(mis):
+    assert list(claims.spatial_pass(CODE, mis=mis)) == []
+
+
+@each_weight
+def test_one_pass_where_large_jacobians_are_refused(mis):
+    assert list(claims.spatial_pass(CODE, mis=mis, limit=Fraction(2))) == []
+
+
+@each_weight
+def test_two_passes(mis):
+    """Inputs of the second share those of the first."""
+    assert list(claims.two_passes(CODE, mis=mis)) == []
+
+
+def test_a_chain_of_frames():
+    assert list(claims.temporal_chain(CODE)) == []
+
+
+@each_weight
+def test_two_frames_of_both(mis):
+    assert list(claims.loop_of_two_frames(CODE, mis=mis, cap=CAP)) == []
+
+
+PARTS = [None, [0, 2, 3], [1, 4, 5], [0, 2, 3]]
+"""What donors lend to pixel 0: as windows of the past, of which two are alike."""
+
+
+def windows(mis):
+    """Pixels that know disjoint parts of another one's area."""
+
+    def program(frame, uniform):
+        donors = [(0, frame.r0), (1, frame.r1), (2, frame.r2), (2, frame.r2)]
+        kept = {"mis": mis, "parts": PARTS}
+        return shifted.spatial(CODE, 0, donors, uniform, **kept)
+
+    law = explore(program, claims.fresh_frame(CODE))
+    yield from claims.faults(
+        0, claims.contributions(law, law.outcomes), claims.truth(0)
+    )
+
+
+@each_weight
+def test_windows(mis):
+    assert list(windows(mis)) == []
+
+
+def expected_of_one_over_m(i):
+    """Dark by the share of those that could not have made it."""
+    M = np.array(claims.TRUST)
+    held = [Fraction(int(M[HOLDS[:, x]].sum()), int(M.sum())) for x in CELLS]
+    return [a * b for a, b in zip(claims.truth(i), held, strict=True)]
+
+
+@pytest.mark.parametrize("i", PIXELS)
+def test_one_over_m_has_the_bias_that_it_should(i):
+    found = claims.spatial_contributions(CODE, i, mis="1/M")
+    assert found == expected_of_one_over_m(i)
+    assert found != claims.truth(i)
+
+
+# ------------------------------------------------------------ sums of weights
+
+
+def alone(tables, i, k, x, M, mis):
+    """Weight of donor k for cell x, which it alone has: W at the receiver by W J."""
+    donors = []
+    for j in range(len(M)):
+        cell = np.array([x if j == k else NOTHING])
+        weight = np.array([Fraction(j == k)], object)
+        r = Reservoirs(cell, weight, np.array([M[j]], object))
+        shown = shifted.toys(tables.p_hat, j, r)
+        here = shifted.ToyDonor(tables, i, j, shown, np.zeros(1, int), stands=j == i)
+        donors.append(here)
+    decisions = [np.array([Fraction(1, 2)], object)] * len(M)
+    kept = resample(donors, decisions, mis, 9999, shifted.target)
+    ratio = tables.jacobian(k, i, np.array([x]))[0] if k != i else Fraction(1)
+    return kept.W[0] / ratio
+
+
+def sums(tables, M, mis):
+    """Σ m_k(x) over those who can make x, for each pixel, and cell of its domain."""
+    found = []
+    for i, x in np.argwhere(tables.held[:, :NOTHING]):
+        makers = [k for k in range(len(M)) if tables.held[k][x] and M[k] > 0]
+        found.append(sum(alone(tables, i, k, x, M, mis) for k in makers))
+    return found
+
+
+@each_weight
+@pytest.mark.parametrize("M", [(1, 1, 1), claims.TRUST, (Fraction(1, 3), 20, 7)])
+def test_weights_sum_to_one(mis, M):
+    t = shifted.tables(CODE)
+    everything = shifted.Tables(
+        np.array(P_HAT), np.array(t.seen), np.array(t.held), t.jacobian
+    )
+    found = sums(everything, [Fraction(m) for m in M], mis)
+    assert len(found) == HOLDS.sum()
+    assert set(found) == {1}
+
+
+fractions = st.builds(Fraction, st.integers(1, 9), st.integers(1, 9))
+
+
+@st.composite
+def random_tables(draw):
+    """Four pixels: who can make what, targets, measures, confidences."""
+    size = 4
+    shape = st.lists(st.booleans(), min_size=NOTHING, max_size=NOTHING)
+    held = np.array([[*draw(shape), False] for _ in range(size)])
+    p_hat = [[draw(fractions) if h else Fraction(0) for h in row] for row in held]
+    mu = np.array([[draw(fractions) for _ in row] for row in held], object)
+    tables = shifted.Tables(
+        np.array(p_hat, object), held, held, lambda a, b, x: mu[b][x] / mu[a][x]
+    )
+    return tables, [draw(fractions) for _ in range(size)]
+
+
+@each_weight
+@given(drawn=random_tables())
+@settings(max_examples=12, deadline=None)
+def test_weights_of_any_tables_sum_to_one(mis, drawn):
+    assert set(sums(*drawn, mis)) <= {1}
+
+
+def test_control_weights_1_m_do_not():
+    t = shifted.tables(CODE)
+    everything = shifted.Tables(
+        np.array(P_HAT), np.array(t.seen), np.array(t.held), t.jacobian
+    )
+    assert set(sums(everything, [Fraction(1)] * 3, "1/M")) > {1}
+
+
+@each_weight
+def test_a_slot_without_donor_is_as_if_it_were_not(mis):
+    """It brings neither samples nor confidence."""
+    M = [Fraction(m) for m in claims.TRUST]
+    t = shifted.tables(CODE)
+    cells, W = np.array([0, 2, 3]), np.array([Fraction(n) for n in (2, 1, 3)], object)
+    kept = []
+    for slots in ([0, 1], [0, 1, 2]):
+        donors = []
+        for j in slots:
+            r = Reservoirs(cells, W, np.full(3, M[j], object))
+            rows = np.full(3, NONE) if j == 2 else np.arange(3)
+            shown = shifted.toys(P_HAT, j, r)
+            donors.append(shifted.ToyDonor(t, 0, j, shown, rows, stands=j == 0))
+        u = [np.full(3, Fraction(2, 5), object)] * len(slots)
+        kept.append(resample(donors, u, mis, 9999, shifted.target))
+    np.testing.assert_array_equal(kept[0].y.cell, kept[1].y.cell)
+    np.testing.assert_array_equal(kept[0].W, kept[1].W)
+    np.testing.assert_array_equal(kept[0].M, kept[1].M)
+
+
+def test_weights_in_pairs_need_somebody_who_covers_the_domain():
+    r = Reservoirs(np.array([0]), np.array([Fraction(1)]), np.array([Fraction(1)]))
+    donor = shifted.ToyDonor(
+        shifted.tables(CODE), 0, 1, shifted.toys(P_HAT, 1, r), np.zeros(1, int)
+    )
+    u = [np.array([Fraction(0)])]
+    with pytest.raises(ValueError, match="stands"):
+        resample([donor], u, "pairwise", 9, shifted.target)
+
+
+# ------------------------------------------------------------ controls
+
+REUSE, OFFERS, PAIRS = (f"extensions.{name}" for name in ("reuse", "offers", "pairs"))
+
+MISTAKES = {
+    "Jacobian left out": (
+        OFFERS,
+        "reused_candidates(here, target(value), jacobian)",
+        "reused_candidates(here, target(value))",
+    ),
+    "Jacobian twice": (
+        OFFERS,
+        "reused_candidates(here, target(value), jacobian)",
+        "reused_candidates(here, target(value), jacobian * jacobian)",
+    ),
+    "target of the donor in place of the receiver's": (
+        OFFERS,
+        "reused_candidates(here, target(value), jacobian)",
+        "reused_candidates(here, target(take(r.y.value, row)), jacobian)",
+    ),
+    "nulls do not count": (
+        OFFERS,
+        "here = Reservoirs(np.full(size, place, np.int8), W, M)",
+        "here = Reservoirs(np.full(size, place, np.int8), W, np.where(W > 0, M, 0))",
+    ),
+    "made without Jacobian": (
+        OFFERS,
+        "target(base) / offer.jacobian[at]",
+        "target(base)",
+    ),
+    "made times Jacobian": (
+        OFFERS,
+        "target(base) / offer.jacobian[at]",
+        "target(base) * offer.jacobian[at]",
+    ),
+    "made at the receiver": (
+        OFFERS,
+        "target(base) / offer.jacobian[at]",
+        "offer.candidates.p_hat[at]",
+    ),
+    "others without Jacobian": (
+        OFFERS,
+        "target(value) * jacobian, len(p_hat)",
+        "target(value), len(p_hat)",
+    ),
+    "others divided by Jacobian": (
+        OFFERS,
+        "target(value) * jacobian, len(p_hat)",
+        "target(value) / np.where(jacobian == 0, 1, jacobian), len(p_hat)",
+    ),
+    "value of the first offer": (
+        OFFERS,
+        "value = where(here, offer.value, value)",
+        "value = where(~here, offer.value, value)",
+    ),
+    "Z without the maker": (REUSE, "mine | (p > 0)", "p > 0"),
+    "Z of everybody": (REUSE, "mine | (p > 0)", "mine | (p >= 0)"),
+    "balance without the maker's own": (
+        REUSE,
+        "p_made = np.where(mine, made, p_made)",
+        "p_made = p_made",
+    ),
+    "balance with the maker at the receiver": (
+        REUSE,
+        "p_k.append(np.where(mine, made, p))",
+        "p_k.append(np.where(mine, chosen.p_hat, p))",
+    ),
+    "pairs divided once more": (
+        REUSE,
+        "return np.ones_like(chosen.w)",
+        "return one_over_m(M_k)",
+    ),
+    "W is capped": (
+        REUSE,
+        "return cap_confidence(finalize(replace(chosen, y=y), total), cap)",
+        "return cap_confidence(finalize(replace(chosen, y=y), total * 2), cap)",
+    ),
+    "S with the canonical one": (
+        PAIRS,
+        "S = one_over_m(M_k)",
+        "S = one_over_m([*M_k, c.M])",
+    ),
+    "targets exchanged": (
+        PAIRS,
+        "pairwise_donor(M, made, c.M, p_c, S, defensive)",
+        "pairwise_donor(M, p_c, c.M, made, S, defensive)",
+    ),
+    "canonical sample keeps its whole weight": (
+        PAIRS,
+        "weighted = [_with_weight(own, m)]",
+        "weighted = [_with_weight(own, m * 0 + 1)]",
+    ),
+    "canonical asks nobody": (
+        PAIRS,
+        "target_at(offer, y, c.p_hat, c.w > 0, target)",
+        "target_at(offer, y, c.p_hat, c.w < 0, target)",
+    ),
+    "weights beside M": (
+        PAIRS,
+        "w=divide_or_zero(c.w, c.M) * m",
+        "w=c.w * m",
+    ),
+}
+
+EVIDENCE = {
+    "1/Z": lambda: claims.spatial_pass(CODE, mis="1/Z"),
+    "balance": lambda: claims.spatial_pass(CODE, mis="balance"),
+    "pairwise": lambda: claims.spatial_pass(CODE, mis="pairwise"),
+    "defensive": lambda: claims.spatial_pass(CODE, mis="defensive"),
+    "frames": lambda: claims.loop_of_two_frames(CODE, mis="balance", cap=CAP),
+    "chain": lambda: claims.temporal_chain(CODE),
+}
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_control_a_mistake_is_refuted(name):
+    """By at least one of the claims; the code is whole again afterwards."""
+    with planted(SimpleNamespace(edits=[MISTAKES[name]])):
+        assert any(is_refuted(claim) for claim in EVIDENCE.values())
+    assert not is_refuted(EVIDENCE["1/Z"])
+
+
+def is_refuted(claim):
+    """A fault is found, or a sample is not worth what is kept of it."""
+    try:
+        return next(claim(), None) is not None
+    except AssertionError:
+        return True
+
+
+def test_the_domain_has_partial_supports():
+    """Else nobody would learn anything from it."""
+    assert {int(n) for n in HOLDS.sum(axis=0)} == {1, 2, 3}
+    assert (SEES | ~HOLDS).all()
+    assert all(MU[i][x] > 0 for i in PIXELS for x in CELLS)
