@@ -1,6 +1,7 @@
 """What a frame costs beside its rays: time ratios, threads, frame sizes, memory.
 
     python tests/benchmarks/bench_cost.py [rays] [threads] [size] [memory] [motion]
+        [paths]
 
 Prints ratios of medians of interleaved repeats; seconds belong to a machine.
 """
@@ -11,11 +12,17 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from extensions.area_restir import render_area_frames
+from extensions.area_settings import AreaSettings
+from extensions.connection import CRITERIA
+from extensions.pt_settings import PathSettings
+from extensions.restir_pt import render_path_frames
 from reference.passes.gbuffer import visible_points
 from reference.restir_gi import Frame, next_frame, render_frames
 from reference.scene.animation import Animation
@@ -191,6 +198,27 @@ def one_more(animation: Animation, moves: bool) -> Callable[[], Frame]:
     return step
 
 
+def paths() -> Iterator[str]:
+    """What whole paths cost more than points, where points would do."""
+    world = build_world(sized(cornell_box(), 256, 256))
+    few = replace(UNBIASED, iterations_few=3, iterations_many=3)
+    runs: dict[str, Iterator[Any]] = {
+        "restir-gi-unbiased": render_frames(world, few, 1, 0, Schedule())
+    }
+    for kind in CRITERIA:
+        settings = PathSettings(shift=kind, neighbors=3)
+        frames = render_path_frames(world, settings, 1, 0, Schedule())
+        runs[f"restir-pt, {kind}"] = frames
+    area = render_area_frames(world, AreaSettings(neighbors=3), 1, 0, Schedule())
+    runs["area-restir"] = area
+    for frames in runs.values():
+        for _ in range(3):
+            next(frames)
+    times = interleaved(*(partial(next, frames) for frames in runs.values()))
+    for label, seconds in zip(runs, times, strict=True):
+        yield f"{label:25} {seconds / times[0]:5.2f} x the time of ReSTIR GI"
+
+
 def memory() -> Iterator[str]:
     # In processes of their own: the peak of a process never falls.
     peak = {}
@@ -220,6 +248,7 @@ PARTS = {
     "size": sizes,
     "memory": memory,
     "motion": motion,
+    "paths": paths,
 }
 
 if __name__ == "__main__":
