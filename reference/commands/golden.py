@@ -73,7 +73,9 @@ def run(arguments: argparse.Namespace) -> None:
     scene = find_scene_or_file(arguments.scene)
     at = stage(scene, arguments.size, arguments.seed)
     probes = [*kernel_probes(precision), *lattice_probes(precision)]
-    probes += [probe for part in parts() for probe in part.probes(precision)]
+    names = frozenset(whole_contract())
+    for part in parts():
+        probes += [*part.probes(precision), *part.frames(precision, names)]
     probes += [replayed("L3", case) for case in frame_cases(at, precision)]
     about = {"scene": scene.name, "size": arguments.size, "seed": arguments.seed}
     with progress("golden") as tick:

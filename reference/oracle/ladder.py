@@ -9,7 +9,7 @@ from reference.oracle.contract.fields import Passes, Precision
 from reference.oracle.diagnosis.hypothesis import Departure
 from reference.oracle.frames import frame_cases
 from reference.oracle.loop import Ask
-from reference.oracle.parts import parts
+from reference.oracle.parts import Frames, no_frames, parts
 from reference.oracle.rungs.kernels import kernel_probes
 from reference.oracle.rungs.lattice import lattice_probes
 from reference.oracle.rungs.law import SCENES as LAW_SCENES
@@ -51,13 +51,15 @@ def ladder(passes: Passes, backend: Backend) -> Iterator[Rung]:
 
         return rung, title, take
 
-    questions = [(part.title, part.probes(precision)) for part in parts()]
+    questions = [(part, part.probes(precision)) for part in parts()]
 
     def of_parts(rung: str) -> Iterator[Rung]:
-        for title, probes in questions:
+        for part, probes in questions:
             chosen = [probe for probe in probes if probe.rung == rung]
             if chosen:
-                yield asked(rung, title, partial(list, chosen))
+                more = part.frames if rung == "L3" else no_frames
+                take = partial(_asked, passes, backend, rung, part.title, chosen, more)
+                yield rung, part.title, take
 
     yield asked("L0", "kernels", partial(kernel_probes, precision))
     yield from of_parts("L0")
@@ -69,6 +71,23 @@ def ladder(passes: Passes, backend: Backend) -> Iterator[Rung]:
     for scene in SCENES:
         yield asked("L3", scene, partial(scene_probes, scene, precision))
     yield from of_parts("L3")
+
+
+def _asked(
+    passes: Passes,
+    backend: Backend,
+    rung: str,
+    title: str,
+    probes: list[Probe],
+    frames: Frames,
+) -> Step:
+    """A step of a part: frames are made for a backend that has the passes alone."""
+    answers = ask_all(passes, backend, probes)
+    names = {a.probe.case.pass_name for a in answers if a.finding is not None}
+    more = frames(backend.precision, frozenset(names))
+    if more:
+        answers += ask_all(passes, backend, more)
+    return Step(rung, title, answers)
 
 
 def statistical_rungs(

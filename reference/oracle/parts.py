@@ -27,6 +27,25 @@ GROUP = "restir.passes"
 OWN = ("reference.oracle.rungs.further_part:FURTHER_PART",)
 
 PassFunction = Callable[..., dict[str, NDArray[Any]]]
+Frames = Callable[[Precision, frozenset[str]], "list[Probe]"]
+
+
+def no_frames(precision: Precision, names: frozenset[str]) -> "list[Probe]":
+    """Of a part whose probes are soon made.
+
+    Parameters
+    ----------
+    precision : 'float32' or 'float64'
+        Of the backend.
+    names : frozenset of str
+        Passes that it has.
+
+    Returns
+    -------
+    list of Probe
+        None.
+    """
+    return []
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,6 +68,9 @@ class Part:
         From a precision to what a backend is asked, on any rungs.
     hypotheses : tuple of Hypothesis
         Known mistakes; `Rules.part` holds what these judges calculate with.
+    frames : callable
+        What takes longer to make, for rung L3: from a precision, and the names of the
+        passes that have answered the probes of that rung.
     """
 
     title: str
@@ -57,6 +79,7 @@ class Part:
     own: Mapping[str, PassFunction]
     probes: "Callable[[Precision], list[Probe]]"
     hypotheses: tuple[Hypothesis, ...] = field(default=())
+    frames: "Frames" = no_frames
 
 
 @cache

@@ -22,6 +22,7 @@ from tests.exact.explore import explore
 from tests.exact.mutants import MODULES
 from tests.exact.pipeline import P_HAT
 from tests.mutants.plant import planted
+from tests.mutants.reuse import BIASES
 
 CODE = SimpleNamespace(**{**MODULES, "pipeline": shifted})
 CAP = Fraction(2)
@@ -196,107 +197,14 @@ def test_weights_in_pairs_need_somebody_who_covers_the_domain():
 
 # ------------------------------------------------------------ controls
 
-REUSE, OFFERS, PAIRS = (f"extensions.{name}" for name in ("reuse", "offers", "pairs"))
+UNASKED = "slots without a donor have the confidence of the first row"
+"""No claim has such slots; the test of them above does."""
 
-MISTAKES = {
-    "Jacobian left out": (
-        OFFERS,
-        "reused_candidates(here, target(value), jacobian)",
-        "reused_candidates(here, target(value))",
-    ),
-    "Jacobian twice": (
-        OFFERS,
-        "reused_candidates(here, target(value), jacobian)",
-        "reused_candidates(here, target(value), jacobian * jacobian)",
-    ),
-    "target of the donor in place of the receiver's": (
-        OFFERS,
-        "reused_candidates(here, target(value), jacobian)",
-        "reused_candidates(here, target(take(r.y.value, row)), jacobian)",
-    ),
-    "nulls do not count": (
-        OFFERS,
-        "here = Reservoirs(np.full(size, place, np.int8), W, M)",
-        "here = Reservoirs(np.full(size, place, np.int8), W, np.where(W > 0, M, 0))",
-    ),
-    "made without Jacobian": (
-        OFFERS,
-        "target(base) / offer.jacobian[at]",
-        "target(base)",
-    ),
-    "made times Jacobian": (
-        OFFERS,
-        "target(base) / offer.jacobian[at]",
-        "target(base) * offer.jacobian[at]",
-    ),
-    "made at the receiver": (
-        OFFERS,
-        "target(base) / offer.jacobian[at]",
-        "offer.candidates.p_hat[at]",
-    ),
-    "others without Jacobian": (
-        OFFERS,
-        "target(value) * jacobian, len(p_hat)",
-        "target(value), len(p_hat)",
-    ),
-    "others divided by Jacobian": (
-        OFFERS,
-        "target(value) * jacobian, len(p_hat)",
-        "target(value) / np.where(jacobian == 0, 1, jacobian), len(p_hat)",
-    ),
-    "value of the first offer": (
-        OFFERS,
-        "value = where(here, offer.value, value)",
-        "value = where(~here, offer.value, value)",
-    ),
-    "Z without the maker": (REUSE, "mine | (p > 0)", "p > 0"),
-    "Z of everybody": (REUSE, "mine | (p > 0)", "mine | (p >= 0)"),
-    "balance without the maker's own": (
-        REUSE,
-        "p_made = np.where(mine, made, p_made)",
-        "p_made = p_made",
-    ),
-    "balance with the maker at the receiver": (
-        REUSE,
-        "p_k.append(np.where(mine, made, p))",
-        "p_k.append(np.where(mine, chosen.p_hat, p))",
-    ),
-    "pairs divided once more": (
-        REUSE,
-        "return np.ones_like(chosen.w)",
-        "return one_over_m(M_k)",
-    ),
-    "W is capped": (
-        REUSE,
-        "return cap_confidence(finalize(replace(chosen, y=y), total), cap)",
-        "return cap_confidence(finalize(replace(chosen, y=y), total * 2), cap)",
-    ),
-    "S with the canonical one": (
-        PAIRS,
-        "S = one_over_m(M_k)",
-        "S = one_over_m([*M_k, c.M])",
-    ),
-    "targets exchanged": (
-        PAIRS,
-        "pairwise_donor(M, made, c.M, p_c, S, defensive)",
-        "pairwise_donor(M, p_c, c.M, made, S, defensive)",
-    ),
-    "canonical sample keeps its whole weight": (
-        PAIRS,
-        "weighted = [_with_weight(own, m)]",
-        "weighted = [_with_weight(own, m * 0 + 1)]",
-    ),
-    "canonical asks nobody": (
-        PAIRS,
-        "target_at(offer, y, c.p_hat, c.w > 0, target)",
-        "target_at(offer, y, c.p_hat, c.w < 0, target)",
-    ),
-    "weights beside M": (
-        PAIRS,
-        "w=divide_or_zero(c.w, c.M) * m",
-        "w=c.w * m",
-    ),
-}
+MISTAKES = [
+    mutant
+    for mutant in BIASES
+    if mutant.module.startswith("extensions.") and mutant.name != UNASKED
+]
 
 EVIDENCE = {
     "1/Z": lambda: claims.spatial_pass(CODE, mis="1/Z"),
@@ -308,10 +216,10 @@ EVIDENCE = {
 }
 
 
-@pytest.mark.parametrize("name", MISTAKES)
-def test_control_a_mistake_is_refuted(name):
+@pytest.mark.parametrize("mutant", MISTAKES, ids=lambda mutant: mutant.name)
+def test_control_a_mistake_is_refuted(mutant):
     """By at least one of the claims; the code is whole again afterwards."""
-    with planted(SimpleNamespace(edits=[MISTAKES[name]])):
+    with planted(mutant):
         assert any(is_refuted(claim) for claim in EVIDENCE.values())
     assert not is_refuted(EVIDENCE["1/Z"])
 

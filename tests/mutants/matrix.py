@@ -13,8 +13,10 @@ from scipy.stats import beta
 
 from tests.mutants.catalogue import MUTANTS
 from tests.mutants.further import FURTHER_MUTANTS
-from tests.mutants.harness import EXACT, Kill, kill
+from tests.mutants.harness import ASIDE, EXACT, Kill, kill
 from tests.mutants.held_out import HELD_OUT
+from tests.mutants.reuse import REUSE_MUTANTS
+from tests.mutants.shifts import SHIFT_MUTANTS
 
 INTRODUCTION = """\
 # Kill matrix
@@ -44,6 +46,19 @@ The passes from `gbuffer` to `unpack`. The mistakes were planted before the know
 were written down; three names were put right afterwards.
 """
 
+SHIFTS = """
+## Shifts of whole paths
+
+The passes `joinable`, `path_jacobian` and `shift`. Mistakes and names were written down
+together; some names were added for mistakes that had none.
+"""
+
+REUSE = """
+## Reuse of whole samples
+
+The pass `path_reuse`. Mistakes and names were written down together.
+"""
+
 UNSEEN = """
 ## Held out
 
@@ -64,11 +79,10 @@ def interval(successes: int, trials: int) -> tuple[float, float]:
     return float(low), float(high) if successes < trials else 1.0
 
 
-def page(known: list[Kill], further: list[Kill], unseen: list[Kill]) -> str:
-    """The page, from what was found."""
-    parts = ((KNOWN, known), (FURTHER, further), (UNSEEN, unseen))
+def page(groups: dict[str, list[Kill]]) -> str:
+    """The page, from what was found, by what is said of it."""
     return INTRODUCTION + "".join(
-        text + _totals(kills) + _table(kills) for text, kills in parts
+        text + _totals(kills) + _table(kills) for text, kills in groups.items()
     )
 
 
@@ -126,9 +140,13 @@ def main() -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="FILE.md")
     out = parser.parse_args().out
     kill(None, EXACT)  # makes the cases, so that the first mutant does not pay
-    groups = (MUTANTS, FURTHER_MUTANTS, HELD_OUT)
-    found = ([kill(mutant, EXACT) for mutant in group] for group in groups)
-    out.write_text(page(*found), encoding="utf-8")
+    kill(None, EXACT, titles=ASIDE)
+    core = {KNOWN: MUTANTS, FURTHER: FURTHER_MUTANTS, UNSEEN: HELD_OUT}
+    aside = {SHIFTS: SHIFT_MUTANTS, REUSE: REUSE_MUTANTS}
+    found = {text: [kill(m, EXACT) for m in group] for text, group in core.items()}
+    for text, group in aside.items():
+        found[text] = [kill(m, EXACT, titles=ASIDE) for m in group]
+    out.write_text(page(found), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ from reference.oracle.replay.judgement import Compared, Decisions, Judgement, be
 from reference.oracle.replay.points import Point, same_points
 from reference.oracle.replay.rules import Rules
 from reference.oracle.replay.slots import Closing, Slot, backwards, nothing
+from reference.oracle.replay.stream import choices_of, left_open, sums_of
 from reference.oracle.replay.verbs import choose
 
 COPIED = ("position", "normal", "radiance")
@@ -40,9 +41,9 @@ def judge_resampling(
     """
     if rules.backwards:
         slots, closing = backwards(slots, closing)
-    sums = _sums(slots, rules)
+    sums = sums_of(slots, rules)
     total, empty = sums[-1], sums[-1].value == 0
-    allowed, surely = _choices(slots, sums, rules)
+    allowed, surely = choices_of(slots, sums, rules)
     held = np.stack([same_points(outputs, slot.y) for slot in slots])
     possible = held & allowed
     kept = np.where(possible.any(axis=0), possible.argmax(axis=0), held.argmax(axis=0))
@@ -53,7 +54,7 @@ def judge_resampling(
     decisions = Decisions(
         illegal,
         int(((kept != surely) & ~illegal & ~empty & ~held[surely, _row(kept)]).sum()),
-        _open(slots, sums),
+        left_open(slots, sums),
     )
     copied = [_copied(outputs, slots, surely, illegal, name) for name in COPIED]
     terms = {f"w of slot {k}": slot.w.value for k, slot in enumerate(slots)}
@@ -66,44 +67,6 @@ def judge_resampling(
 
 def _row(kept: Indices) -> Indices:
     return np.arange(len(kept))
-
-
-def _sums(slots: list[Slot], rules: Rules) -> list[Bounded]:
-    sums = [slots[0].w]
-    for slot in slots[1:]:
-        sums.append(rules.merged_weight(sums[-1], slot.w))
-    return sums
-
-
-def _choices(
-    slots: list[Slot], sums: list[Bounded], rules: Rules
-) -> tuple[Masks, Indices]:
-    """(S, N): whether each slot may be kept; and (N,): which one is, exactly."""
-    rows = len(slots[0].w.value)
-    may = np.zeros((len(slots), rows), bool)
-    may[0] = True
-    exactly = np.zeros(rows, np.int64)
-    for k, slot in enumerate(slots[1:], start=1):
-        prefers = rules.preference(slot.u, sums[k - 1], slot.w)
-        alone = (sums[k - 1].value == 0) & (slot.w.value > 0)
-        may[:k] &= ~(prefers.surely_positive | alone)
-        may[k] = ~prefers.surely_not_positive & (slot.w.value + slot.w.error > 0)
-        exactly = np.where((prefers.value > 0) | alone, k, exactly)
-    return may, exactly
-
-
-def _open(slots: list[Slot], sums: list[Bounded]) -> float:
-    """Mean number of decisions that rounding leaves open: 2 error / S, for random u."""
-    mean = 0.0
-    for k, slot in enumerate(slots[1:], start=1):
-        S = sums[k]
-        margin = slot.w - slot.u * S
-        here = (S.value > 0) & (slot.w.value > 0) & (sums[k - 1].value > 0)
-        share = np.divide(
-            2 * margin.error, S.value, out=np.zeros_like(S.value), where=here
-        )
-        mean += float(np.minimum(share, 1.0).sum())
-    return mean
 
 
 def _copied(

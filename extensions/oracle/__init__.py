@@ -1,0 +1,1 @@
+"""Passes of the extensions, as parts of the oracle's contract."""

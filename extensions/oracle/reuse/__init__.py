@@ -1,0 +1,1 @@
+"""Reuse of whole samples: the part of the contract, and its judges."""

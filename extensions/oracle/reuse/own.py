@@ -1,0 +1,93 @@
+"""The project's own reuse behind the contract: donors that look everything up."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from extensions.reuse import resample
+from reference.arrays import Indices, Scalars, Vec3s
+from reference.oracle.builtin.buffers import Array, as_real
+from reference.oracle.contract.fields import Precision
+from reference.passes.neighbors import NONE
+from reference.resampling.reservoir import Reservoirs
+
+
+@dataclass(frozen=True, slots=True)
+class _Sample:
+    """Who made it, and p̂ where it is, (N, 1)."""
+
+    slot: Indices
+    value: Vec3s
+
+    def moved(self, value: Vec3s, jacobian: Scalars) -> "_Sample":
+        return replace(self, value=value)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Donor:
+    """Slot k of every row."""
+
+    k: int
+    here: Array
+    jacobian: Array
+    elsewhere: Array
+    reservoirs: Reservoirs
+    rows: Indices
+    stands: bool
+
+    def forth(self, at: Indices) -> tuple[Vec3s, Scalars]:
+        return self.here[at, self.k, None], self.jacobian[at, self.k]
+
+    def back(self, samples: Any, at: Indices) -> tuple[Vec3s, Scalars]:
+        p = self.elsewhere[at, samples.slot[at], self.k]
+        return p[:, None], (p > 0).astype(p.dtype)
+
+
+def _target(value: Vec3s) -> Scalars:
+    return value[:, 0]
+
+
+def _path_reuse(
+    precision: Precision,
+    W: Array,
+    M: Array,
+    there: Array,
+    target_base: Array,
+    target_here: Array,
+    jacobian: Array,
+    target_at: Array,
+    u: Array,
+    mis: Any,
+    canonical: int,
+    cap: float,
+) -> dict[str, Array]:
+    rows, slots = W.shape
+    here = np.arange(rows)
+    donors = [
+        _Donor(
+            k,
+            target_here,
+            jacobian,
+            target_at,
+            Reservoirs(
+                _Sample(np.full(rows, k), target_base[:, k, None]), W[:, k], M[:, k]
+            ),
+            np.where(there[:, k] == 1, here, NONE),
+            k == canonical,
+        )
+        for k in range(slots)
+    ]
+    decisions = [u[:, k] for k in range(slots)]
+    kept = resample(donors, decisions, mis, float(cap), _target)
+    return {
+        "slot": kept.y.slot.astype(np.int32),
+        "p_hat": as_real(precision, _target(kept.y.value)),
+        "W": as_real(precision, kept.W),
+        "M": as_real(precision, kept.M),
+    }
+
+
+OWN: Mapping[str, Any] = {"path_reuse": _path_reuse}
+"""The passes of this part."""

@@ -1,0 +1,1 @@
+"""Shifts of whole paths: passes, judges, and known mistakes."""

@@ -1,0 +1,153 @@
+"""Cases of shifts in real scenes: rows in which everything happens that can."""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from extensions.connection import CRITERIA, Criterion
+from extensions.oracle.shifts.passes import SHIFT
+from extensions.oracle.shifts.rows import buffers, eventful
+from extensions.oracle.shifts.stage import frame_of
+from reference.oracle.buffers import given
+from reference.oracle.cases import Case
+from reference.oracle.contract.fields import Precision, Value, dtype_of
+
+SIZE, SEED, BOUNCES = 24, 3, 4
+NEVER = 2.0
+"""More than any perceptual roughness."""
+
+WIDE = Criterion(roughness=0.2, distance=0.5)
+"""Ways of half the box are too short."""
+
+KINDS = {
+    "hybrid": CRITERIA["hybrid"],
+    "wide": WIDE,
+    "reconnection": CRITERIA["reconnection"],
+    "replay": Criterion(roughness=NEVER),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where rows come from.
+
+    Attributes
+    ----------
+    scene : str
+        Of `extensions.oracle.shifts.stage.BLOCKS`.
+    kind : str
+        Of `KINDS`.
+    frame : int
+        Of the random numbers.
+    right, down : int, pixels
+        To which pixels paths are shifted.
+    """
+
+    scene: str
+    kind: str
+    frame: int
+    right: int
+    down: int
+
+
+PLACES = (
+    Place("paint", "hybrid", 0, 2, 1),
+    Place("paint", "wide", 1, 5, 3),
+    Place("rough-metal", "hybrid", 2, 1, 1),
+    Place("rough-metal", "wide", 3, 3, 1),
+    Place("glossy-metal", "hybrid", 4, 1, 0),
+    Place("mirror", "hybrid", 5, 0, 1),
+    Place("glass", "hybrid", 6, 1, 2),
+    Place("rough-coat", "hybrid", 7, 3, 2),
+    Place("smooth-coat", "hybrid", 8, 1, 1),
+    Place("smooth-coat", "wide", 9, 2, 2),
+    Place("bright", "hybrid", 12, 2, 1),
+    Place("mirror", "reconnection", 10, 4, 1),
+    Place("rough-metal", "replay", 11, 1, 1),
+    Place("bright", "replay", 13, 1, 2),
+)
+
+
+@cache
+def shift_case(place: Place, precision: Precision) -> Case:
+    """Rows of one frame.
+
+    Parameters
+    ----------
+    place : Place
+        Which.
+    precision : 'float32' or 'float64'
+        Of the backend.
+
+    Returns
+    -------
+    Case
+        Always the same.
+    """
+    criterion = KINDS[place.kind]
+    frame = frame_of(place.scene, SIZE, SEED, place.frame, BOUNCES, criterion)
+    grid = np.arange(SIZE * SIZE).reshape(SIZE, SIZE)
+    to = np.roll(grid, (-place.down, -place.right), axis=(0, 1)).ravel()
+    start = np.flatnonzero(frame.paths.value.any(axis=1))
+    inputs = buffers(frame, criterion, start, to[start], BOUNCES)
+    rows = eventful(frame, criterion, start, to[start], inputs)
+    inputs = {name: array[rows] for name, array in inputs.items()}
+    name = f"shift-{place.scene}-{place.kind}"
+    settings = settings_of(float(frame.world.geometry.extent), criterion, place)
+    return Case(name, "shift", settings, given(inputs, precision))
+
+
+def settings_of(extent: float, criterion: Criterion, place: Place) -> dict[str, Value]:
+    """Settings of a case.
+
+    Parameters
+    ----------
+    extent : float, m
+        Half of the scene.
+    criterion : Criterion
+        When points may be joined.
+    place : Place
+        Where rows come from.
+
+    Returns
+    -------
+    dict of str to number or name
+        In the order of the contract.
+    """
+    return {
+        "roughness": criterion.roughness,
+        "least_distance": criterion.distance,
+        "extent": extent,
+        "last_joint": criterion.last_joint,
+        "replays": int(criterion.replays),
+        "scene": place.scene,
+        "size": SIZE,
+        "seed": SEED,
+        "frame": place.frame,
+        "bounces": BOUNCES,
+    }
+
+
+def null_case(precision: Precision) -> Case:
+    """One row without a path, which every backend that has the pass answers.
+
+    Parameters
+    ----------
+    precision : 'float32' or 'float64'
+        Of the backend.
+
+    Returns
+    -------
+    Case
+        Made soon: whoever does not answer is not asked further.
+    """
+    place, bounces = Place("paint", "hybrid", 0, 0, 0), 1
+    criterion = KINDS[place.kind]
+    inputs = {}
+    for field in SHIFT.inputs:
+        columns = [bounces + 1 if c == "V" else int(c) for c in field.columns]
+        kind = dtype_of(field.kind, precision)
+        inputs[field.name] = np.zeros((1, *columns), kind)
+    settings = settings_of(1.0, criterion, place) | {"size": 2, "bounces": bounces}
+    return Case("shift-null", "shift", settings, inputs)

@@ -1,0 +1,160 @@
+"""Frames of paths in small scenes, as the production code draws them."""
+
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from extensions.candidates import draw_paths
+from extensions.connection import Criterion
+from extensions.paths import Paths
+from reference.arrays import Indices
+from reference.passes.gbuffer import visible_points
+from reference.rng import KeyedUniforms, Stream, Uniforms
+from reference.scene.camera import pixel_centers
+from reference.scene.catalogue.registry import find_scene
+from reference.scene.materials.kinds import (
+    Coated,
+    Conductor,
+    Dielectric,
+    Material,
+    mirror,
+)
+from reference.scene.shapes import Mesh
+from reference.scene.surface import SurfacePoints
+from reference.scene.validation import validate
+from reference.world import World, build_world
+
+BLOCKS: dict[str, Material | None] = {
+    "paint": None,
+    "rough-metal": Conductor((0.9, 0.8, 0.6), alpha=0.1),
+    "glossy-metal": Conductor((0.9, 0.8, 0.6), alpha=0.02),
+    "mirror": mirror((0.9, 0.9, 0.9)),
+    "rough-coat": Coated((0.5, 0.3, 0.2), alpha=0.3),
+    "smooth-coat": Coated((0.5, 0.3, 0.2), alpha=0.0),
+    "glass": Dielectric(1.5),
+    "bright": mirror((0.9, 0.9, 0.9)),
+}
+"""Materials of both blocks of a Cornell box.
+
+In the bright box the ceiling shines, so that light is often met by chance.
+Of the rough metal √alpha is above the usual threshold of 0.2, and alpha is not.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Numbers:
+    """Random numbers of paths by their numbers: pixel, and frame times pixels.
+
+    Attributes
+    ----------
+    pixels : int
+        Of the image.
+    seed : int
+        Of the run.
+    """
+
+    pixels: int
+    seed: int
+
+    def __call__(self, number: Indices) -> Uniforms:
+        """Random numbers of some paths.
+
+        Parameters
+        ----------
+        number : (N,) int
+            Of the paths.
+
+        Returns
+        -------
+        Uniforms
+            N rows.
+        """
+        pixel = (number % self.pixels).astype(np.uint32)
+        return KeyedUniforms(pixel, number // self.pixels, self.seed, Stream.PATH)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frame:
+    """Paths of a frame, one for each pixel.
+
+    Attributes
+    ----------
+    world : World
+        The scene.
+    points : SurfacePoints
+        What the pixels see.
+    numbers : Numbers
+        Random numbers.
+    paths : Paths
+        One for each pixel.
+    """
+
+    world: World
+    points: SurfacePoints
+    numbers: Numbers
+    paths: Paths
+
+
+@cache
+def room(scene: str, size: int) -> tuple[World, SurfacePoints]:
+    """A Cornell box with blocks of another material, and what its pixels see.
+
+    Parameters
+    ----------
+    scene : str
+        Of `BLOCKS`.
+    size : int
+        Pixels of a side of the image.
+
+    Returns
+    -------
+    World, SurfacePoints
+        Of size² pixels.
+    """
+    found = find_scene("cornell-box")
+    camera = replace(found.camera, width=size, height=size)
+    meshes = tuple(_other(scene, mesh) for mesh in found.meshes)
+    world = build_world(validate(replace(found, camera=camera, meshes=meshes)))
+    return world, visible_points(world, *pixel_centers(size, size)).surface
+
+
+def _other(scene: str, mesh: Mesh) -> Mesh:
+    """A mesh of the box as a scene has it."""
+    material = BLOCKS[scene]
+    if material is not None and "block" in mesh.name:
+        return replace(mesh, material=material)
+    if scene == "bright" and mesh.name == "ceiling":
+        return replace(mesh, emission=(1.0, 1.0, 1.0))
+    return mesh
+
+
+@cache
+def frame_of(
+    scene: str, size: int, seed: int, frame: int, bounces: int, criterion: Criterion
+) -> Frame:
+    """Paths of a frame.
+
+    Parameters
+    ----------
+    scene : str
+        Of `BLOCKS`.
+    size : int
+        Pixels of a side of the image.
+    seed, frame : int
+        Of the random numbers.
+    bounces : int
+        Of indirect light.
+    criterion : Criterion
+        When points may be joined.
+
+    Returns
+    -------
+    Frame
+        Always the same.
+    """
+    world, points = room(scene, size)
+    numbers = Numbers(size * size, seed)
+    number = np.arange(size * size) + frame * size * size
+    drawn = draw_paths(world, points, bounces, criterion, number, numbers(number))
+    return Frame(world, points, numbers, drawn.y)

@@ -1,0 +1,104 @@
+"""Replay of a stream of weights: who may be kept, and what rounding leaves open."""
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+
+from reference.arrays import Indices, Masks
+from reference.oracle.replay.bounded import Bounded
+from reference.oracle.replay.rules import Rules
+
+
+class Weighted(Protocol):
+    """A competitor: its weight, and the number that decides on it, (N,) each."""
+
+    @property
+    def w(self) -> Bounded:
+        """Weight, not negative."""
+
+    @property
+    def u(self) -> Bounded:
+        """In [0, 1)."""
+
+
+def sums_of(slots: Sequence[Weighted], rules: Rules) -> list[Bounded]:
+    """Running sums of weights.
+
+    Parameters
+    ----------
+    slots : sequence of Weighted
+        In the order of the stream.
+    rules : Rules
+        What is calculated with.
+
+    Returns
+    -------
+    list of Bounded
+        As many; the last is that of all.
+    """
+    sums = [slots[0].w]
+    for slot in slots[1:]:
+        sums.append(rules.merged_weight(sums[-1], slot.w))
+    return sums
+
+
+def choices_of(
+    slots: Sequence[Weighted], sums: list[Bounded], rules: Rules
+) -> tuple[Masks, Indices]:
+    """Who is kept.
+
+    Parameters
+    ----------
+    slots : sequence of Weighted
+        S, in the order of the stream.
+    sums : list of Bounded
+        As of `sums_of`.
+    rules : Rules
+        What is calculated with.
+
+    Returns
+    -------
+    may : (S, N) bool
+        Whether rounding allows that each slot is.
+    exactly : (N,) int
+        Which one is in exact arithmetic.
+    """
+    rows = len(slots[0].w.value)
+    may = np.zeros((len(slots), rows), bool)
+    may[0] = True
+    exactly = np.zeros(rows, np.int64)
+    for k, slot in enumerate(slots[1:], start=1):
+        prefers = rules.preference(slot.u, sums[k - 1], slot.w)
+        alone = (sums[k - 1].value == 0) & (slot.w.value > 0)
+        may[:k] &= ~(prefers.surely_positive | alone)
+        may[k] = ~prefers.surely_not_positive & (slot.w.value + slot.w.error > 0)
+        exactly = np.where((prefers.value > 0) | alone, k, exactly)
+    return may, exactly
+
+
+def left_open(slots: Sequence[Weighted], sums: list[Bounded]) -> float:
+    """Mean number of decisions that rounding leaves open: 2 error / S, for random u.
+
+    Parameters
+    ----------
+    slots : sequence of Weighted
+        In the order of the stream.
+    sums : list of Bounded
+        As of `sums_of`.
+
+    Returns
+    -------
+    float
+        Over all rows.
+    """
+    mean = 0.0
+    for k, slot in enumerate(slots[1:], start=1):
+        S = sums[k]
+        margin = slot.w - slot.u * S
+        here = (S.value > 0) & (slot.w.value > 0) & (sums[k - 1].value > 0)
+        share = np.divide(
+            2 * margin.error, S.value, out=np.zeros_like(S.value), where=here
+        )
+        mean += float(np.minimum(share, 1.0).sum())
+    return mean
