@@ -28,6 +28,9 @@ from tests.statistics.replicates import (
 
 FAMILY = 1e-4
 SIZE, FRAMES = 24, 4
+STRIDE = 10
+"""Frames of the animation from one to the next: a camera that moves fast."""
+
 COLUMNS = 3 * (SIZE // 8) ** 2
 
 
@@ -78,7 +81,7 @@ def of_a_camera_that_moves(settings, runs, render=render_path_frames):
     found = find_animation("moving-camera")
 
     def at(frame):
-        scene = found(4 * frame)
+        scene = found(STRIDE * frame)
         camera = replace(scene.camera, width=SIZE, height=SIZE)
         return validate(replace(scene, camera=camera))
 

@@ -41,10 +41,11 @@ PAST_ALONE = {
     primary: AreaSettings(primary=primary, spatial=False)
     for primary in ("move", "keep")
 }
+PAST_RUNS = 250
 MOVING = [
-    *((settings, 600) for settings in PAST_ALONE.values()),
-    (AreaSettings(mis="defensive"), 250),
-    (AreaSettings(primary="keep", mis="balance"), 250),
+    *((settings, PAST_RUNS) for settings in PAST_ALONE.values()),
+    (AreaSettings(mis="defensive"), 120),
+    (AreaSettings(primary="keep", mis="balance"), 120),
 ]
 
 
@@ -60,7 +61,7 @@ def moving(settings, runs):
 @pytest.mark.slow
 @pytest.mark.parametrize(("scene", "bounces", "settings"), STILL, ids=str)
 def test_reuse_brings_no_bias(scene, bounces, settings):
-    assert still(scene, bounces, settings, 150)
+    assert still(scene, bounces, settings, 80)
 
 
 @pytest.mark.slow
@@ -79,7 +80,7 @@ def test_a_few_runs_show_no_bias(primary):
 def test_control_what_falls_out_of_the_pixel_is_not_refused(monkeypatch):
     """Samples of its neighbours' areas make a pixel brighter."""
     monkeypatch.setattr(extensions.area_donor, "row_at", Everywhere())
-    assert not moving(PAST_ALONE["move"], 600)
+    assert not moving(PAST_ALONE["move"], PAST_RUNS)
 
 
 class Everywhere:
@@ -105,7 +106,7 @@ def test_control_a_primary_hit_kept_without_its_jacobian_is_refuted(monkeypatch)
         return x, y, (jacobian > 0).astype(float)
 
     monkeypatch.setattr(extensions.area_donor, "kept_in_place", flat)
-    assert not moving(PAST_ALONE["keep"], 600)
+    assert not moving(PAST_ALONE["keep"], PAST_RUNS)
 
 
 def of_candidates(jitter, frames=1024):

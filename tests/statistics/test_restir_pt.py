@@ -43,7 +43,7 @@ class Plan:
 
     scene: str
     bounces: int = 3
-    runs: int = 150
+    runs: int = 100
     shift: str = "hybrid"
     mis: str = "1/Z"
 
@@ -84,7 +84,7 @@ def test_reuse_brings_no_bias(plan):
     assert judged_plan(plan)
 
 
-PAST_ALONE = PathSettings(spatial=False), 700
+PAST_ALONE = PathSettings(spatial=False), 250
 """Without neighbours, whose own shifts would hide what becomes of the past."""
 
 
@@ -93,9 +93,9 @@ PAST_ALONE = PathSettings(spatial=False), 700
     "plan",
     [
         PAST_ALONE,
-        (PathSettings(), 300),
-        (PathSettings(mis="balance"), 300),
-        (PathSettings(mis="defensive"), 300),
+        (PathSettings(), 150),
+        (PathSettings(mis="balance"), 150),
+        (PathSettings(mis="defensive"), 150),
     ],
     ids=["past alone", "1/Z", "balance", "defensive"],
 )
@@ -163,7 +163,7 @@ def largest_difference(name, bounces, of_truth):
         weight = np.divide(tree.w, tree.p_hat, out=0 * tree.w, where=tree.p_hat > 0)
         return tree.y.value * weight[:, None]
 
-    mine, truth = in_batches(w, 2048, color, None), path_traced(w, 2048, of_truth)
+    mine, truth = in_batches(w, 1024, color, None), path_traced(w, 1024, of_truth)
     difference = mine.mean - truth.mean
     error = np.hypot(mine.error, truth.error)
     t = np.abs(difference / np.maximum(error, 1e-300))
