@@ -128,11 +128,15 @@ def test_long_lists_are_counted():
     assert why(lit_by(suns=(SUN, SUN)), "suns") == "2 suns"
 
 
+NOT_LAMBERTIAN = {"glossy-floor", "specular-floor", "mirror-floor", "glass-floor"}
+"""Scenes with coats, mirrors and glass."""
+
+
 def test_the_lambertian_assumption_is_named_where_it_matters():
     assert '"it"' in why(made_of(Coated(METAL, 0.1)), GLOSSY)
     assert "reuse" in why(made_of(Coated(METAL, 0.1)), GLOSSY)
     for name in CATALOGUE:
-        assert (GLOSSY in names(find_scene(name))) == (name == "glossy-floor")
+        assert (GLOSSY in names(find_scene(name))) == (name in NOT_LAMBERTIAN)
 
 
 CONVEX = {"sunlit-wall", "parallel-plates", "sphere-furnace", "half-lit-sphere"}

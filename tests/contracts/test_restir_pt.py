@@ -24,9 +24,8 @@ def last(schedule, settings, name="glass", frames=3):
 
 
 @pytest.mark.parametrize("mis", ["1/M", "1/Z", "balance", "pairwise", "defensive"])
-@pytest.mark.parametrize("shift", ["replay", "hybrid"])
-def test_bands_and_threads_change_no_bit(mis, shift):
-    settings = PathSettings(mis=mis, shift=shift)
+def test_bands_and_threads_change_no_bit(mis):
+    settings = PathSettings(mis=mis)
     whole = last(Schedule(1 << 20), settings)
     cut = last(Schedule(100, 2), settings)
     np.testing.assert_array_equal(whole.color, cut.color)

@@ -100,9 +100,12 @@ def test_what_is_said_to_be_a_departure():
         "cosine-directions-from-the-other-end",
         "shade-back-of-sample",  # where W is 0, since p̂ is
         "jacobian-cut-at-the-back",  # where p̂ is 0
+        "reuse-u-turned",  # the first, on whole samples
     }
     assert {name for name, kind in kinds.items() if kind == "confidence"} == {
         "never-capped",
         "cap-off-by-one",
         "capped-on-arrival",
+        "reuse-never-capped",  # the first and the last, on whole samples
+        "reuse-capped-beforehand",
     }

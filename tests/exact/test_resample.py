@@ -51,6 +51,7 @@ def test_a_chain_of_frames():
 
 
 @each_weight
+@pytest.mark.slow
 def test_two_frames_of_both(mis):
     assert list(claims.loop_of_two_frames(CODE, mis=mis, cap=CAP)) == []
 

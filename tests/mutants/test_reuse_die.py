@@ -15,7 +15,20 @@ KNOWN = {h.name for h in PART.hypotheses}
 BIASES = [m for m in REUSE_MUTANTS if m.kind == "bias"]
 
 each_mutant = pytest.mark.parametrize("mutant", REUSE_MUTANTS, ids=lambda m: m.name)
-each_bias = pytest.mark.parametrize("mutant", BIASES, ids=lambda m: m.name)
+QUICK = {
+    "a shifted sample has no Jacobian",
+    "Z counts who could not have made the sample",
+    "weights in pairs are divided by the sum of confidences",
+    "the value of another slot is kept",
+}
+
+each_bias = pytest.mark.parametrize(
+    "mutant",
+    [
+        pytest.param(m, id=m.name, marks=() if m.name in QUICK else (pytest.mark.slow,))
+        for m in BIASES
+    ],
+)
 
 
 @cache
@@ -60,6 +73,7 @@ def test_what_is_equivalent_passes(mutant):
     assert not killed(mutant).killed
 
 
+@pytest.mark.slow
 def test_the_lattice_alone_sees_most_of_them():
     """Whatever the weights are divided by: what comes out must be the measure."""
     seen = [m for m in BIASES if killed(m).seen["L1"]]

@@ -71,9 +71,8 @@ def test_a_camera_that_moves_brings_no_bias(settings, runs):
     assert moving(settings, runs)
 
 
-@pytest.mark.parametrize("primary", ["move", "keep"])
-def test_a_few_runs_show_no_bias(primary):
-    assert moving(AreaSettings(primary=primary), 40)
+def test_a_few_runs_show_no_bias():
+    assert moving(AreaSettings(primary="keep"), 30)
 
 
 @pytest.mark.slow
