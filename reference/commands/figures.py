@@ -12,8 +12,8 @@ from reference.commands.memory import refuse_what_does_not_fit
 from reference.commands.targets import make_folder
 from reference.commands.values import whole
 from reference.errors import UsageError
+from reference.figures import registry
 from reference.figures.record import Plan
-from reference.figures.registry import FIGURES, Entry, figure_names, find_figure
 from reference.figures.table import as_plain, table
 from reference.files import write_file
 from reference.schedule import Schedule
@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "figures",
         metavar="NAME",
         nargs="*",
-        help=f"{', '.join(figure_names())}, or numbers of the paper (default: all)",
+        help=f"{', '.join(registry.figure_names())}, or numbers of the paper (default: all)",
     )
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder")
     parser.add_argument(
@@ -45,7 +45,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help=f"pixels of a side of each picture (default {SIZE})",
     )
-    defaults = ", ".join(f"{entry.name} {entry.runs}" for entry in FIGURES.values())
+    defaults = ", ".join(
+        f"{entry.name} {entry.runs}" for entry in registry.FIGURES.values()
+    )
     parser.add_argument(
         "--runs",
         type=whole(2, 1000),
@@ -75,7 +77,10 @@ def run(arguments: argparse.Namespace) -> None:
     UsageError
         No such figure, too few runs for one, or a file cannot be written.
     """
-    wanted = [find_figure(name) for name in arguments.figures or figure_names()]
+    wanted = [
+        registry.find_figure(name)
+        for name in arguments.figures or registry.figure_names()
+    ]
     entries = list(dict.fromkeys(wanted))
     plans = [_plan(arguments, entry) for entry in entries]
     refuse_what_does_not_fit(arguments.size, arguments.size)
@@ -105,7 +110,7 @@ def run(arguments: argparse.Namespace) -> None:
         emit({"figures": results})
 
 
-def _plan(arguments: argparse.Namespace, entry: Entry) -> Plan:
+def _plan(arguments: argparse.Namespace, entry: registry.Entry) -> Plan:
     runs = arguments.runs or entry.runs
     if runs < entry.least_runs:
         raise UsageError(

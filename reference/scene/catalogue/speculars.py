@@ -12,6 +12,7 @@ from reference.scene.materials.kinds import (
 )
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh, box, quad
+from reference.scene.textures import Checker
 
 
 def specular_floor() -> Scene:
@@ -59,10 +60,10 @@ def glass_floor() -> Scene:
     Scene
         All light that reaches the ground, or comes from it, is refracted twice.
     """
-    pane = box("pane", (6.0, 0.12, 6.0), pose(0, (0, -0.06, -1)), Dielectric(1.5))
-    ground = quad(
-        "ground", (-3, -0.5, 2), (6, 0, 0), (0, 0, -6), Lambertian((0.6, 0.5, 0.3))
-    )
+    # Into the walls: rims that lie in them would let light out of the room.
+    pane = box("pane", (6.4, 0.12, 6.4), pose(0, (0, -0.06, -1)), Dielectric(1.5))
+    paint = Lambertian(Checker((0.7, 0.58, 0.35), (0.35, 0.42, 0.5), scale=(6, 6)))
+    ground = quad("ground", (-3, -0.5, 2), (6, 0, 0), (0, 0, -6), paint)
     return _furnished("glass-floor", (pane, ground), bottom=-0.5)
 
 
