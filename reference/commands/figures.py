@@ -31,11 +31,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser : ArgumentParser
         Of this command.
     """
+    names = ", ".join(registry.figure_names())
     parser.add_argument(
         "figures",
         metavar="NAME",
         nargs="*",
-        help=f"{', '.join(registry.figure_names())}, or numbers of the paper (default: all)",
+        help=f"{names}, or numbers of the paper (default: all)",
     )
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder")
     parser.add_argument(
