@@ -14,12 +14,9 @@ from reference.resampling.reservoir import Reservoirs
 from reference.scene.surface import SurfacePoints
 from reference.world import World
 
+# Value, and Jacobian of the shift; 0 where it does not exist.  The value is all that
+# a sample has of its own at each receiver: its f / p, (N, 3), or a record of more.
 Worth = tuple[Any, Scalars]
-"""Value, and Jacobian of the shift; 0 where it does not exist.
-
-The value is all that a sample has of its own at each receiver: its f / p, (N, 3), or a
-record with that in it.
-"""
 
 
 class Donor(Protocol):

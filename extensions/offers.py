@@ -12,8 +12,8 @@ from reference.passes.neighbors import NONE
 from reference.records import scatter, take, where
 from reference.resampling.reservoir import Candidates, Reservoirs, reused_candidates
 
+# p̂ of a value; its luminance, as a rule.
 Target = Callable[[Any], Scalars]
-"""p̂ of a value; its luminance, as a rule."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
