@@ -8,7 +8,8 @@ from extensions.connection import Criterion
 from extensions.paths import Paths, Technique, no_paths
 from extensions.walking import Leaving, Step, arrive, leave, start
 from reference.arrays import Indices, Masks, Scalars, Vec3s
-from reference.direct_light import choose_light, met_lights, share_of_chance
+from reference.direct_light import choose_light, met_lights
+from reference.light_shares import share_of_chance
 from reference.records import scatter, where
 from reference.resampling.reservoir import Candidates, merge
 from reference.resampling.target import luminance

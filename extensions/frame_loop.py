@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Protocol, TypeVar
 
 import numpy as np
 
@@ -131,7 +132,7 @@ def path_frames(
     schedule: Schedule,
     animation: Animation | None = None,
 ) -> Iterator[PathFrame]:
-    """Frames without end.
+    """Frames of whole paths, without end.
 
     Parameters
     ----------
@@ -152,10 +153,65 @@ def path_frames(
         shapes or lights move, every frame begins anew: their paths are of another
         scene.
 
+    Returns
+    -------
+    iterator of PathFrame
+        Frame after frame, each resampling what the last one left.
+    """
+    begins_anew = animation is not None and animation.changes == "scene"
+
+    def frame(
+        number: int, now: World, visible: VisiblePoints, last: PathFrame | None
+    ) -> PathFrame:
+        moment = Moment(number, now, visible, settings, bounces, seed)
+        return make(moment, None if begins_anew else last, schedule)
+
+    return frames(frame, world, schedule, animation)
+
+
+class Made(Protocol):
+    """A frame that others follow."""
+
+    @property
+    def number(self) -> int:
+        """From 0."""
+
+    @property
+    def world(self) -> World:
+        """The scene as it was."""
+
+    @property
+    def visible(self) -> VisiblePoints:
+        """G-buffer, through the centres of the pixels."""
+
+
+Frame = TypeVar("Frame", bound=Made)
+
+
+def frames(
+    make: Callable[[int, World, VisiblePoints, Frame | None], Frame],
+    world: World,
+    schedule: Schedule,
+    animation: Animation | None = None,
+) -> Iterator[Frame]:
+    """Frames without end.
+
+    Parameters
+    ----------
+    make : callable
+        From a frame's number, scene and G-buffer, and the frame before it if there is
+        one, to the frame.
+    world : World
+        The scene in frame 0.
+    schedule : Schedule
+        Bands and threads; no influence on the result.
+    animation : Animation, optional
+        Validated scenes of all frames; by default the scene stands still.
+
     Yields
     ------
-    PathFrame
-        Frame after frame, each resampling what the last one left.
+    Made
+        Frame after frame.
     """
     animation = animation or still(world.scene)
     x, y = pixel_centers(world.camera.width, world.camera.height)
@@ -163,11 +219,9 @@ def path_frames(
     def g_buffer(now: World) -> VisiblePoints:
         return in_bands(schedule, len(x), lambda r: visible_points(now, x[r], y[r]))
 
-    last: PathFrame | None = None
+    last: Frame | None = None
     while True:
         now = next_world(last.world, animation(last.number + 1)) if last else world
         visible = last.visible if last and now is last.world else g_buffer(now)
-        number = last.number + 1 if last else 0
-        moment = Moment(number, now, visible, settings, bounces, seed)
-        last = make(moment, None if animation.changes == "scene" else last, schedule)
+        last = make(last.number + 1 if last else 0, now, visible, last)
         yield last

@@ -24,13 +24,8 @@ from reference.arrays import (
     dot,
     zero_vectors,
 )
-from reference.direct_light import (
-    balance,
-    choose_light,
-    met_lights,
-    share_of_chance,
-    share_of_choice,
-)
+from reference.direct_light import choose_light, met_lights
+from reference.light_shares import balance, share_of_chance, share_of_choice
 from reference.records import scatter, take
 from reference.rng import Uniforms
 from reference.scene.materials.table import pdf, scattering

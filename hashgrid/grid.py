@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hashgrid.hashes import UInts
 from hashgrid.keys import Keys
@@ -39,6 +40,10 @@ class Grid:
         Rows of the frame, cell by cell, in rising order within each.
     lost : int
         Vertices whose bucket was full.
+    marks : (C,) uint64
+        Both hashes of the cells, in rising order.
+    marked : (C,) int64
+        Cells in that order.
     """
 
     buckets: int
@@ -48,6 +53,8 @@ class Grid:
     start: Indices
     vertices: Indices
     lost: int
+    marks: NDArray[np.uint64]
+    marked: Indices
 
     def __len__(self) -> int:
         """Number of cells."""
@@ -95,8 +102,19 @@ def build_grid(keys: Keys, active: Masks, buckets: int = BUCKETS) -> Grid:
     within = np.arange(start[-1]) - np.repeat(start[:-1], count[kept])
     vertices = rows[np.repeat(head[kept], count[kept]) + within]
     cells = take(cells, kept)
-    lost = len(rows) - len(vertices)
-    return Grid(buckets, cells, place[kept], cells.checksum, start, vertices, lost)
+    mark = _mark(cells)
+    marked = np.argsort(mark, kind="stable")
+    return Grid(
+        buckets=buckets,
+        cells=cells,
+        place=place[kept],
+        checksum=cells.checksum,
+        start=start,
+        vertices=vertices,
+        lost=len(rows) - len(vertices),
+        marks=mark[marked],
+        marked=marked,
+    )
 
 
 def _grouped(keys: Keys) -> tuple[Indices, Masks]:
@@ -113,7 +131,7 @@ def _grouped(keys: Keys) -> tuple[Indices, Masks]:
     return order, first
 
 
-def _mark(keys: Keys) -> Indices:
+def _mark(keys: Keys) -> NDArray[np.uint64]:
     """Both hashes in one word."""
     high = keys.place.astype(np.uint64) << np.uint64(32)
     return high | keys.checksum.astype(np.uint64)
@@ -169,14 +187,12 @@ def find_cells(grid: Grid, keys: Keys) -> Indices:
     found = np.full(len(keys), NOWHERE)
     if len(grid) == 0:
         return found
-    marks = _mark(grid.cells)
-    order = np.argsort(marks, kind="stable")
-    wanted, marks = _mark(keys), marks[order]
+    marks, wanted = grid.marks, _mark(keys)
     at = np.searchsorted(marks, wanted)
     # Those of one mark stand side by side: as a rule there is one.
     open_rows = np.flatnonzero(at < len(marks))
     while len(open_rows):
-        here = order[at[open_rows]]
+        here = grid.marked[at[open_rows]]
         alike = marks[at[open_rows]] == wanted[open_rows]
         same = alike & _same(take(grid.cells, here), take(keys, open_rows))
         found[open_rows[same]] = here[same]

@@ -9,16 +9,16 @@ from reference.arrays import (
     Masks,
     Scalars,
     Vec3s,
-    divide_or_zero,
     zero_vectors,
 )
+from reference.light_shares import share_of_chance, share_of_choice
 from reference.records import take
 from reference.rng import Draw
 from reference.scene.emitters import emitted, may_emit, pdf_light
 from reference.scene.hits import Hits, surface_points
-from reference.scene.light_sampling import sample_light
+from reference.scene.light_sampling import LightSamples, sample_light
 from reference.scene.materials.bsdf_sampling import BsdfSamples
-from reference.scene.materials.table import pdf, scattering
+from reference.scene.materials.table import scattering
 from reference.scene.surface import SurfacePoints
 from reference.world import World
 
@@ -82,15 +82,40 @@ def choose_light(
     value = scattering(world.materials, points, light.wi) * light.weight
     if world.emitters.can_be_hit:
         value *= share_of_choice(world, points, light.wi, light.pdf)[:, None]
-    shines = value.any(axis=1)
+    shines = np.any(value, axis=1)
     if active is not None:
         shines = shines & active
-    near, far = shines & ~light.distant, shines & light.distant
+    seen = sees_light(world, points, light, shines)
+    value = np.where(seen[:, None], value, 0.0)
+    return ChosenLight(light.wi, light.weight, light.pdf, seen, value)
+
+
+def sees_light(
+    world: World, points: SurfacePoints, light: LightSamples, active: Masks
+) -> Masks:
+    """Whether nothing lies between surface points and points on lights.
+
+    Parameters
+    ----------
+    world : World
+        The scene.
+    points : SurfacePoints
+        N points.
+    light : LightSamples
+        N points on lights.
+    active : (N,) bool
+        Who asks.
+
+    Returns
+    -------
+    (N,) bool
+        False for those who do not ask.
+    """
+    near, far = active & ~light.distant, active & light.distant
     seen = world.caster.visible(points, light.x_to, light.n_to, near, "shadow")
     if far.any():
         seen = seen | world.caster.escapes(points, light.wi, far, "shadow")
-    value = np.where(seen[:, None], value, 0.0)
-    return ChosenLight(light.wi, light.weight, light.pdf, seen, value)
+    return seen
 
 
 def next_event(world: World, points: SurfacePoints, u: Draw) -> Vec3s:
@@ -173,65 +198,3 @@ def found_by_chance(
     rows, radiance, by_choice = met_lights(world, points, bsdf, hits)
     share = share_of_chance(bsdf.pdf[rows], bsdf.delta[rows], by_choice)
     return rows, radiance * share[:, None]
-
-
-def share_of_choice(
-    world: World, points: SurfacePoints, wi: Vec3s, by_choice: Scalars
-) -> Scalars:
-    """Weight of next-event estimation against the chance of meeting the light.
-
-    Parameters
-    ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        N points.
-    wi : (N, 3) float64
-        Unit directions to the light.
-    by_choice : (N,) float64, 1/sr
-        Density of the choice.
-
-    Returns
-    -------
-    (N,) float64
-        1 where no light can be met by chance.
-    """
-    if world.emitters is None or not world.emitters.can_be_hit:
-        return np.ones(len(points))
-    return balance(by_choice, pdf(world.materials, points, wi))
-
-
-def share_of_chance(by_chance: Scalars, delta: Masks, by_choice: Scalars) -> Scalars:
-    """Weight of meeting a light by chance against next-event estimation.
-
-    Parameters
-    ----------
-    by_chance, by_choice : (N,) float64, 1/sr
-        Densities of both.
-    delta : (N,) bool
-        The ray left by a delta lobe, for which no light can be chosen.
-
-    Returns
-    -------
-    (N,) float64
-        1 for delta lobes.
-    """
-    return np.where(delta, 1.0, balance(by_chance, by_choice))
-
-
-def balance(mine: Scalars, other: Scalars) -> Scalars:
-    """Balance heuristic p / (p + p'), and 1 for a strategy without density.
-
-    Parameters
-    ----------
-    mine, other : (N,) float
-        Densities of the sample under the strategy that drew it and the other one; a
-        density of 0 for ``mine`` means a delta distribution.
-
-    Returns
-    -------
-    (N,) float
-        0 to 1.  The two weights of one sample sum to 1.
-    """
-    share: Scalars = np.where(mine > 0, divide_or_zero(mine, mine + other), 1.0)
-    return share

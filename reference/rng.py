@@ -33,6 +33,8 @@ class Stream(IntEnum):
     SPECULAR = 5
     PATH = 6
     ROULETTE = 7
+    LIGHTS = 8
+    CELLS = 9
 
 
 def pcg4d(x: UInts, y: UInts, z: UInts, w: UInts) -> tuple[UInts, UInts, UInts, UInts]:

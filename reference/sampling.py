@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import Indices, Scalars, Vec3s, vectors
+from reference.arrays import Scalars, Vec3s, vectors
 
 
 def sample_uniform_hemisphere(u1: Scalars, u2: Scalars) -> Vec3s:
@@ -165,58 +165,6 @@ def invert_triangle(b1: Scalars, b2: Scalars) -> tuple[Scalars, Scalars]:
         In [0, 1).
     """
     return (b1 + b2) ** 2, b2 / (b1 + b2)
-
-
-def sample_table(cumulative: Scalars, u: Scalars) -> tuple[Indices, Scalars]:
-    """Index drawn in proportion to the weights of a table, and u used again.
-
-    Parameters
-    ----------
-    cumulative : (K,) float
-        Running sum of weights, the last one 1 (see :func:`cumulate`).
-    u : (N,) float
-        In [0, 1).
-
-    Returns
-    -------
-    (N,) int, (N,) float
-        Index, never one of weight 0, and the place of u within its interval, in
-        [0, 1): a uniform number independent of the index.
-    """
-    index = np.searchsorted(cumulative, u, side="right")
-    index = np.minimum(index, len(cumulative) - 1)
-    upper = cumulative[index]
-    lower = np.where(index > 0, cumulative[np.maximum(index - 1, 0)], 0.0)
-    remainder = (u - lower) / (upper - lower)
-    return index, np.minimum(remainder, 1.0 - 2.0**-53)
-
-
-def cumulate(weights: Scalars) -> Scalars:
-    """Running sum of weights, scaled to end at exactly 1.
-
-    Parameters
-    ----------
-    weights : (K,) float
-        Non-negative, not all 0.
-
-    Returns
-    -------
-    (K,) float
-        Non-decreasing; from the last positive weight on it is 1.
-
-    Raises
-    ------
-    ValueError
-        No weight is positive, or one is negative or not finite.
-    """
-    sums = np.cumsum(weights)
-    # Not weights.sum(): it rounds otherwise, so that the running sum could pass 1.
-    total = sums[-1:].sum()
-    if not (np.isfinite(total) and total > 0 and np.all(weights >= 0)):
-        raise ValueError("weights must be finite, non-negative and not all 0")
-    cumulative: Scalars = sums / total
-    cumulative[np.flatnonzero(weights)[-1] :] = 1.0
-    return cumulative
 
 
 def _about_z(cos_theta: Scalars, sin_theta: Scalars, u: Scalars) -> Vec3s:

@@ -70,7 +70,7 @@ def in_bands(
     record or array
         All rows; bit-identical for every schedule.
     """
-    cuts = list(bands(rows, schedule.band))
+    cuts = list(bands(rows, schedule.band)) or [slice(0, 0)]
     if len(cuts) == 1:
         return function(cuts[0])
     whole = _Whole[Result](rows)

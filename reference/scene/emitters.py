@@ -15,10 +15,7 @@ from reference.arrays import (
 )
 from reference.images import luminance_weights
 from reference.records import take
-from reference.sampling import (
-    cumulate,
-    sample_uniform_sphere,
-)
+from reference.sampling import sample_uniform_sphere
 from reference.scene.environment import (
     EnvironmentMap,
     build_environment,
@@ -29,6 +26,7 @@ from reference.scene.geometry import Geometry
 from reference.scene.origins import contact
 from reference.scene.scene import Scene
 from reference.scene.surface import SurfacePoints
+from reference.tables import cumulate, guide_of
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,6 +37,8 @@ class Emitters:
     ----------
     probability, cumulative : (E,) float64
         Of choosing each light, in proportion to its power; running sum.
+    guide : (G,) int64
+        Where searches in the running sum begin.
     primitive : (A,) int32
         Primitives that emit.
     entry : (P + 1,) int32
@@ -53,6 +53,7 @@ class Emitters:
 
     probability: Scalars
     cumulative: Scalars
+    guide: Indices
     primitive: Indices
     entry: Indices
     position: Vec3s
@@ -101,9 +102,11 @@ def build_emitters(scene: Scene, geometry: Geometry) -> Emitters | None:
     power = np.concatenate(powers) @ weights
     if not (power > 0).any():
         return None
+    cumulative = cumulate(power)
     return Emitters(
         probability=power / power.sum(),
-        cumulative=cumulate(power),
+        cumulative=cumulative,
+        guide=guide_of(cumulative),
         primitive=primitive,
         entry=entry,
         position=np.array([p.position for p in scene.points], float).reshape(-1, 3),

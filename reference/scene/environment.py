@@ -7,9 +7,10 @@ import numpy as np
 from reference.arrays import Scalars, Vec3s, vectors
 from reference.frames import turn
 from reference.images import luminance_weights
-from reference.sampling import cumulate, sample_table, sample_uniform_sphere
+from reference.sampling import sample_uniform_sphere
 from reference.scene.lights import ConstantEnvironment, Environment, LatLongEnvironment
 from reference.scene.textures import read_latitudes
+from reference.tables import cumulate, sample_table
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -15,11 +15,12 @@ from reference.arrays import (
 )
 from reference.records import take
 from reference.rng import Draw
-from reference.sampling import sample_table, sample_triangle, sample_uniform_sphere
+from reference.sampling import sample_triangle, sample_uniform_sphere
 from reference.scene.emitters import Emitters
 from reference.scene.environment import environment_radiance, sample_environment
 from reference.scene.geometry import Geometry, on_triangles
 from reference.scene.surface import direction_and_distance
+from reference.tables import index_in_table
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +70,34 @@ def sample_light(
     LightSamples
         Weight 0 where the light's back faces the point.
     """
-    light, _ = sample_table(emitters.cumulative, u[0])
+    light = index_in_table(emitters.cumulative, emitters.guide, u[0])
+    return points_on_lights(emitters, geometry, x, light, u)
+
+
+def points_on_lights(
+    emitters: Emitters, geometry: Geometry, x: Vec3s, light: Indices, u: Draw
+) -> LightSamples:
+    """Points on given lights, as surface points see them.
+
+    Parameters
+    ----------
+    emitters : Emitters
+        The lights.
+    geometry : Geometry
+        The scene.
+    x : (N, 3) float64, m
+        Surface points.
+    light : (N,) int
+        Rows of the list of lights.
+    u : four (N,) float64
+        Lanes 1 and 2 are the place on the light, in the unit square.
+
+    Returns
+    -------
+    LightSamples
+        As :func:`sample_light` draws them: the probability of the light is in their
+        densities.
+    """
     areas, out = len(emitters.primitive), _empty_samples(len(x))
     far, every = _first_far(emitters), len(emitters.probability)
     sky = far + len(emitters.direction)

@@ -15,7 +15,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 import reference
-from reference import arrays, frames, sampling
+from reference import arrays, frames, sampling, tables
 from reference.passes import (
     checkerboard,
     gbuffer,
@@ -119,7 +119,8 @@ AGE_AND_MISC = WORD[2] % 300, WORD[3].astype(np.uint16)
 MASK = rng.random(N) < 0.5
 VISIBLE = VisiblePoints(POINTS, np.where(POINTS.hit, 1 + 0.1 * COS, 0.0))
 COAT = np.array(coat.transmittance_table(0.3, 1.5))
-CUMULATIVE = sampling.cumulate(np.array([0.2, 0.0, 0.5, 0.3]))
+CUMULATIVE = tables.cumulate(np.array([0.2, 0.0, 0.5, 0.3]))
+GUIDE = tables.guide_of(CUMULATIVE)
 
 
 def on(*kinds):
@@ -194,10 +195,14 @@ KERNELS = {
     sampling.pdf_cosine_hemisphere: (sampling.pdf_cosine_hemisphere, (A[:, 0],)),
     sampling.pdf_uniform_hemisphere: (sampling.pdf_uniform_hemisphere, (A[:, 0],)),
     sampling.sample_cosine_hemisphere: (sampling.sample_cosine_hemisphere, U[:2]),
-    sampling.sample_table: (lambda u: sampling.sample_table(CUMULATIVE, u), (U[0],)),
     sampling.sample_triangle: (sampling.sample_triangle, U[:2]),
     sampling.sample_uniform_hemisphere: (sampling.sample_uniform_hemisphere, U[:2]),
     sampling.sample_uniform_sphere: (sampling.sample_uniform_sphere, U[:2]),
+    tables.sample_table: (lambda u: tables.sample_table(CUMULATIVE, u), (U[0],)),
+    tables.index_in_table: (
+        lambda u: tables.index_in_table(CUMULATIVE, GUIDE, u),
+        (U[0],),
+    ),
     # Resampling.
     mis.balance_heuristic: (
         lambda a, b, c: mis.balance_heuristic([a, b], [b, c], c * LIVE[0]),
@@ -345,7 +350,8 @@ KERNELS = {
 
 ELSEWHERE = {
     "arrays.zero_vectors": "of a number of rows",
-    "sampling.cumulate": "a table, not rows",
+    "tables.cumulate": "a table, not rows",
+    "tables.guide_of": "a table, not rows",
     "coat.directional_albedo": "made once for a material",
     "coat.transmittance_table": "made once for a material",
     "coat.internal_reflectance": "made once for a material",
@@ -364,6 +370,7 @@ MODULES = [
     arrays,
     frames,
     sampling,
+    tables,
     gbuffer,
     initial,
     neighbors,

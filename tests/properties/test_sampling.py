@@ -9,7 +9,6 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from reference.arrays import cross, dot, length
 from reference.sampling import (
-    cumulate,
     invert_cosine_hemisphere,
     invert_triangle,
     invert_uniform_hemisphere,
@@ -17,12 +16,12 @@ from reference.sampling import (
     pdf_cosine_hemisphere,
     pdf_uniform_hemisphere,
     sample_cosine_hemisphere,
-    sample_table,
     sample_triangle,
     sample_uniform_hemisphere,
     sample_uniform_sphere,
 )
 from reference.strategies import ROWS, uniforms
+from reference.tables import cumulate, guide_of, index_in_table, sample_table
 
 EPS = np.finfo(np.float64).eps
 
@@ -215,6 +214,7 @@ def test_an_index_of_weight_0_is_never_drawn(weights, u):
     index, rest = sample_table(cumulative, every)
     assert (weights[index] > 0).all()
     assert ((rest >= 0) & (rest < 1)).all()
+    assert_array_equal(index_in_table(cumulative, guide_of(cumulative), every), index)
 
 
 @given(

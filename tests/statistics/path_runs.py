@@ -43,10 +43,14 @@ class Flat(Shift):
         return value, (jacobian > 0).astype(float)
 
 
+ALONE = {"temporal": False, "spatial": False}
+"""Settings without reuse."""
+
+
 def of_reuse(scene, settings, bounces, runs, render=render_path_frames):
     """Means of the last frame over those of the same candidates without reuse."""
     w = world(scene, SIZE)
-    alone = replace(settings, temporal=False, spatial=False)
+    alone = replace(settings, **ALONE)
     rows = []
     for seed in range(runs):
 
@@ -78,21 +82,35 @@ def brightness(scene, bounces):
 
 def of_a_camera_that_moves(settings, runs, render=render_path_frames):
     """Last frame with reuse less that without, and the image's mean."""
-    found = find_animation("moving-camera")
+    return of_a_scene_that_moves("moving-camera", settings, runs, render)
+
+
+def of_a_scene_that_moves(
+    name, settings, runs, render=render_path_frames, without=ALONE, stride=STRIDE
+):
+    """The same for any animation of the catalogue."""
+    found = find_animation(name)
 
     def at(frame):
-        scene = found(STRIDE * frame)
+        scene = found(stride * frame)
         camera = replace(scene.camera, width=SIZE, height=SIZE)
         return validate(replace(scene, camera=camera))
 
-    animation, w, rows = Animation(at, found.changes), build_world(at(0)), []
+    scenes = [at(frame) for frame in range(FRAMES)]
+    animation = Animation(lambda frame: scenes[frame], found.changes)
+    frames = build_world(scenes[0]), settings, 2, runs, render, without, animation
+    scale = float(path_traced(build_world(scenes[-1]), 64, 2).mean[0])
+    return of_last_frames(*frames), scale
+
+
+def of_last_frames(w, settings, bounces, runs, render, without, animation=None):
+    """Last frames with reuse over those without: of one number, on the same paths."""
+    rows = []
     for seed in range(runs):
 
         def last(s, seed=seed):
-            frames = render(w, s, 2, seed, ONE_BAND, animation)
+            frames = render(w, s, bounces, seed, ONE_BAND, animation)
             return [frame.color for frame in islice(frames, FRAMES)][-1]
 
-        alone = replace(settings, temporal=False, spatial=False)
-        rows.append(last(settings) - last(alone))
-    scale = float(path_traced(build_world(at(FRAMES - 1)), 64, 2).mean[0])
-    return means(rows, SIZE), scale
+        rows.append(last(settings) - last(replace(settings, **without)))
+    return means(rows, w.camera.width)

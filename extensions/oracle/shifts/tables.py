@@ -10,7 +10,8 @@ from extensions.oracle.shifts.stage import Frame
 from extensions.oracle.shifts.walks import Walk
 from extensions.paths import Paths, Technique
 from reference.arrays import Masks, Scalars, Vec3s, dot
-from reference.direct_light import choose_light, met_lights, share_of_chance
+from reference.direct_light import choose_light, met_lights
+from reference.light_shares import share_of_chance
 from reference.oracle.cases import Buffers
 from reference.records import scatter, take
 from reference.rng import Uniforms

@@ -6,7 +6,14 @@ from difflib import get_close_matches
 
 from reference.errors import UsageError
 from reference.scene.animation import Animation, still
-from reference.scene.catalogue import animations, rooms, speculars, spheres, walls
+from reference.scene.catalogue import (
+    animations,
+    market,
+    rooms,
+    speculars,
+    spheres,
+    walls,
+)
 from reference.scene.scene import Scene
 
 
@@ -98,6 +105,11 @@ _ENTRIES = (
         "many-lights",
         rooms.many_lights,
         "a hall under 30,000 small coloured lamps",
+    ),
+    Entry(
+        "night-market",
+        market.night_market,
+        "900 stalls under 30,000 lamps, of which each place sees a few",
     ),
     Entry(
         "specular-floor",

@@ -3,11 +3,11 @@
 import numpy as np
 
 from reference.arrays import Scalars
-from reference.rng import pcg4d, to_unit_interval
 from reference.scene.camera import Camera
+from reference.scene.catalogue.lamps import lamps, numbers
 from reference.scene.materials.kinds import Lambertian
 from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, box, quad
+from reference.scene.shapes import box, quad
 from reference.scene.textures import Color
 
 WHITE = Lambertian((0.73, 0.73, 0.73))
@@ -131,33 +131,8 @@ def many_lights() -> Scene:
     Scene
         Each lamp is one triangle that faces down, 5 to 20 mm wide.
     """
-    count = 30_000
-    keys = np.arange(count, dtype=np.uint32)
-    zero = np.uint32(0)
-    words = [*pcg4d(keys, zero, zero, zero), *pcg4d(keys, zero, zero, zero + 1)]  # type: ignore[arg-type]
-    u = [to_unit_interval(word) for word in words]
+    u = numbers(30_000)
     centre = np.stack([7.9 * u[0] - 3.95, 2.2 + 1.2 * u[1], 7.9 * u[2] - 3.95], axis=-1)
-    size = (0.005 + 0.015 * u[3])[:, None, None]
-    # Facing down: counter-clockwise seen from below.
-    triangle = np.array([[1.0, 0, 0], [-0.5, 0, 0.866], [-0.5, 0, -0.866]])
-    vertices = centre[:, None] + size * triangle
-    strength = 40.0 * u[4] ** 2
-    colors = [
-        (float(s * (1 - 0.8 * r)), float(s * 0.6), float(s * (0.2 + 0.8 * r)))
-        for s, r in zip(strength, u[5], strict=True)
-    ]
-    # Lamps of one colour share a mesh: 64 colours, so that the file stays a function.
-    bucket = np.arange(count) % 64
-    lamps = tuple(
-        Mesh(
-            name=f"lamps {b}",
-            vertices=vertices[bucket == b].reshape(-1, 3),
-            faces=np.arange(3 * int((bucket == b).sum())).reshape(-1, 3),
-            material=BLACK,
-            emission=colors[b],
-        )
-        for b in range(64)
-    )
     meshes = (
         quad("floor", (-4, 0, 4), (8, 0, 0), (0, 0, -8), WHITE),
         quad("ceiling", (-4, 3.6, -4), (8, 0, 0), (0, 0, 8), WHITE),
@@ -168,4 +143,6 @@ def many_lights() -> Scene:
         box("bench", (1.6, 0.5, 0.6), pose(-20, (1.3, 0.25, 0.6)), WHITE),
     )
     camera = Camera(position=(0.3, 1.5, 3.8), target=(0, 0.9, 0), fov_x=65.0)
-    return Scene(name="many-lights", camera=camera, meshes=meshes + lamps)
+    return Scene(
+        name="many-lights", camera=camera, meshes=meshes + lamps(centre, u, 40.0)
+    )

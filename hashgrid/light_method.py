@@ -1,0 +1,75 @@
+"""Method ``world-reservoirs``: light reservoirs at every vertex, in a hashed grid."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from hashgrid.keys import levels
+from hashgrid.light_settings import LightSettings
+from hashgrid.world_reservoirs import LightFrame, render_light_frames
+from reference.arrays import Scalars
+from reference.methods.aovs import GBUFFER
+from reference.methods.framed import PARTS, Framed
+from reference.methods.method import Job, Method
+
+VERTEX = {
+    "M": "confidence of the reservoir at the first surface point after the visible one",
+    "W": "its unbiased contribution weight",
+    "level": "level of detail of the cell that the visible point lies in",
+    "cell": "cell that the sample at that surface point was taken from, 0 for none",
+}
+
+
+def _frames(job: Job) -> Iterator[LightFrame]:
+    return render_light_frames(
+        job.world, job.settings, job.bounces, job.seed, job.schedule, job.animation
+    )
+
+
+def _layers(frame: LightFrame, names: tuple[str, ...]) -> Mapping[str, Scalars]:
+    r, at = frame.cache.reservoirs, np.flatnonzero(frame.vertex == 2)
+    pixels = len(frame.color)
+
+    def of_second(values: Scalars) -> Scalars:
+        layer = np.zeros(pixels)
+        layer[frame.pixel[at]] = values[at]
+        return layer
+
+    found = {
+        "M": of_second(r.M),
+        "W": of_second(r.W),
+        "level": levels(frame.cache.lattice, frame.visible.surface.position) * 1.0,
+        "cell": of_second(np.where(r.W > 0, r.y.cell, 0)),
+    }
+    return {name: found[name] for name in names if name in VERTEX}
+
+
+def named_biases(job: Job) -> tuple[str, ...]:
+    """What biases the indirect light of a picture.
+
+    Parameters
+    ----------
+    job : Job
+        What is rendered.
+
+    Returns
+    -------
+    tuple of str
+        A line each.
+    """
+    if job.light == "direct" or job.bounces == 0 or job.settings.cells == 0:
+        return ()
+    if job.settings.mis == "1/M":
+        return ("mis=1/M counts vertices that cannot reflect the light: too dark",)
+    return ()
+
+
+METHOD = Method(
+    name="world-reservoirs",
+    summary="light reservoirs at every path vertex, reused in a hashed grid",
+    counts={"frames": 32, "spp": 32},
+    settings=LightSettings(),
+    aovs={**PARTS, **VERTEX, **GBUFFER},
+    render=Framed(_frames, _layers, VERTEX).render,
+    biases=named_biases,
+)

@@ -1,0 +1,62 @@
+"""Settings of light reservoirs in world space."""
+
+from dataclasses import dataclass
+from math import inf
+
+from extensions.reuse import Mis
+from hashgrid.lights import Chance
+from reference.methods.framed import Image
+
+LEAST_AND_MOST = {
+    "candidates": (1, 32),
+    "cells": (0, 8),
+    "reuse": (1, 8),
+    "cap": (1, inf),
+    "facings": (1, 16),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LightSettings:
+    """Settings of light reservoirs in world space.
+
+    Attributes
+    ----------
+    candidates : int
+        Points on lights that each vertex draws by power.
+    mis : '1/M', '1/Z', 'balance', 'pairwise' or 'defensive'
+        How those share a sample that could have made it; the first is biased, and the
+        article's.
+    cells : int
+        How many cells of the last frame each vertex looks into; 0 for no reuse.
+    reuse : int
+        How many reservoirs it takes from each.
+    cap : float
+        Limit of M.
+    visible : bool
+        Whether visible points have reservoirs, too: their own light is direct, and
+        needs none, but others may take them over.
+    facings : int
+        Parts of each component of the normal that cells tell apart.
+    chance : 'delta-lobes' or 'balance'
+        Which light is left to rays that meet lights by chance.
+    image : 'last' or 'mean'
+        The last frame, as a renderer shows it, or the mean of all.
+    """
+
+    candidates: int = 8
+    mis: Mis = "1/Z"
+    cells: int = 1
+    reuse: int = 4
+    cap: float = 20.0
+    visible: bool = False
+    facings: int = 1
+    chance: Chance = "delta-lobes"
+    image: Image = "last"
+
+    def __post_init__(self) -> None:
+        for name, (least, most) in LEAST_AND_MOST.items():
+            if not least <= getattr(self, name) <= most:
+                raise ValueError(
+                    f"{name}={getattr(self, name)} is out of range: {least} to {most}"
+                )

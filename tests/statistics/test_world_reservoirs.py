@@ -1,0 +1,148 @@
+"""Light reservoirs in world space: what is taken from cells brings no bias.
+
+Controls: 1/M; donors asked in the scene of the receivers; lights drawn by power and
+counted as if they were drawn evenly.
+"""
+
+from dataclasses import replace
+from itertools import islice
+
+import numpy as np
+import pytest
+
+import hashgrid.light_candidates
+from hashgrid.light_donor import LightDonor
+from hashgrid.light_settings import LightSettings
+from hashgrid.lights import draw_lights, reflected
+from hashgrid.world_reservoirs import render_light_frames
+from reference.records import take
+from tests.properties.path_scenes import world
+from tests.statistics.path_runs import (
+    COLUMNS,
+    FAMILY,
+    SIZE,
+    brightness,
+    judged,
+    of_a_scene_that_moves,
+    of_last_frames,
+)
+from tests.statistics.replicates import (
+    BATCHES,
+    ONE_BAND,
+    means,
+    path_traced,
+    threshold,
+)
+
+WITHOUT = {"cells": 0}
+RUNS = 80
+
+PLANS = {
+    "paint": LightSettings(),
+    "rough metal": LightSettings(mis="balance", chance="balance", visible=True),
+    "smooth coat": LightSettings(mis="pairwise", facings=4),
+    "glass": LightSettings(cells=2, candidates=2),
+    "many-lights": LightSettings(cap=100.0, mis="defensive"),
+    "checker": LightSettings(candidates=1, reuse=2),
+}
+
+
+def still(scene, settings, bounces, runs=RUNS):
+    w = world(scene, SIZE)
+    found = of_last_frames(w, settings, bounces, runs, render_light_frames, WITHOUT)
+    return judged(found, brightness(scene, bounces))
+
+
+def moving(name, settings, runs=RUNS, stride=1):
+    return judged(
+        *of_a_scene_that_moves(
+            name, settings, runs, render_light_frames, WITHOUT, stride
+        )
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("bounces", [1, 2, 3])
+@pytest.mark.parametrize("scene", PLANS)
+def test_reuse_brings_no_bias(scene, bounces):
+    assert still(scene, PLANS[scene], bounces)
+
+
+def test_a_few_runs_show_no_bias():
+    assert still("paint", LightSettings(), 2, 40)
+
+
+def test_control_one_over_m_is_refuted():
+    """Blocks face away from a light that the walls behind them see."""
+    assert not still("paint", LightSettings(mis="1/M"), 2, 40)
+
+
+MOVES = {"moving-camera": 10, "moving-light": 8, "moving-block": 8}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mis", ["1/Z", "balance"])
+@pytest.mark.parametrize("name", MOVES)
+def test_what_moves_brings_no_bias(name, mis):
+    assert moving(name, LightSettings(mis=mis), stride=MOVES[name])
+
+
+@pytest.mark.slow
+def test_control_donors_asked_in_the_scene_of_the_receivers(monkeypatch):
+    """What a lamp would have been worth before it moved is another number."""
+
+    def asked_now(self, samples, at):
+        points, lights = take(self.points_from, self.rows[at]), take(samples, at)
+        return reflected(self.world, points, lights, self.chance), np.ones(len(at))
+
+    monkeypatch.setattr(LightDonor, "back", asked_now)
+    assert not moving("moving-light", LightSettings(mis="balance"), 120, 20)
+
+
+CANDIDATES = {
+    "paint": (1, LightSettings()),
+    "rough metal": (2, LightSettings(chance="balance")),
+    "smooth coat": (3, LightSettings(candidates=1)),
+    "glass": (3, LightSettings()),
+    "many-lights": (1, LightSettings(chance="balance")),
+    "checker": (2, LightSettings(candidates=3)),
+}
+
+
+def of_candidates(scene, frames=512):
+    """Largest |t| of the difference to the path tracer, of tiles and image."""
+    bounces, settings = CANDIDATES[scene]
+    w, alone = world(scene, SIZE), replace(settings, **WITHOUT)
+    rows = []
+    for batch in range(BATCHES):
+        found = render_light_frames(w, alone, bounces, batch, ONE_BAND)
+        some = [frame.color for frame in islice(found, frames // BATCHES)]
+        rows.append(np.mean(some, axis=0))
+    mine, truth = means(rows, SIZE), path_traced(w, frames, bounces)
+    error = np.hypot(mine.error, truth.error)
+    t = np.abs(mine.mean - truth.mean) / np.maximum(error, 1e-300)
+    print(
+        f"candidates {mine.mean[0] / truth.mean[0]:.4f} of the truth, |t| {t.max():.1f}"
+    )
+    return t[error > 0].max()
+
+
+BOUND = threshold(COLUMNS + 1, FAMILY, BATCHES)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", CANDIDATES)
+def test_without_reuse_it_is_the_path_tracer(scene):
+    assert of_candidates(scene) < BOUND
+
+
+@pytest.mark.slow
+def test_control_the_density_of_a_light_is_forgotten(monkeypatch):
+    """Lamps of different powers come as often as others, and count as often."""
+
+    def even(emitters, u):
+        lights, density = draw_lights(emitters, u)
+        return lights, np.full_like(density, 1.0 / len(emitters.probability))
+
+    monkeypatch.setattr(hashgrid.light_candidates, "draw_lights", even)
+    assert of_candidates("many-lights") > BOUND
