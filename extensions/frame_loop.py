@@ -120,18 +120,18 @@ class Moment:
         return KeyedUniforms(pixel, self.number, self.seed, stream)
 
 
-MakeFrame = Callable[[Moment, PathFrame | None, Schedule], PathFrame]
+OfPaths = TypeVar("OfPaths", bound=PathFrame)
 
 
 def path_frames(
-    make: MakeFrame,
+    make: Callable[[Moment, OfPaths | None, Schedule], OfPaths],
     world: World,
     settings: PathSettings,
     bounces: int,
     seed: int,
     schedule: Schedule,
     animation: Animation | None = None,
-) -> Iterator[PathFrame]:
+) -> Iterator[OfPaths]:
     """Frames of whole paths, without end.
 
     Parameters
@@ -161,8 +161,8 @@ def path_frames(
     begins_anew = animation is not None and animation.changes == "scene"
 
     def frame(
-        number: int, now: World, visible: VisiblePoints, last: PathFrame | None
-    ) -> PathFrame:
+        number: int, now: World, visible: VisiblePoints, last: OfPaths | None
+    ) -> OfPaths:
         moment = Moment(number, now, visible, settings, bounces, seed)
         return make(moment, None if begins_anew else last, schedule)
 

@@ -1,6 +1,6 @@
 """ReSTIR PT: the frame loop of ReSTIR GI, on whole paths."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -58,17 +58,57 @@ def render_path_frames(
 
 
 def _frame(moment: Moment, last: PathFrame | None, schedule: Schedule) -> PathFrame:
+    kept = reused(moment, last, lambda rows: _drawn(moment, rows), schedule)
+    color = kept.y.value * kept.W[:, None]
+    return PathFrame(moment.number, moment.world, moment.visible, kept, color)
+
+
+def reused(
+    moment: Moment,
+    last: PathFrame | None,
+    drawn: Callable[[slice], Reservoirs],
+    schedule: Schedule,
+) -> Reservoirs:
+    """Temporal and spatial reuse of whole paths, as the settings say.
+
+    Parameters
+    ----------
+    moment : Moment
+        The frame.
+    last : PathFrame or None
+        The one before, if there is one.
+    drawn : callable
+        From some pixels to the paths that they draw anew.
+    schedule : Schedule
+        Bands and threads.
+
+    Returns
+    -------
+    Reservoirs
+        Of `extensions.paths.Paths`, a pixel each.
+    """
     rows = moment.pixels
     past = _rows_before(moment, last)
     fresh = in_bands(
-        schedule, rows, lambda r: _drawn_and_temporal(moment, last, past, r)
+        schedule, rows, lambda r: _temporal(moment, last, past, r, drawn(r))
     )
-    kept = fresh
-    if moment.settings.spatial:
-        # Every pixel's reservoir is complete before a neighbour reads it.
-        kept = in_bands(schedule, rows, lambda r: _spatial(moment, fresh, r))
-    color = kept.y.value * kept.W[:, None]
-    return PathFrame(moment.number, moment.world, moment.visible, kept, color)
+    if not moment.settings.spatial:
+        return fresh
+    # Every pixel's reservoir is complete before a neighbour reads it.
+    return in_bands(schedule, rows, lambda r: _spatial(moment, fresh, r))
+
+
+def _drawn(moment: Moment, rows: slice) -> Reservoirs:
+    shift, number = moment.shift, moment.numbers(rows)
+    tree = draw_paths(
+        moment.world,
+        cut(moment.visible.surface, rows),
+        moment.bounces,
+        shift.criterion,
+        number,
+        shift.uniforms(number),
+    )
+    return finalize(tree, tree.M)
 
 
 def _rows_before(moment: Moment, last: PathFrame | None) -> Indices | None:
@@ -80,25 +120,18 @@ def _rows_before(moment: Moment, last: PathFrame | None) -> Indices | None:
     )
 
 
-def _drawn_and_temporal(
-    moment: Moment, last: PathFrame | None, past: Indices | None, rows: slice
+def _temporal(
+    moment: Moment,
+    last: PathFrame | None,
+    past: Indices | None,
+    rows: slice,
+    new: Reservoirs,
 ) -> Reservoirs:
-    points = cut(moment.visible.surface, rows)
-    shift = moment.shift
-    number = moment.numbers(rows)
-    tree = draw_paths(
-        moment.world,
-        points,
-        moment.bounces,
-        shift.criterion,
-        number,
-        shift.uniforms(number),
-    )
-    new = finalize(tree, tree.M)
     if last is None or not moment.settings.temporal:
         return new
+    points = cut(moment.visible.surface, rows)
     here = np.arange(len(points))
-    now = shift, moment.world, points
+    now = moment.shift, moment.world, points
     own = PointDonor(*now, moment.world, points, new, here, stands=True)
     rows_before = np.arange(rows.start, rows.stop) if past is None else past[rows]
     before = PointDonor(

@@ -10,6 +10,7 @@ from hashgrid.light_candidates import keep_one
 from hashgrid.light_donor import Lent, LightDonor
 from hashgrid.light_settings import LightSettings
 from hashgrid.lights import in_sight, same_lights
+from hashgrid.vertex_numbers import decisions, of_vertices
 from reference.arrays import Indices, Masks, Vec3s, dot, zero_vectors
 from reference.direct_light import found_by_chance
 from reference.resampling.reservoir import (
@@ -20,12 +21,6 @@ from reference.scene.hits import surface_points
 from reference.scene.materials.bsdf_sampling import BsdfSamples, sample
 from reference.scene.surface import SurfacePoints
 from reference.world import World
-
-VERTICES = 32
-"""More than any path has: step of the keys from frame to frame."""
-
-DECISIONS = 16
-"""Dimension of the first decisions, four to a dimension; look-ups are before them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,12 +105,8 @@ class Vertex:
         """
         kept: Reservoirs | None = None
         if self.number > 1 or self.settings.visible:
-            drawn = keep_one(
-                self.world,
-                walk.points,
-                self.settings,
-                self.keys(walk.pixel, Stream.LIGHTS),
-            )
+            u = self.keys(walk.pixel, Stream.LIGHTS)
+            drawn = keep_one(self.world, walk.points, self.settings, u)
             kept = self._reused(walk, drawn)
         onward, met = self._onward(walk)
         light = zero_vectors(len(walk.pixel))
@@ -138,8 +129,7 @@ class Vertex:
         Uniforms
             K rows.
         """
-        key = self.frame * VERTICES + self.number
-        return KeyedUniforms(pixel.astype(np.uint32), key, self.seed, stream)
+        return of_vertices(pixel, self.frame, self.number, self.seed, stream)
 
     def _reused(self, walk: Walk, drawn: Reservoirs) -> Reservoirs:
         """Resample with what the last frame left in the cells around."""
@@ -155,9 +145,7 @@ class Vertex:
             LightDonor(*now, *then, theirs, rows, self.lent.lights_from, s.chance)
             for rows in find(cache, walk.points, uniforms, s.cells, s.reuse)
         ]
-        lanes = [
-            uniforms.draw(DECISIONS + k // 4)[k % 4] for k in range(len(others) + 1)
-        ]
+        lanes = decisions(uniforms, len(others) + 1)
         return resample([own, *others], lanes, s.mis, s.cap)
 
     def _shaded(self, points: SurfacePoints, kept: Reservoirs) -> Vec3s:

@@ -15,11 +15,12 @@ from hashgrid.cache import Cache, fill
 from hashgrid.keys import lattice_of
 from hashgrid.light_donor import lent
 from hashgrid.light_settings import LightSettings
-from hashgrid.light_vertex import VERTICES, Vertex, Visit, Walk
+from hashgrid.light_vertex import Vertex, Visit, Walk
 from hashgrid.lights import lends
+from hashgrid.vertex_numbers import of_vertices
 from reference.arrays import Indices, Vec3s, zero_vectors
 from reference.records import concatenate, cut, keep
-from reference.rng import KeyedUniforms, Stream, Uniforms
+from reference.rng import Stream, Uniforms
 from reference.scene.animation import Animation
 from reference.scene.surface import VisiblePoints
 from reference.schedule import Schedule, in_bands
@@ -132,8 +133,7 @@ def _frame(
 
 def _insertions(first: Vertex, pixel: Indices, number: Indices) -> Uniforms:
     """Numbers of all vertices."""
-    keys = first.frame * VERTICES + number
-    return KeyedUniforms(pixel.astype(np.uint32), keys, first.seed, Stream.CELLS)
+    return of_vertices(pixel, first.frame, number, first.seed, Stream.CELLS)
 
 
 def _of(vertex: Vertex, walk: Walk) -> Callable[[slice], Visit]:

@@ -27,6 +27,7 @@ NAMES = [
     "checker",
     "many-lights",
     "night-market",
+    "shaft",
     "specular-floor",
     "mirror-floor",
     "glass-floor",
@@ -38,10 +39,10 @@ NAMES = [
 ]
 KNOWN = {"sunlit-wall", "sphere-furnace", "half-lit-sphere", "parallel-plates"}
 
-HARD = {"specular-floor": (2, 200)}
+HARD = {"specular-floor": (2, 200), "shaft": (2, 400)}
 """Bounces, and samples a pixel, with which indirect light is found."""
 
-ANIMATED = set(NAMES[14:])
+ANIMATED = set(NAMES[15:])
 
 every_scene = pytest.mark.parametrize("name", NAMES)
 

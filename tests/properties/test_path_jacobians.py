@@ -92,7 +92,7 @@ SPREAD = "divide_or_zero(cosine, distance**2)"
 def densities(base, offset):
     """Of both, so that such shifts would still lead home."""
     return [
-        ("extensions.candidates", BASE, base),
+        ("extensions.ends", BASE, base),
         ("extensions.shifting", OFFSET, offset),
     ]
 

@@ -19,6 +19,7 @@ from reference.scene.validation import validate
 from reference.world import build_world
 from tests.properties.path_scenes import world
 from tests.statistics.replicates import (
+    BATCHES,
     ONE_BAND,
     largest_t,
     means,
@@ -114,3 +115,22 @@ def of_last_frames(w, settings, bounces, runs, render, without, animation=None):
 
         rows.append(last(settings) - last(replace(settings, **without)))
     return means(rows, w.camera.width)
+
+
+BOUND = threshold(COLUMNS + 1, FAMILY, BATCHES)
+"""Of the largest |t| of tiles and image in `of_candidates`."""
+
+
+def of_candidates(w, settings, bounces, render, jitter=None, frames=512):
+    """Largest |t| of frames without reuse less path tracing, of tiles and image."""
+    rows = []
+    for batch in range(BATCHES):
+        found = render(w, settings, bounces, batch, ONE_BAND)
+        some = [frame.color for frame in islice(found, frames // BATCHES)]
+        rows.append(np.mean(some, axis=0))
+    mine, truth = means(rows, SIZE), path_traced(w, frames, bounces, jitter)
+    error = np.hypot(mine.error, truth.error)
+    t = np.abs(mine.mean - truth.mean) / np.maximum(error, 1e-300)
+    ratio = mine.mean[0] / truth.mean[0]
+    print(f"candidates over the truth {ratio:.4f}, largest |t| {t.max():.1f}")
+    return t[error > 0].max()

@@ -4,8 +4,6 @@ Controls: paths that fall out of the receiver's area are not refused; a primary 
 kept without its Jacobian.
 """
 
-from itertools import islice
-
 import numpy as np
 import pytest
 
@@ -14,20 +12,13 @@ from extensions.area_restir import render_area_frames
 from extensions.area_settings import AreaSettings
 from tests.properties.path_scenes import world
 from tests.statistics.path_runs import (
-    COLUMNS,
-    FAMILY,
+    BOUND,
     SIZE,
     brightness,
     judged,
     of_a_camera_that_moves,
+    of_candidates,
     of_reuse,
-)
-from tests.statistics.replicates import (
-    BATCHES,
-    ONE_BAND,
-    means,
-    path_traced,
-    threshold,
 )
 
 STILL = [
@@ -108,29 +99,17 @@ def test_control_a_primary_hit_kept_without_its_jacobian_is_refuted(monkeypatch)
     assert not moving(PAST_ALONE["keep"], PAST_RUNS)
 
 
-def of_candidates(jitter, frames=1024):
-    """Largest |t| of the difference to the path tracer, of tiles and image."""
-    w = world("checker", SIZE)
+def candidates(jitter):
     alone = AreaSettings(temporal=False, spatial=False)
-    rows = []
-    for batch in range(BATCHES):
-        found = render_area_frames(w, alone, 2, batch, ONE_BAND)
-        some = [frame.color for frame in islice(found, frames // BATCHES)]
-        rows.append(np.mean(some, axis=0))
-    mine, truth = means(rows, SIZE), path_traced(w, frames, 2, jitter)
-    error = np.hypot(mine.error, truth.error)
-    t = np.abs(mine.mean - truth.mean) / np.maximum(error, 1e-300)
-    return t[error > 0].max()
-
-
-BOUND = threshold(COLUMNS + 1, FAMILY, BATCHES)
+    w = world("checker", SIZE)
+    return of_candidates(w, alone, 2, render_area_frames, jitter, 1024)
 
 
 @pytest.mark.slow
 def test_candidates_are_means_over_the_areas_of_pixels():
-    assert of_candidates(np.random.default_rng(5)) < BOUND
+    assert candidates(np.random.default_rng(5)) < BOUND
 
 
 @pytest.mark.slow
 def test_control_the_centres_of_pixels_are_another_picture():
-    assert of_candidates(None) > BOUND
+    assert candidates(None) > BOUND

@@ -5,7 +5,6 @@ counted as if they were drawn evenly.
 """
 
 from dataclasses import replace
-from itertools import islice
 
 import numpy as np
 import pytest
@@ -18,20 +17,13 @@ from hashgrid.world_reservoirs import render_light_frames
 from reference.records import take
 from tests.properties.path_scenes import world
 from tests.statistics.path_runs import (
-    COLUMNS,
-    FAMILY,
+    BOUND,
     SIZE,
     brightness,
     judged,
     of_a_scene_that_moves,
+    of_candidates,
     of_last_frames,
-)
-from tests.statistics.replicates import (
-    BATCHES,
-    ONE_BAND,
-    means,
-    path_traced,
-    threshold,
 )
 
 WITHOUT = {"cells": 0}
@@ -109,31 +101,16 @@ CANDIDATES = {
 }
 
 
-def of_candidates(scene, frames=512):
-    """Largest |t| of the difference to the path tracer, of tiles and image."""
+def candidates(scene):
     bounces, settings = CANDIDATES[scene]
-    w, alone = world(scene, SIZE), replace(settings, **WITHOUT)
-    rows = []
-    for batch in range(BATCHES):
-        found = render_light_frames(w, alone, bounces, batch, ONE_BAND)
-        some = [frame.color for frame in islice(found, frames // BATCHES)]
-        rows.append(np.mean(some, axis=0))
-    mine, truth = means(rows, SIZE), path_traced(w, frames, bounces)
-    error = np.hypot(mine.error, truth.error)
-    t = np.abs(mine.mean - truth.mean) / np.maximum(error, 1e-300)
-    print(
-        f"candidates {mine.mean[0] / truth.mean[0]:.4f} of the truth, |t| {t.max():.1f}"
-    )
-    return t[error > 0].max()
-
-
-BOUND = threshold(COLUMNS + 1, FAMILY, BATCHES)
+    alone = replace(settings, **WITHOUT)
+    return of_candidates(world(scene, SIZE), alone, bounces, render_light_frames)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("scene", CANDIDATES)
 def test_without_reuse_it_is_the_path_tracer(scene):
-    assert of_candidates(scene) < BOUND
+    assert candidates(scene) < BOUND
 
 
 @pytest.mark.slow
@@ -145,4 +122,4 @@ def test_control_the_density_of_a_light_is_forgotten(monkeypatch):
         return lights, np.full_like(density, 1.0 / len(emitters.probability))
 
     monkeypatch.setattr(hashgrid.light_candidates, "draw_lights", even)
-    assert of_candidates("many-lights") > BOUND
+    assert candidates("many-lights") > BOUND

@@ -10,6 +10,7 @@ from reference.scene.catalogue import (
     animations,
     market,
     rooms,
+    shaft,
     speculars,
     spheres,
     walls,
@@ -110,6 +111,11 @@ _ENTRIES = (
         "night-market",
         market.night_market,
         "900 stalls under 30,000 lamps, of which each place sees a few",
+    ),
+    Entry(
+        "shaft",
+        shaft.shaft,
+        "hard: a room lit only from the top of a tall shaft",
     ),
     Entry(
         "specular-floor",

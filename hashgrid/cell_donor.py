@@ -1,0 +1,83 @@
+"""Vertices of the last frame that lend the paths that begin at them."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from extensions.donors import PointDonor, Worth
+from extensions.paths import Paths
+from extensions.shifting import Shift
+from reference.arrays import Indices, Masks
+
+
+def in_cells(shift: Shift) -> Shift:
+    """How paths of cells are shifted: joined at their second point, or not at all.
+
+    Parameters
+    ----------
+    shift : Shift
+        Of paths between pixels.
+
+    Returns
+    -------
+    Shift
+        Under the same criterion, without replay: the numbers of a path that begins at a
+        vertex are those of another pixel's path.
+    """
+    joined = replace(shift.criterion, last_joint=2, replays=False)
+    return replace(shift, criterion=joined)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CellDonor(PointDonor):
+    """Donors of paths, which are not all as long.
+
+    Attributes
+    ----------
+    reach : int
+        Largest index of a last surface point of the receivers' paths.
+    reach_from : (N,) int8
+        The same of the donors'.
+    """
+
+    reach: int = field(kw_only=True)
+    reach_from: Indices = field(kw_only=True)
+
+    def forth(self, at: Indices) -> Worth:
+        """Worth of the donors' paths at the receivers.
+
+        Parameters
+        ----------
+        at : (A,) int
+            Receivers, none without a donor.
+
+        Returns
+        -------
+        (A, 3), (A,) float64
+            Value, and Jacobian; 0 for paths that are too long.
+        """
+        fits = self.reservoirs.y.end[self.rows[at]] <= self.reach
+        return _those(fits, PointDonor.forth(self, at))
+
+    def back(self, samples: Paths, at: Indices) -> Worth:
+        """Worth of the receivers' paths at their donors.
+
+        Parameters
+        ----------
+        samples : Paths
+            K rows, at the receivers.
+        at : (A,) int
+            Which of them, none without a donor.
+
+        Returns
+        -------
+        (A, 3), (A,) float64
+            Value, and Jacobian; 0 for paths that are too long.
+        """
+        fits = samples.end[at] <= self.reach_from[self.rows[at]]
+        return _those(fits, PointDonor.back(self, samples, at))
+
+
+def _those(fits: Masks, worth: Worth) -> Worth:
+    value, jacobian = worth
+    return np.where(fits[:, None], value, 0.0), np.where(fits, jacobian, 0.0)

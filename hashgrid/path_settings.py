@@ -1,0 +1,93 @@
+"""Settings of path reservoirs in the cells of a grid."""
+
+from dataclasses import dataclass
+from math import inf
+from typing import Literal
+
+from extensions.pt_settings import PathSettings
+from extensions.reuse import Mis
+
+CELL_LIMITS = {
+    "query": (0, 31),
+    "cells": (0, 8),
+    "cell_reuse": (1, 8),
+    "cell_cap": (1, inf),
+    "facings": (1, 16),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CellSettings(PathSettings):
+    """Settings of ReGIR GI: those of ReSTIR PT, and of the cells.
+
+    Attributes
+    ----------
+    query : int
+        Bounce at which a path asks a cell how to go on: 1 at the visible point, 2 at
+        the next one; 0 for every bounce.
+    cells : int
+        How many cells of the last frame it looks into; 0 for none.
+    cell_reuse : int
+        How many reservoirs it takes from each.
+    cell_cap : float
+        Limit of M in cells.
+    cell_mis : '1/M', '1/Z', 'balance', 'pairwise' or 'defensive'
+        How those of a cell share a path that could have made it; 1/M is biased, and the
+        article's.
+    nulls : 'counted' or 'dropped'
+        Vertices whose paths found no light, or cannot be joined: they are in the cells,
+        too, without a sample, or not at all, which is biased, and the article's.
+    writers : 'same-bounce' or 'every-bounce'
+        Whose reservoirs a cell holds: vertices of the bounce that asks, or of all
+        bounces, which is biased, and the article's.
+    facings : int
+        Parts of each component of the normal that cells tell apart.
+    """
+
+    query: int = 2
+    cells: int = 1
+    cell_reuse: int = 4
+    cell_cap: float = 20.0
+    cell_mis: Mis = "balance"
+    nulls: Literal["counted", "dropped"] = "counted"
+    writers: Literal["same-bounce", "every-bounce"] = "same-bounce"
+    facings: int = 1
+
+    def __post_init__(self) -> None:
+        # Slots make another class of it, which the short form of super does not know.
+        PathSettings.__post_init__(self)
+        for name, (least, most) in CELL_LIMITS.items():
+            if not least <= getattr(self, name) <= most:
+                raise ValueError(
+                    f"{name}={getattr(self, name)} is out of range: {least} to {most}"
+                )
+
+    def asks(self, vertex: int) -> bool:
+        """Whether paths at x_v ask a cell.
+
+        Parameters
+        ----------
+        vertex : int
+            v.
+
+        Returns
+        -------
+        bool
+            For their last points nothing is left to ask.
+        """
+        return self.cells > 0 and self.query in (0, vertex)
+
+    def writes(self, vertex: int) -> bool:
+        """Whether reservoirs of x_v are put into cells.
+
+        Parameters
+        ----------
+        vertex : int
+            v.
+
+        Returns
+        -------
+        bool
+            Where nobody asks, nobody writes.
+        """
+        return self.asks(vertex) or (self.cells > 0 and self.writers == "every-bounce")

@@ -1,0 +1,63 @@
+"""Method ``regir-gi``: paths in the cells of a grid, and ReSTIR PT on top."""
+
+from collections.abc import Iterator, Mapping
+
+from extensions.method import PATHS, path_layers
+from hashgrid.path_settings import CellSettings
+from hashgrid.regir_gi import CellFrame, render_cell_frames
+from reference.arrays import Scalars
+from reference.methods.aovs import GBUFFER
+from reference.methods.framed import PARTS, Framed
+from reference.methods.method import Job, Method
+
+
+def _frames(job: Job) -> Iterator[CellFrame]:
+    return render_cell_frames(
+        job.world, job.settings, job.bounces, job.seed, job.schedule, job.animation
+    )
+
+
+def _layers(frame: CellFrame, names: tuple[str, ...]) -> Mapping[str, Scalars]:
+    return path_layers(frame.reservoirs, frame.reservoirs.y, names)
+
+
+def named_biases(job: Job) -> tuple[str, ...]:
+    """What biases the indirect light of a picture.
+
+    Parameters
+    ----------
+    job : Job
+        What is rendered.
+
+    Returns
+    -------
+    tuple of str
+        A line each.
+    """
+    s = job.settings
+    if job.light == "direct" or job.bounces == 0:
+        return ()
+    asks = any(s.asks(v) for v in range(1, job.bounces + 1))
+    reuses = s.spatial or (job.animation and s.temporal)
+    found = {
+        "mis=1/M counts those who could not have made the sample: too dark": reuses
+        and s.mis == "1/M",
+        "cell_mis=1/M counts vertices that could not have made the path: too dark": asks
+        and s.cell_mis == "1/M",
+        "nulls=dropped forgets the paths that found nothing: too bright": asks
+        and s.nulls == "dropped",
+        "writers=every-bounce lets the end of a path decide who lends it": asks
+        and s.writers == "every-bounce",
+    }
+    return tuple(line for line, holds in found.items() if holds)
+
+
+METHOD = Method(
+    name="regir-gi",
+    summary="paths in the cells of a hashed grid, then reused over the screen",
+    counts={"frames": 32, "spp": 32},
+    settings=CellSettings(),
+    aovs={**PARTS, **PATHS, **GBUFFER},
+    render=Framed(_frames, _layers, PATHS).render,
+    biases=named_biases,
+)
