@@ -29,7 +29,7 @@ class Grid:
         How many.
     cells : Keys
         C rows, no two alike.
-    place : (C,) int64
+    place : (C,) int32
         Bucket · 16 + place in the bucket.
     checksum : (C,) uint32
         Of the cell; two cells may share one, and are not mixed up.
@@ -42,7 +42,7 @@ class Grid:
         Vertices whose bucket was full.
     marks : (C,) uint64
         Both hashes of the cells, in rising order.
-    marked : (C,) int64
+    marked : (C,) int32
         Cells in that order.
     """
 
@@ -76,7 +76,7 @@ def build_grid(keys: Keys, active: Masks, buckets: int = BUCKETS) -> Grid:
     active : (N,) bool
         Which are inserted.
     buckets : int
-        How many of 16 places each.
+        How many of 16 places each, at most 2²⁷.
 
     Returns
     -------
@@ -107,13 +107,13 @@ def build_grid(keys: Keys, active: Masks, buckets: int = BUCKETS) -> Grid:
     return Grid(
         buckets=buckets,
         cells=cells,
-        place=place[kept],
+        place=place[kept].astype(np.int32),
         checksum=cells.checksum,
         start=start,
         vertices=vertices,
         lost=len(rows) - len(vertices),
         marks=mark[marked],
-        marked=marked,
+        marked=marked.astype(np.int32),
     )
 
 

@@ -31,7 +31,8 @@ class Lattice:
     base : float
         Edge of a cell over its distance, before it is rounded down to a power of two.
     facings : int
-        Parts of each component of the normal that cells tell apart; 1 for none.
+        Parts of each component of the normal that cells tell apart, 1 to 16; 1 for
+        none.
     """
 
     eye: tuple[float, float, float]
@@ -70,11 +71,11 @@ class Keys:
 
     Attributes
     ----------
-    level : (N,) int64
+    level : (N,) int16
         Edge 1e-3 · 2^level m.
     x, y, z : (N,) int64
         Position in units of the edge, rounded down.
-    facing : (N,) int64
+    facing : (N,) int16
         Part of the normal's sphere; 0 where the lattice does not look at it.
     """
 
@@ -92,7 +93,7 @@ class Keys:
     def words(self) -> list[UInts]:
         """Lower 32 bits of each field, as two's complement."""
         fields = (self.level, self.x, self.y, self.z, self.facing)
-        return [(f & 0xFFFFFFFF).astype(np.uint32) for f in fields]
+        return [(f.astype(np.int64) & 0xFFFFFFFF).astype(np.uint32) for f in fields]
 
     @property
     def place(self) -> UInts:
@@ -165,13 +166,14 @@ def keys_of(lattice: Lattice, position: Vec3s, normal: Vec3s) -> Keys:
     level = levels(lattice, position)
     scaled = np.floor(position / edges(level)[:, None])
     x, y, z = np.clip(scaled, -FARTHEST, FARTHEST).astype(np.int64).T
-    return Keys(level, x, y, z, _facings(lattice.facings, normal))
+    facing = _facings(lattice.facings, normal)
+    return Keys(level.astype(np.int16), x, y, z, facing)
 
 
 def _facings(parts: int, normal: Vec3s) -> Indices:
     place = np.floor((normal + 1.0) * (parts / 2))
     a, b, c = np.clip(place, 0, parts - 1).astype(np.int64).T
-    facing: Indices = a + parts * (b + parts * c)
+    facing: Indices = (a + parts * (b + parts * c)).astype(np.int16)
     return facing
 
 

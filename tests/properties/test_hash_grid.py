@@ -340,9 +340,13 @@ def test_a_vertex_of_nowhere_is_none():
 
 
 @pytest.mark.slow
-def test_a_million_vertices_take_no_more_memory_than_they_may():
-    keys = keys_at(points(1_000_000))
-    grid = build_grid(keys, everyone(keys), 1 << 18)
+@pytest.mark.parametrize("scale", [3.0, 3000.0])
+def test_a_million_vertices_take_no_more_memory_than_they_may(scale):
+    """Of the second scale nearly each is alone in its cell."""
+    keys = keys_at(points(1_000_000, scale=scale))
+    grid = build_grid(keys, everyone(keys), 1 << 20)
+    assert grid.lost == 0
     held = [grid.place, grid.checksum, grid.start, grid.vertices]
+    held += [grid.marks, grid.marked]
     held += [getattr(grid.cells, field.name) for field in fields(Keys)]
     assert sum(a.nbytes for a in held) <= 64 * len(keys)
