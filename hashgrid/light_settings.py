@@ -45,7 +45,7 @@ class LightSettings:
     """
 
     candidates: int = 8
-    mis: Mis = "1/Z"
+    mis: Mis = "balance"
     cells: int = 1
     reuse: int = 4
     cap: float = 20.0

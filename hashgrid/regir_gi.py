@@ -67,7 +67,7 @@ def render_cell_frames(
 
     Notes
     -----
-    [ReGIR GI].
+    [ZyanideND].
     """
     return path_frames(_frame, world, settings, bounces, seed, schedule, animation)
 

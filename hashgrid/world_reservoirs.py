@@ -123,7 +123,8 @@ def _frame(
         lattice_of(first.world.camera, first.settings.facings),
         walks.points,
         concatenate([reservoirs for _, _, reservoirs in visited]),
-        lends(first.world, walks.points),
+        # Nobody is put in where nobody asks.
+        lends(first.world, walks.points) & (first.settings.cells > 0),
         _insertions(first, walks.pixel, number),
     )
     return LightFrame(

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from hashgrid.figures import turns
+from hashgrid.figures.spread import spreads
 from reference import announced
 from reference.cli import main
 from reference.demo.runs import CONVERGED
@@ -56,6 +58,8 @@ def test_every_figure_is_made(restir, tmp_path, monkeypatch, name):
     """Small, of few frames: what is written is what is printed, and it is finite."""
     monkeypatch.setattr(contest, "FRAMES", 4)
     monkeypatch.setattr(validation, "SAMPLES", 8)
+    for name_of_frames in ("WARM", "COUNTED"):
+        monkeypatch.setattr(turns, name_of_frames, 2)
     out = tmp_path / "new"
     quick = ("--size", 16, "--runs", 4, "--json")
     code, printed, told = restir("figures", name, "--out", out, *quick)
@@ -449,3 +453,12 @@ def test_batches_are_independent_of_each_other_and_of_the_runs():
     found = compete(sized_world("cornell-box", 16), [], 1, replace(SMALL, runs=3))
     means = [batch.mean.sum() for batch in found.batches]
     assert len(set(means)) == 3
+
+
+def test_the_spread_of_runs_is_their_variance():
+    """In the mean over the runs, whatever they are; and a run that is off shows."""
+    runs = np.random.default_rng(3).gamma(0.3, size=(7, 20, 3))
+    expected = runs.var(axis=0, ddof=1).mean()
+    assert spreads(list(runs)).mean() == pytest.approx(expected, rel=1e-12)
+    runs[4] += 10.0
+    assert spreads(list(runs)).argmax() == 4

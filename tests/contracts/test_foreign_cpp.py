@@ -67,8 +67,20 @@ def test_its_list_of_mistakes_is_complete(program):
     assert listed.stdout.split() == list(NAMED)
 
 
+@pytest.mark.parametrize("program", ["unfused"], indirect=True)
 @pytest.mark.parametrize("plant", NAMED)
 def test_a_planted_mistake_is_told_by_its_name(program, probes, plant):
+    told_by_its_name(program, probes, plant)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("program", ["fused"], indirect=True)
+@pytest.mark.parametrize("plant", NAMED)
+def test_a_mistake_is_told_whatever_the_rounding(program, probes, plant):
+    told_by_its_name(program, probes, plant)
+
+
+def told_by_its_name(program, probes, plant):
     template = f"{program} {{directory}} --plant {plant}"
     verdict = short_ladder(ProgramBackend(template, Limits()), probes)
     assert_named(verdict, plant)

@@ -121,7 +121,7 @@ BOUND = threshold(COLUMNS + 1, FAMILY, BATCHES)
 """Of the largest |t| of tiles and image in `of_candidates`."""
 
 
-def of_candidates(w, settings, bounces, render, jitter=None, frames=512):
+def of_candidates(w, settings, bounces, render, jitter=None, frames=256):
     """Largest |t| of frames without reuse less path tracing, of tiles and image."""
     rows = []
     for batch in range(BATCHES):

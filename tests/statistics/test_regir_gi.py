@@ -36,7 +36,7 @@ PLANS = {
     "checker": replace(CELLS_ALONE, cell_mis="defensive"),
     "many-lights": replace(CELLS_ALONE, cells=4, cell_reuse=1),
 }
-RUNS = 100
+RUNS = 60
 
 
 def still(scene, settings, bounces, runs=RUNS):
@@ -94,7 +94,7 @@ def test_control_without_a_jacobian_cells_are_biased(monkeypatch):
 def test_a_camera_that_moves_brings_no_bias(query):
     settings = CellSettings(query=query, mis="balance", neighbors=2)
     found = of_a_scene_that_moves(
-        "moving-camera", settings, 100, render_cell_frames, WITHOUT
+        "moving-camera", settings, 60, render_cell_frames, WITHOUT
     )
     assert judged(*found)
 

@@ -27,7 +27,7 @@ from tests.statistics.path_runs import (
 )
 
 WITHOUT = {"cells": 0}
-RUNS = 80
+RUNS = 50
 
 PLANS = {
     "paint": LightSettings(),
@@ -35,7 +35,7 @@ PLANS = {
     "smooth coat": LightSettings(mis="pairwise", facings=4),
     "glass": LightSettings(cells=2, candidates=2),
     "many-lights": LightSettings(cap=100.0, mis="defensive"),
-    "checker": LightSettings(candidates=1, reuse=2),
+    "checker": LightSettings(candidates=1, reuse=2, mis="1/Z"),
 }
 
 

@@ -1,0 +1,1 @@
+"""Figures of the grid and of what is kept in its cells."""
