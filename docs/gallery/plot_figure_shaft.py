@@ -41,7 +41,7 @@ from reference.figures.record import Plan
 from reference.figures.table import table
 from reference.schedule import Schedule
 
-figure = shaft(Plan(size=48, runs=3, schedule=Schedule()))
+figure = shaft(Plan(size=32, runs=2, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)
 plt.show()
 
