@@ -11,18 +11,18 @@ Measured at full size, by ``restir figures shaft`` (128 x 128, 12 runs of 32 fra
 bounces; times smaller than ReSTIR GI with weights 1/Z, in one frame and in the same
 time):
 
-==============  =============================  ==========  =================  =================  ==============
-scene           variant                        ms a frame  in a frame         in the same time   bias
-==============  =============================  ==========  =================  =================  ==============
-shaft           ReSTIR GI                      42.5        1                  1                  -3 % ± 3
-shaft           ReSTIR PT                      72.6        15.5 [12.8, 19]    9.1 [7.5, 11.1]    -3 % ± 6
-shaft           ReGIR GI                       119         21.3 [15.4, 31]    7.6 [5.5, 10.9]    -6 % ± 9
-shaft           ReGIR GI, the article's form   134         0.06               0.02               +2577 % ± 437
-specular-floor  ReSTIR GI                      86.8        1                  1                  -0.2 % ± 4.3
-specular-floor  ReSTIR PT                      118         916 [715, 1170]    671 [524, 854]     -1.6 % ± 2.9
-specular-floor  ReGIR GI                       188         908 [664, 1290]    419 [306, 597]     -1.4 % ± 3.5
-specular-floor  ReGIR GI, the article's form   177         25.8 [20.9, 31.8]  12.7 [10.3, 15.6]  +833 % ± 26
-==============  =============================  ==========  =================  =================  ==============
+==============  =============  ====  ===============  =================  =============
+scene           variant        ms    in a frame       in the same time   bias
+==============  =============  ====  ===============  =================  =============
+shaft           ReSTIR GI      42.5  1                1                  -3 % ± 3
+shaft           ReSTIR PT      72.6  15.5 [12.8, 19]  9.1 [7.5, 11.1]    -3 % ± 6
+shaft           ReGIR GI       119   21.3 [15.4, 31]  7.6 [5.5, 10.9]    -6 % ± 9
+shaft           the article's  134   0.06             0.02               +2577 % ± 437
+polished floor  ReSTIR GI      86.8  1                1                  -0 % ± 4
+polished floor  ReSTIR PT      118   916 [715, 1170]  671 [524, 854]     -2 % ± 3
+polished floor  ReGIR GI       188   908 [664, 1290]  419 [306, 597]     -1 % ± 3
+polished floor  the article's  177   26 [21, 32]      12.7 [10.3, 15.6]  +833 % ± 26
+==============  =============  ====  ===============  =================  =============
 
 Cells make a frame of the shaft a third better than ReSTIR PT alone does, and take the
 time that they save: whole paths that are reused over the screen are most of the gain.
