@@ -1,0 +1,111 @@
+"""An image from pixels and their differences: screened Poisson reconstruction."""
+
+import numpy as np
+from scipy.fft import dctn, idctn
+
+from gradient_domain.differences import Differences, spread_back
+from reference.arrays import Scalars
+
+ALPHA = 0.2
+"""Weight of a pixel's own estimate beside a difference, on the rows: α² in squares."""
+
+
+def least_squares(
+    primal: Scalars, d: Differences, width: int, alpha: float = ALPHA
+) -> Scalars:
+    """Image I that minimizes |α (I − P)|² + |D_x I − d_x|² + |D_y I − d_y|².
+
+    Parameters
+    ----------
+    primal : (N, C) float64
+        Pixels P.
+    d : Differences
+        N rows.
+    width : int, pixels
+        Of a row.
+    alpha : float
+        Positive.
+
+    Returns
+    -------
+    (N, C) float64
+        Linear in what is given, so that it is unbiased where that is; its mean is that
+        of the pixels.
+
+    Raises
+    ------
+    ValueError
+        A pixel or a difference is not finite, or a difference leads out of the image:
+        the message says which.
+
+    Notes
+    -----
+    [Lehtinen13, section 3]; [Kettunen15].  The normal equations
+    (α² + D_xᵀ D_x + D_yᵀ D_y) I = α² P + D_xᵀ d_x + D_yᵀ d_y are diagonal under the
+    cosine transform of type 2, whose even continuation at the borders is that of
+    differences that do not lead out of the image.
+    """
+    check(primal, d, width)
+    right = alpha * alpha * primal + spread_back(d, width)
+    return screened(right, width, alpha * alpha)
+
+
+def screened(right: Scalars, width: int, screen: float, slope: float = 1.0) -> Scalars:
+    """Solve (s + t (D_xᵀ D_x + D_yᵀ D_y)) I = R exactly.
+
+    Parameters
+    ----------
+    right : (N, C) float64
+        R.
+    width : int, pixels
+        Of a row.
+    screen, slope : float
+        s, positive, and t.
+
+    Returns
+    -------
+    (N, C) float64
+        I.
+    """
+    image = right.reshape(-1, width, right.shape[1])
+    height = len(image)
+    down = 4 * np.sin(np.pi * np.arange(height) / (2 * height)) ** 2
+    across = 4 * np.sin(np.pi * np.arange(width) / (2 * width)) ** 2
+    eigenvalue = screen + slope * (down[:, None] + across)
+    waves = dctn(image, axes=(0, 1)) / eigenvalue[:, :, None]
+    solved: Scalars = idctn(waves, axes=(0, 1)).reshape(right.shape)
+    return solved
+
+
+def check(primal: Scalars, d: Differences, width: int) -> None:
+    """Refuse what no image can be made from.
+
+    Parameters
+    ----------
+    primal : (N, C) float64
+        Pixels.
+    d : Differences
+        N rows.
+    width : int, pixels
+        Of a row.
+
+    Raises
+    ------
+    ValueError
+        A pixel or a difference is not finite, or a difference leads out of the image.
+    """
+    named = (("pixel", primal), ("difference x", d.x), ("difference y", d.y))
+    for name, rows in named:
+        bad = np.flatnonzero(~np.isfinite(rows).all(axis=1))
+        if len(bad):
+            y, x = divmod(int(bad[0]), width)
+            raise ValueError(
+                f"{name} at ({x}, {y}) is {rows[bad[0]].tolist()}, and {len(bad)} in"
+                " all are not finite: nothing is reconstructed from them"
+            )
+    last_column = d.x.reshape(-1, width, d.x.shape[1])[:, -1]
+    last_row = d.y.reshape(-1, width, d.y.shape[1])[-1]
+    if last_column.any() or last_row.any():
+        raise ValueError(
+            "differences of the last column and row lead out of the image: must be 0"
+        )
