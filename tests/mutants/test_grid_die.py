@@ -68,7 +68,7 @@ def unbiased(found):
 
 
 LIGHT_EVIDENCE = [
-    lambda: unbiased(world_reservoirs.candidates("many-lights")),
+    lambda: unbiased(world_reservoirs.candidates("many-lights", 768)),
     lambda: unbiased(world_reservoirs.candidates("checker")),
 ]
 

@@ -101,10 +101,11 @@ CANDIDATES = {
 }
 
 
-def candidates(scene):
+def candidates(scene, frames=256):
     bounces, settings = CANDIDATES[scene]
     alone = replace(settings, **WITHOUT)
-    return of_candidates(world(scene, SIZE), alone, bounces, render_light_frames)
+    w = world(scene, SIZE)
+    return of_candidates(w, alone, bounces, render_light_frames, frames=frames)
 
 
 @pytest.mark.slow
