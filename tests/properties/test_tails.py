@@ -23,6 +23,7 @@ from tests.properties.path_scenes import points, uniforms, world
 CELLS_ALONE = CellSettings(temporal=False, spatial=False, cells=2)
 ONE = Schedule(band=1 << 20)
 FRAMES = 4
+ROUNDINGS = 100 * 2.0**-53
 
 PLANS = [
     ("paint", 2, 2),
@@ -55,18 +56,18 @@ def shifted_to_itself(scene, bounces, query):
 
 @pytest.mark.parametrize(("scene", "bounces", "query"), PLANS)
 def test_a_path_that_a_cell_has_ended_is_shifted_to_itself(scene, bounces, query):
-    """Whatever a cell did, the record says the whole path.
+    """Whatever a cell did, the record says the whole path, and all of it.
 
-    A point on an edge may be out of its own sight: two of a thousand rows.
+    A path is the product of at most 5 vertices of some 10 operations each, computed
+    once from each end: 100 roundings.
     """
     r, rows, value, jacobian = shifted_to_itself(scene, bounces, query)
     assert len(rows) > 60
-    there = jacobian > 0
-    assert there.mean() > 0.998
-    assert_allclose(jacobian[there], 1.0, rtol=1e-9)
+    assert (jacobian > 0).all()
+    assert_allclose(jacobian, 1.0, rtol=ROUNDINGS)
     scale = r.y.value[rows].max(axis=1, keepdims=True)
     off = np.abs(value - r.y.value[rows]) / scale
-    assert off[there].max() < 1e-9
+    assert off.max() < ROUNDINGS
 
 
 def test_control_numbers_of_the_lender_lead_elsewhere(monkeypatch):
@@ -81,7 +82,7 @@ def test_control_numbers_of_the_lender_lead_elsewhere(monkeypatch):
 
     monkeypatch.setattr(Bounces, "_asked", of_the_lender)
     _, _, _, jacobian = shifted_to_itself("glass", 4, 0)
-    assert (jacobian > 0).mean() < 0.998
+    assert not (jacobian > 0).all()
 
 
 @pytest.mark.parametrize("scene", ["paint", "mirror", "glass"])
