@@ -23,8 +23,8 @@ Primary = Literal["move", "keep"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class AreaDonor:
-    """Donors and receivers that are pixels with an area.
+class AreaShift:
+    """From pixels of one image to pixels of another, or of the same.
 
     Attributes
     ----------
@@ -32,12 +32,69 @@ class AreaDonor:
         Of all beyond x_1.
     primary : 'move' or 'keep'
         What becomes of x_1.
-    world : World
-        Of the K receivers.
+    world_from, world_to : World
+        In which the paths were made, and that to which they go.
+    """
+
+    shift: Shift
+    primary: Primary
+    world_from: World
+    world_to: World
+
+    @property
+    def back(self) -> "AreaShift":
+        """The other way."""
+        return AreaShift(self.shift, self.primary, self.world_to, self.world_from)
+
+    def __call__(
+        self, samples: AreaPaths, pixel: Indices, dx: Scalars, dy: Scalars
+    ) -> tuple[Placed, Scalars]:
+        """Shift paths.
+
+        Parameters
+        ----------
+        samples : AreaPaths
+            N rows.
+        pixel : (N,) int
+            Rows of the image to which they go.
+        dx, dy : (N,) float64, pixels
+            How far places move, if x_1 moves.
+
+        Returns
+        -------
+        Placed, (N,) float64
+            N rows, and the Jacobian of place and path; 0 where the path falls out of
+            the pixel, or out of sight.
+        """
+        size, world_to = len(samples), self.world_to
+        if self.primary == "move":
+            x, y, factor = samples.x + dx, samples.y + dy, np.ones(size)
+            at = np.flatnonzero(row_at(x, y, world_to) == pixel)
+            points = first_hits(world_to, x[at], y[at])
+        else:
+            seen = first_hits(self.world_from, samples.x, samples.y)
+            x, y, factor = kept_in_place(self.world_from, world_to, seen)
+            inside = (row_at(x, y, world_to) == pixel) & seen.hit
+            at = np.flatnonzero(inside)
+            points = first_hits(world_to, x[at], y[at])
+            same = _same(world_to, take(seen, at), points)
+            at, points = at[same], take(points, np.flatnonzero(same))
+        everyone = np.arange(len(at))
+        value, jacobian = self.shift(world_to, points, everyone, samples.paths, at)
+        value, jacobian = scatter(at, value, size), scatter(at, jacobian, size)
+        return Placed(x, y, value, jacobian), jacobian * factor
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AreaDonor:
+    """Donors and receivers that are pixels with an area.
+
+    Attributes
+    ----------
+    shift : AreaShift
+        From the donors to the K receivers.
     pixel : (K,) int
-        Rows of the image that these are.
-    world_from : World
-        In which the paths were made.
+        Rows of the image that the receivers are.
     reservoirs : Reservoirs
         N rows of `AreaPaths`, a pixel each.
     rows : (K,) int
@@ -48,11 +105,8 @@ class AreaDonor:
         Donor and receiver are one pixel of one image, and nothing is shifted.
     """
 
-    shift: Shift
-    primary: Primary
-    world: World
+    shift: AreaShift
     pixel: Indices
-    world_from: World
     reservoirs: Reservoirs
     rows: Indices
     dx: Scalars
@@ -70,12 +124,10 @@ class AreaDonor:
         Returns
         -------
         Placed, (A,) float64
-            A rows, and the Jacobian of place and path; 0 where the path falls out of
-            the receiver, or out of sight.
+            As of `AreaShift`.
         """
         samples = take(self.reservoirs.y, self.rows[at])
-        dx, dy = self.dx[at], self.dy[at]
-        return self._worth(samples, self.world_from, self.world, self.pixel[at], dx, dy)
+        return self.shift(samples, self.pixel[at], self.dx[at], self.dy[at])
 
     def back(self, samples: Any, at: Indices) -> tuple[Placed, Scalars]:
         """Worth of the receivers' paths at their donors.
@@ -90,37 +142,10 @@ class AreaDonor:
         Returns
         -------
         Placed, (A,) float64
-            As of `forth`.
+            As of `AreaShift`.
         """
-        some, dx, dy = take(samples, at), -self.dx[at], -self.dy[at]
-        return self._worth(some, self.world, self.world_from, self.rows[at], dx, dy)
-
-    def _worth(
-        self,
-        samples: AreaPaths,
-        world_from: World,
-        world_to: World,
-        pixel: Indices,
-        dx: Scalars,
-        dy: Scalars,
-    ) -> tuple[Placed, Scalars]:
-        size = len(samples)
-        if self.primary == "move":
-            x, y, factor = samples.x + dx, samples.y + dy, np.ones(size)
-            at = np.flatnonzero(row_at(x, y, world_to) == pixel)
-            points = first_hits(world_to, x[at], y[at])
-        else:
-            seen = first_hits(world_from, samples.x, samples.y)
-            x, y, factor = kept_in_place(world_from, world_to, seen)
-            inside = (row_at(x, y, world_to) == pixel) & seen.hit
-            at = np.flatnonzero(inside)
-            points = first_hits(world_to, x[at], y[at])
-            same = _same(world_to, take(seen, at), points)
-            at, points = at[same], take(points, np.flatnonzero(same))
-        everyone = np.arange(len(at))
-        value, jacobian = self.shift(world_to, points, everyone, samples.paths, at)
-        value, jacobian = scatter(at, value, size), scatter(at, jacobian, size)
-        return Placed(x, y, value, jacobian), jacobian * factor
+        some = take(samples, at)
+        return self.shift.back(some, self.rows[at], -self.dx[at], -self.dy[at])
 
 
 def kept_in_place(

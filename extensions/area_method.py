@@ -23,7 +23,21 @@ def _frames(job: Job) -> Iterator[PathFrame]:
     )
 
 
-def _layers(frame: PathFrame, names: tuple[str, ...]) -> Mapping[str, Scalars]:
+def area_layers(frame: PathFrame, names: tuple[str, ...]) -> Mapping[str, Scalars]:
+    """Layers of what the reservoirs of a frame keep.
+
+    Parameters
+    ----------
+    frame : PathFrame
+        Of `AreaPaths`.
+    names : tuple of str
+        Which; those that are not known here are passed over.
+
+    Returns
+    -------
+    dict of str to (N,) float64
+        By name.
+    """
     r = frame.reservoirs
     places = {name: getattr(r.y, name) for name in names if name in PLACES}
     return {**path_layers(r, r.y.paths, names), **places}
@@ -35,6 +49,6 @@ METHOD = Method(
     counts={"frames": 32, "spp": 32},
     settings=AreaSettings(),
     aovs={**PARTS, **PATHS, **PLACES, **GBUFFER},
-    render=Framed(_frames, _layers, {**PATHS, **PLACES}, pixel="box").render,
+    render=Framed(_frames, area_layers, {**PATHS, **PLACES}, pixel="box").render,
     biases=lambda job: (),
 )

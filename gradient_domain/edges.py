@@ -1,12 +1,11 @@
-"""Which pairs of pixels lie across an edge: told by the G-buffer, never by a sample."""
+"""Edge pairs, and pairs that are alike: told by the G-buffer, never by a sample."""
 
 from dataclasses import dataclass
-from enum import IntEnum
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, dot
-from reference.passes.neighbors import NONE
+from gradient_domain.pairs import Pairs
+from reference.arrays import Indices, Masks, Scalars, Vec3s, dot
 from reference.records import take
 from reference.scene.surface import VisiblePoints
 
@@ -14,87 +13,101 @@ ALBEDO, COSINE, DEPTH = 0.1, 0.9, 0.1
 """Of pixels that are alike: greatest difference of albedos, least cosine, and depth."""
 
 
-class Axis(IntEnum):
-    """Which way a pair goes: to the right neighbour, or to the lower one."""
-
-    X = 0
-    Y = 1
-
-
-def partners(width: int, height: int, axis: Axis) -> Indices:
-    """Second pixels of the pairs whose first ones are all pixels.
-
-    Parameters
-    ----------
-    width, height : int, pixels
-        Of the image.
-    axis : Axis
-        Which way.
-
-    Returns
-    -------
-    (N,) int64
-        Row of the neighbour, or ``NONE`` in the last column or row.
-    """
-    rows = np.arange(width * height).reshape(height, width)
-    found = np.full_like(rows, NONE)
-    if axis == Axis.X:
-        found[:, :-1] = rows[:, 1:]
-    else:
-        found[:-1] = rows[1:]
-    return found.ravel()
-
-
 @dataclass(frozen=True, slots=True)
-class Edges:
-    """Pairs of a frame that lie across an edge, N rows.
+class Looks:
+    """What pixels are told apart by, N rows.
 
     Attributes
     ----------
-    x, y : (N,) bool
-        Pixel and right neighbour, pixel and lower one; false where there is none.
+    hit : (N,) bool
+        They see something.
+    albedo, normal : (N, 3) float64
+        Of it.
+    depth : (N,) float64, m
+        Of it.
     """
 
-    x: Masks
-    y: Masks
+    hit: Masks
+    albedo: Vec3s
+    normal: Vec3s
+    depth: Scalars
 
 
-def edges(visible: VisiblePoints, width: int) -> Edges:
-    """Find the edge pairs of a frame.
+def looks(visible: VisiblePoints) -> Looks:
+    """Looks of the pixels of a frame.
 
     Parameters
     ----------
     visible : VisiblePoints
         G-buffer.
-    width : int, pixels
-        Of the image.
 
     Returns
     -------
-    Edges
+    Looks
         N rows.
     """
-    height = len(visible.depth) // width
-    found = []
-    for axis in Axis:
-        second = partners(width, height, axis)
-        there = second != NONE
-        other = take(visible, np.maximum(second, 0))
-        found.append(there & differ(visible, other))
-    return Edges(*found)
+    surface = visible.surface
+    return Looks(surface.hit, surface.color, surface.shading, visible.depth)
 
 
-def differ(a: VisiblePoints, b: VisiblePoints) -> Masks:
-    """Whether the pixels of pairs see what is unlike.
+def across_edges(seen: Looks, pairs: Pairs) -> Masks:
+    """Which pairs lie across an edge.
 
     Parameters
     ----------
-    a, b : VisiblePoints
-        N pixels each.
+    seen : Looks
+        Of the frame, N rows.
+    pairs : Pairs
+        K rows.
 
     Returns
     -------
-    (N,) bool
+    (K,) bool
+        Symmetric: the order of the pixels does not matter.
+
+    Notes
+    -----
+    [Wang25, section 4.3.2].
+    """
+    return differ(take(seen, pairs.first), take(seen, pairs.second))
+
+
+def alike(seen: Looks, pairs: Pairs, rows: Indices, others: Indices) -> Masks:
+    """Whether two pairs look alike, pixel by pixel.
+
+    Parameters
+    ----------
+    seen : Looks
+        Of the frame, N rows.
+    pairs : Pairs
+        All of the frame.
+    rows, others : (K,) int
+        Rows of pairs.
+
+    Returns
+    -------
+    (K,) bool
+        Symmetric.
+    """
+    apart = [
+        differ(take(seen, pixel[rows]), take(seen, pixel[others]))
+        for pixel in (pairs.first, pairs.second)
+    ]
+    found: Masks = ~(apart[0] | apart[1])
+    return found
+
+
+def differ(a: Looks, b: Looks) -> Masks:
+    """Whether pixels look unlike.
+
+    Parameters
+    ----------
+    a, b : Looks
+        K pixels each.
+
+    Returns
+    -------
+    (K,) bool
         Symmetric.  True where one of them sees nothing, false where neither does.
 
     Notes
@@ -103,12 +116,10 @@ def differ(a: VisiblePoints, b: VisiblePoints) -> Masks:
     normals at a cosine *below* 0.9 (printed is above), or depths that differ by more
     than a tenth of the larger one (printed is the first).
     """
-    both = a.surface.hit & b.surface.hit
-    albedo = np.abs(a.surface.color - b.surface.color).max(axis=1) > ALBEDO
-    normal = dot(a.surface.shading, b.surface.shading) < COSINE
-    larger = np.maximum(a.depth, b.depth)
-    depth = np.abs(a.depth - b.depth) > DEPTH * larger
-    unlike = both & (albedo | normal | depth)
-    alone: Masks = a.surface.hit != b.surface.hit
+    albedo = np.abs(a.albedo - b.albedo).max(axis=1) > ALBEDO
+    normal = dot(a.normal, b.normal) < COSINE
+    depth = np.abs(a.depth - b.depth) > DEPTH * np.maximum(a.depth, b.depth)
+    unlike = a.hit & b.hit & (albedo | normal | depth)
+    alone: Masks = a.hit != b.hit
     found: Masks = unlike | alone
     return found

@@ -163,3 +163,29 @@ def scatter(rows: Indices, values: Record, size: int) -> Record:
         return out
 
     return map_rows(put, values)
+
+
+def put(record: Record, rows: Indices, values: Record) -> Record:
+    """Replace some rows of a record (or array).
+
+    Parameters
+    ----------
+    record : record or array
+        N rows.
+    rows : (K,) int
+        Which; no index twice.
+    values : record or array
+        K rows.
+
+    Returns
+    -------
+    record or array
+        A copy, of N rows.
+    """
+
+    def replaced(a: Any, b: Any) -> Any:
+        out = a.copy(order="K")
+        out[rows] = b
+        return out
+
+    return map_rows(replaced, record, values)

@@ -35,6 +35,9 @@ class Stream(IntEnum):
     ROULETTE = 7
     LIGHTS = 8
     CELLS = 9
+    PAIRS = 10
+    PAIRS_AROUND = 11
+    SEARCH = 12
 
 
 def pcg4d(x: UInts, y: UInts, z: UInts, w: UInts) -> tuple[UInts, UInts, UInts, UInts]:

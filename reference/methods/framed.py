@@ -25,8 +25,8 @@ PARTS = {
 }
 
 
-class Shown(Protocol):
-    """What a frame shows: ``number``, ``world`` and ``color``."""
+class Made(Protocol):
+    """A frame: ``number`` and ``world``."""
 
     @property
     def number(self) -> int:
@@ -38,10 +38,40 @@ class Shown(Protocol):
         """The scene as it was."""
         ...
 
-    @property
-    def color(self) -> Vec3s:
-        """Indirect light, (N, 3)."""
-        ...
+
+def color_of(frame: Any) -> Vec3s:
+    """Indirect light of a frame that has a ``color``.
+
+    Parameters
+    ----------
+    frame : object
+        N rows.
+
+    Returns
+    -------
+    (N, 3) float64, W/(m² sr)
+        Its colour.
+    """
+    color: Vec3s = frame.color
+    return color
+
+
+def as_it_is(job: Job, color: Scalars) -> Vec3s:
+    """Take a picture that is one already.
+
+    Parameters
+    ----------
+    job : Job
+        Does not matter.
+    color : (N, 3) float64
+        The picture.
+
+    Returns
+    -------
+    (N, 3) float64
+        The same.
+    """
+    return color
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,12 +88,18 @@ class Framed:
         Names that ``layers`` knows, and what they are.
     pixel : 'center' or 'box'
         What a pixel shows: what its centre sees, or the mean over its area.
+    estimates : callable
+        From a frame to what is averaged over frames, (N, C); its light by default.
+    develop : callable
+        From a job, and such a mean, to indirect light, (N, 3).
     """
 
     frames: Callable[[Job], Iterator[Any]]
     layers: Callable[[Any, tuple[str, ...]], Mapping[str, Scalars]]
     own: Mapping[str, str]
     pixel: Pixel = "center"
+    estimates: Callable[[Any], Scalars] = color_of
+    develop: Callable[[Job, Scalars], Vec3s] = as_it_is
 
     def render(self, job: Job) -> Rendering:
         """Indirect light by the method, direct light by path tracing.
@@ -104,8 +140,11 @@ class Framed:
         if frames:
             found = yield from self._frames(job, frames, total)
             last = found.last
-            indirect = found.mean if job.settings.image == "mean" else last.color
-            layers |= {"mean": found.mean} if "mean" in job.aovs else {}
+            of_all = job.settings.image == "mean"
+            shown_now = found.mean if of_all else self.estimates(last)
+            indirect = self.develop(job, shown_now)
+            if "mean" in job.aovs:
+                layers["mean"] = self.develop(job, found.mean)
             layers |= self.layers(last, job.aovs)
         shown = found.last.world if frames else _last_world(job)
         if has_direct:
@@ -123,17 +162,17 @@ class Framed:
     def _frames(
         self, job: Job, frames: int, total: int
     ) -> Generator[Progress, None, "_Indirect"]:
-        mean = _black(job)
+        mean: Scalars = np.zeros(())
         for frame in islice(self.frames(job), frames):
-            mean = mean + (frame.color - mean) / (frame.number + 1.0)
+            mean = mean + (self.estimates(frame) - mean) / (frame.number + 1.0)
             yield Progress(frame.number + 1, total, "frames")
         return _Indirect(frame, mean)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Indirect:
-    last: Shown
-    mean: Vec3s
+    last: Made
+    mean: Scalars
 
 
 def _last_world(job: Job) -> World:

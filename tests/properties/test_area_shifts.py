@@ -7,10 +7,11 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from extensions.area_donor import AreaDonor, kept_in_place
-from extensions.area_restir import render_area_frames, windows
+from extensions.area_donor import AreaDonor, AreaShift, kept_in_place
+from extensions.area_restir import render_area_frames
 from extensions.area_settings import AreaSettings
 from extensions.frame_loop import Moment
+from extensions.windows import windows
 from reference.passes.neighbors import NONE
 from reference.path_tracer import first_hits
 from reference.records import take
@@ -53,7 +54,7 @@ def test_every_place_of_a_pixel_was_in_one_window():
     """The parts of the past are disjoint, and there is no other."""
     last, moment = frames()
     x, y = random_places()
-    found = windows(last, moment)
+    found = windows(last, moment, ROWS)
     count = np.zeros(len(ROWS))
     for window in found:
         x_then, y_then = np.floor(x - window.dx), np.floor(y - window.dy)
@@ -70,7 +71,7 @@ def test_every_place_of_a_pixel_was_in_one_window():
 def test_shares_are_areas():
     """Of places drawn evenly, as many as it says fall into each window."""
     last, moment = frames()
-    found, draws = windows(last, moment), 400
+    found, draws = windows(last, moment, ROWS), 400
     for window in found:
         inside = np.zeros(len(ROWS))
         for seed in range(draws):
@@ -90,7 +91,7 @@ def test_shares_are_areas():
 
 def test_a_still_camera_moves_nothing():
     last, moment = frames()
-    (window,) = windows(last, replace(moment, world=last.world))
+    (window,) = windows(last, replace(moment, world=last.world), ROWS)
     np.testing.assert_array_equal(window.rows, ROWS)
     assert not window.dx.any()
     assert (window.share == 1).all()
@@ -128,13 +129,10 @@ def test_the_jacobian_of_a_kept_hit_is_that_of_its_places():
 def donor_of(primary):
     """All pixels of the last frame offered to the pixels that their hits fall into."""
     last, moment = frames()
-    shown = windows(last, moment)[0]
+    shown = windows(last, moment, ROWS)[0]
     return last, AreaDonor(
-        moment.shift,
-        primary,
-        moment.world,
+        AreaShift(moment.shift, primary, last.world, moment.world),
         ROWS,
-        last.world,
         last.reservoirs,
         shown.rows,
         shown.dx,
@@ -188,9 +186,9 @@ def test_a_kept_hit_is_the_point_that_it_was():
     placed, jacobian = donor.forth(at)
     ok = jacobian > 0
     base = take(last.reservoirs.y, donor.rows[at])
-    before = first_hits(donor.world_from, base.x, base.y)
-    now = first_hits(donor.world, placed.x[ok], placed.y[ok])
-    geometry = donor.world.geometry
+    before = first_hits(donor.shift.world_from, base.x, base.y)
+    now = first_hits(donor.shift.world_to, placed.x[ok], placed.y[ok])
+    geometry = donor.shift.world_to.geometry
     apart = contact(geometry, now) - contact(geometry, take(before, np.flatnonzero(ok)))
     assert np.abs(apart).max() < 2.0**-17 * geometry.extent
     assert ok.sum() > 50

@@ -84,9 +84,10 @@ def frame_colors(
 
 
 def tile_means(rows: Array, width: int) -> Array:
-    """(..., N, 3) rows to (..., tiles * 3) means over 8 x 8 pixels."""
-    *many, count, _ = rows.shape
-    image = rows.reshape(*many, count // width // TILE, TILE, width // TILE, TILE, 3)
+    """(..., N, C) rows to (..., tiles * C) means over 8 x 8 pixels."""
+    *many, count, columns = rows.shape
+    across, down = width // TILE, count // width // TILE
+    image = rows.reshape(*many, down, TILE, across, TILE, columns)
     return image.mean(axis=(-4, -2)).reshape(*many, -1)
 
 

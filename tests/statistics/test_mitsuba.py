@@ -99,10 +99,10 @@ def check(
 @pytest.mark.slow
 def test_all_materials_in_one_room():
     path = Path(__file__).with_name("studio.xml")
-    check(path, 64, 48, runs=1300, initial=8000, samples=320)
+    check(path, 64, 48, runs=850, initial=5200, samples=210)
 
 
 @pytest.mark.slow
 def test_a_real_room_behind_a_door(scenes_folder):
     path = scenes_folder / "veach-ajar" / "simple" / "scene.xml"
-    check(path, 64, 40, runs=3000, initial=32000, samples=600)
+    check(path, 64, 40, runs=1950, initial=21000, samples=390)

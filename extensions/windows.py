@@ -1,0 +1,117 @@
+"""Fractional motion vectors: the parts of the last image that an area now covers."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from extensions.donors import Donor
+from extensions.frame_loop import Moment, PathFrame
+from extensions.offers import Target
+from extensions.pt_settings import PathSettings
+from extensions.reuse import resample
+from reference.arrays import Indices, Scalars
+from reference.passes.neighbors import NONE
+from reference.passes.reproject import alike_before, places_before, row_at
+from reference.records import take
+from reference.resampling.reservoir import Reservoirs, cap_confidence
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Window:
+    """A pixel of the last image that the past of each of K pixels overlaps.
+
+    Attributes
+    ----------
+    rows : (K,) int
+        Of the last frame, or ``NONE``.
+    dx, dy : (K,) float64, pixels
+        How far places have moved since.
+    share : (K,) float64
+        Of the pixel's area, 0 without a past; of all windows together at most 1.
+    """
+
+    rows: Indices
+    dx: Scalars
+    dy: Scalars
+    share: Scalars
+
+
+def windows(last: PathFrame, moment: Moment, pixel: Indices) -> list[Window]:
+    """Where the areas of pixels were a frame ago.
+
+    Parameters
+    ----------
+    last : PathFrame
+        The frame before.
+    moment : Moment
+        This one.
+    pixel : (K,) int
+        Rows of the image.
+
+    Returns
+    -------
+    list of Window
+        The four pixels around, whose parts of the area are disjoint; the pixel itself
+        where nothing has moved.
+
+    Notes
+    -----
+    [Zhang24].  What the centres see decides, never a sample.
+    """
+    if last.world is moment.world:
+        none = np.zeros(len(pixel))
+        return [Window(pixel, none, none, none + 1.0)]
+    visible, width = take(moment.visible, pixel), moment.world.camera.width
+    x_now, y_now = pixel % width + 0.5, pixel // width + 0.5
+    x, y = places_before(last.world, moment.world, visible, None)
+    left, top = np.floor(x - 0.5), np.floor(y - 0.5)
+    found = []
+    for i, j in ((0, 0), (1, 0), (0, 1), (1, 1)):
+        column, line = left + i, top + j
+        rows = row_at(column + 0.5, line + 0.5, last.world)
+        seen = last.world, last.visible, moment.world, visible
+        usable = alike_before(*seen, None, rows, moment.settings)
+        overlap = (1.0 - np.abs(column + 0.5 - x)) * (1.0 - np.abs(line + 0.5 - y))
+        rows = np.where(usable & (overlap > 0), rows, NONE)
+        share = np.where(rows != NONE, overlap, 0.0)
+        found.append(Window(rows, x_now - x, y_now - y, share))
+    return found
+
+
+def resample_past(
+    own: Donor,
+    before: Sequence[Donor],
+    shares: Sequence[Scalars],
+    decisions: list[Scalars],
+    settings: PathSettings,
+    target: Target,
+) -> Reservoirs:
+    """Choose among the windows of each area's past, and what is new.
+
+    Parameters
+    ----------
+    own : Donor
+        The new samples; stands.
+    before : list of Donor
+        Of the last frame.
+    shares : list of (K,)
+        Of the area, one for each of them.
+    decisions : list of (K,)
+        One number in [0, 1) for each of them, and for the new samples at last.
+    settings : PathSettings
+        Weights, and the limit of M.
+    target : callable
+        p̂ of values.
+
+    Returns
+    -------
+    Reservoirs
+        K rows.
+    """
+    trust = own.reservoirs.M
+    for donor, share in zip(before, shares, strict=True):
+        # Windows are parts of one area: what they know of it are means, not sums.
+        trust = trust + donor.reservoirs.M[np.maximum(donor.rows, 0)] * share
+    kept = resample([*before, own], decisions, settings.mis, np.inf, target)
+    return cap_confidence(replace(kept, M=trust), settings.temporal_cap)

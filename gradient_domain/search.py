@@ -1,0 +1,102 @@
+"""Pairs around that may lend their samples: those alike, or any."""
+
+import numpy as np
+
+from gradient_domain.edges import Looks, alike
+from gradient_domain.pairs import Pairs, pair_at
+from reference.arrays import Indices, Masks, Scalars
+from reference.passes.neighbors import NONE
+from reference.rng import Uniforms
+
+
+def draw_around(
+    pairs: Pairs, rows: Indices, radius: int, width: int, height: int, u: Scalars
+) -> Indices:
+    """A pair of the same axis in a square around each pair.
+
+    Parameters
+    ----------
+    pairs : Pairs
+        All of the frame.
+    rows : (K,) int
+        Those that search.
+    radius : int, pixels
+        Half the side of the square.
+    width, height : int, pixels
+        Of the image.
+    u : (K,) float64
+        One number in [0, 1) each.
+
+    Returns
+    -------
+    (K,) int
+        Row of a pair, or ``NONE`` where it leads out of the image, or is the pair
+        itself.
+    """
+    side = 2 * radius + 1
+    place = np.floor(u * side**2).astype(np.int64)
+    y, x = np.divmod(pairs.first[rows], width)
+    x, y = x + place % side - radius, y + place // side - radius
+    found = pair_at(pairs.axis[rows], x, y, width, height)
+    return np.where(found == rows, NONE, found)
+
+
+def find_alike(
+    seen: Looks,
+    pairs: Pairs,
+    across: Masks,
+    rows: Indices,
+    radius: int,
+    width: int,
+    tries: int,
+    uniforms: Uniforms,
+) -> Indices:
+    """The first of some edge pairs around each edge pair that looks like it.
+
+    Parameters
+    ----------
+    seen : Looks
+        Of the frame, N rows.
+    pairs : Pairs
+        All of the frame, P rows.
+    across : (P,) bool
+        Which lie across an edge.
+    rows : (K,) int
+        Those that search; they do.
+    radius : int, pixels
+        Half the side of the square that is searched.
+    width : int, pixels
+        Of the image.
+    tries : int
+        How many pairs are looked at, at most 256.
+    uniforms : Uniforms
+        K rows; a try takes one number.
+
+    Returns
+    -------
+    (K,) int
+        Row of a pair, or ``NONE`` where none was found.
+
+    Notes
+    -----
+    [Wang25, section 4.3.2].  Pairs of both pixels alike also have the edge in the same
+    order, so that k means the same to both.
+    """
+    height = len(seen.depth) // width
+    found = np.full(len(rows), NONE)
+    searching = np.arange(len(rows))
+    for attempt in range(tries):
+        dimension, lane = divmod(attempt, 4)
+        if lane == 0:
+            searching = np.flatnonzero(found == NONE)
+            if len(searching) == 0:
+                break
+            draws = uniforms.rows(searching).draw(dimension)
+        own, u = rows[searching], draws[lane]
+        other = draw_around(pairs, own, radius, width, height, u)
+        asked = (other != NONE) & across[other] & (found[searching] == NONE)
+        usable = np.flatnonzero(asked)
+        own, other = own[usable], other[usable]
+        fits = alike(seen, pairs, own, other)
+        found[searching[usable[fits]]] = other[fits]
+    return found

@@ -1,0 +1,75 @@
+"""Settings of the methods that estimate differences of pixels."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from extensions.area_settings import AreaSettings
+from extensions.connection import ShiftKind
+from extensions.reuse import Mis
+from gradient_domain.images import Reconstruction
+from reference.methods.framed import Image
+
+Signs = Literal["within", "across", "without"]
+"""Reservoirs of both signs that reuse their own, or each other's; or one of both."""
+
+Around = Literal["edges", "random", "none"]
+"""Who reuses samples of pairs around: edge pairs, those alike; all, any; or nobody."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GradientPathSettings:
+    """Settings of gradient-domain path tracing.
+
+    Attributes
+    ----------
+    shift : 'reconnection', 'replay' or 'hybrid'
+        How paths are shifted between the pixels of a pair.
+    reconstruction : 'l2' or 'l1'
+        Norm of what is left of the differences; L1 is biased.
+    image : 'last' or 'mean'
+        Of pixels and differences, before the image is reconstructed.
+    """
+
+    shift: ShiftKind = "hybrid"
+    reconstruction: Reconstruction = "l2"
+    image: Image = "mean"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AfterSettings(AreaSettings):
+    """Settings of Area ReSTIR, whose paths differences are estimated from.
+
+    Attributes
+    ----------
+    reconstruction : 'l2' or 'l1'
+        Norm of what is left of the differences; L1 is biased.
+    """
+
+    mis: Mis = "defensive"
+    neighbors: int = 2
+    reconstruction: Reconstruction = "l2"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GradientSettings(AfterSettings):
+    """Settings of ReSTIR for pairs; those of Area ReSTIR hold of both.
+
+    Attributes
+    ----------
+    signs : 'within', 'across' or 'without'
+        Two reservoirs a pair, for what is positive and what is negative, that reuse
+        samples of their own sign or of both; or one for the magnitude.
+    around : 'edges', 'random' or 'none'
+        Whether edge pairs look for pairs alike, all pairs take any, or nobody does.
+    tries : int
+        How many pairs are looked at, at most.
+    """
+
+    signs: Signs = "within"
+    around: Around = "edges"
+    tries: int = 256
+
+    def __post_init__(self) -> None:
+        AfterSettings.__post_init__(self)
+        if not 1 <= self.tries <= 256:
+            raise ValueError(f"tries={self.tries} is out of range: 1 to 256")
