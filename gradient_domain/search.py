@@ -8,6 +8,9 @@ from reference.arrays import Indices, Masks, Scalars
 from reference.passes.neighbors import NONE
 from reference.rng import Uniforms
 
+AT_ONCE = 16
+"""Tries that are made for all rows before it is asked who still searches."""
+
 
 def draw_around(
     pairs: Pairs, rows: Indices, radius: int, width: int, height: int, u: Scalars
@@ -84,19 +87,18 @@ def find_alike(
     """
     height = len(seen.depth) // width
     found = np.full(len(rows), NONE)
-    searching = np.arange(len(rows))
-    for attempt in range(tries):
-        dimension, lane = divmod(attempt, 4)
-        if lane == 0:
-            searching = np.flatnonzero(found == NONE)
-            if len(searching) == 0:
-                break
-            draws = uniforms.rows(searching).draw(dimension)
-        own, u = rows[searching], draws[lane]
+    for first in range(0, tries, AT_ONCE):
+        searching = np.flatnonzero(found == NONE)
+        if len(searching) == 0:
+            break
+        some, count = uniforms.rows(searching), min(AT_ONCE, tries - first)
+        draws = (some.draw((first + k) // 4) for k in range(0, count, 4))
+        u = np.concatenate([lane for draw in draws for lane in draw][:count])
+        own = np.tile(rows[searching], count)
         other = draw_around(pairs, own, radius, width, height, u)
-        asked = (other != NONE) & across[other] & (found[searching] == NONE)
-        usable = np.flatnonzero(asked)
-        own, other = own[usable], other[usable]
-        fits = alike(seen, pairs, own, other)
-        found[searching[usable[fits]]] = other[fits]
+        at = np.flatnonzero((other != NONE) & across[other])
+        at = at[alike(seen, pairs, own[at], other[at])]
+        # Tries follow one another: the first of each row is that of its first place.
+        row, place = np.unique(at % len(searching), return_index=True)
+        found[searching[row]] = other[at[place]]
     return found

@@ -4,7 +4,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import extensions.method
-from hashgrid.figures.spread import spreads
 from hashgrid.regir_method import METHOD
 from reference.demo.score import relative_bias
 from reference.figures.bootstrap import mean_interval, ratio_interval
@@ -13,6 +12,7 @@ from reference.figures.contest import FRAMES, Contender, Contest, compete
 from reference.figures.paths import sized_world
 from reference.figures.record import Deviation, Interval, PaperFigure, Plan, Row
 from reference.figures.registry import Entry
+from reference.figures.spread import spreads
 from reference.methods.method import Method
 from reference.methods.restir_gi import UNBIASED
 

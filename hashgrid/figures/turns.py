@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hashgrid.figures.spread import spreads
 from reference.accumulate import path_samples
 from reference.arrays import Vec3s
 from reference.figures.batches import merge
 from reference.figures.bootstrap import Numbers
 from reference.figures.contest import PATH_SEED
 from reference.figures.record import Plan
+from reference.figures.spread import spreads
 from reference.moments import Moments, add_samples, no_samples
 from reference.world import World
 

@@ -9,7 +9,6 @@ import pytest
 from scipy import stats
 
 from hashgrid.figures import turns
-from hashgrid.figures.spread import spreads
 from reference import announced
 from reference.cli import main
 from reference.demo.runs import CONVERGED
@@ -27,6 +26,7 @@ from reference.figures.record import (
 )
 from reference.figures.regions import floor_points, zones
 from reference.figures.registry import FIGURES, Entry, figure_names, find_figure
+from reference.figures.spread import spreads
 from reference.figures.table import as_plain, table, text
 from reference.figures.tiles import largest_of_half, rms_without_noise, tile_luminance
 from reference.images import luminance

@@ -1,0 +1,215 @@
+"""Variants by turns, frame after frame, as many copies of each as take one time."""
+
+import time
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import islice
+
+import numpy as np
+
+from gradient_domain.frame import GradientFrame
+from reference.accumulate import path_samples
+from reference.arrays import Scalars
+from reference.figures.contest import PATH_SEED
+from reference.figures.record import Plan
+from reference.moments import Moments, add_samples, no_samples
+from reference.scene.animation import Animation
+from reference.schedule import Schedule
+from reference.world import World, next_world
+
+FRAMES, COUNTED = 16, 4
+"""Frames of a run, of which the last is looked at; and those whose time counts."""
+
+TRIAL = 6
+"""Frames by which the time of one is measured, before copies are made."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scene:
+    """What is rendered.
+
+    Attributes
+    ----------
+    name : str
+        In tables.
+    world : World
+        In frame 0.
+    bounces : int
+        Of indirect light.
+    animation : Animation or None
+        Of a camera that moves.
+    """
+
+    name: str
+    world: World
+    bounces: int
+    animation: Animation | None = None
+
+    @property
+    def shown(self) -> World:
+        """The world in the last frame."""
+        if self.animation is None:
+            return self.world
+        return next_world(self.world, self.animation(FRAMES - 1))
+
+
+Render = Callable[..., Iterator[GradientFrame]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Variant:
+    """A method with its settings.
+
+    Attributes
+    ----------
+    render : callable
+        As `render_gradient_frames`.
+    settings : dataclass instance
+        Of the method.
+    """
+
+    render: Render
+    settings: object
+
+    def frames(
+        self, scene: Scene, seed: int, schedule: Schedule
+    ) -> Iterator[GradientFrame]:
+        """Frames of a run.
+
+        Parameters
+        ----------
+        scene : Scene
+            What is rendered.
+        seed : int
+            Of the run.
+        schedule : Schedule
+            Bands and threads.
+
+        Returns
+        -------
+        iterator of GradientFrame
+            Without end.
+        """
+        about = scene.world, self.settings, scene.bounces, seed, schedule
+        return self.render(*about, scene.animation)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rounds:
+    """What runs by turns leave behind.
+
+    Attributes
+    ----------
+    scene : Scene
+        What was rendered.
+    estimates : dict of str to list of (N, 9) float64
+        Last frame of each run, a mean over the copies.
+    copies : dict of str to int
+        Of each variant.
+    seconds : dict of str to float
+        A frame of one copy takes: the median.
+    truth : Moments
+        Path-traced, over the areas of pixels.
+    """
+
+    scene: Scene
+    estimates: dict[str, list[Scalars]]
+    copies: dict[str, int]
+    seconds: dict[str, float]
+    truth: Moments
+
+    def spent(self, name: str) -> float:
+        """Seconds that a frame of all copies takes.
+
+        Parameters
+        ----------
+        name : str
+            Of the variant.
+
+        Returns
+        -------
+        float
+            Copies times seconds.
+        """
+        return self.copies[name] * self.seconds[name]
+
+
+def by_rounds(
+    scene: Scene, variants: Mapping[str, Variant], plan: Plan, paths: int, like: str
+) -> Rounds:
+    """Run all variants by turns.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is rendered.
+    variants : mapping of str to Variant
+        By name.
+    plan : Plan
+        Runs, bands and threads.
+    paths : int
+        Path-traced samples a run.
+    like : str
+        The variant of which one copy runs; of each other one as many as take about its
+        time.  Empty for one copy each.
+
+    Returns
+    -------
+    Rounds
+        Copy c of run i has seed i · copies + c.
+    """
+    copies = dict.fromkeys(variants, 1)
+    if like:
+        trial = _trial(scene, variants, plan)
+        copies = {k: max(1, round(trial[like] / t)) for k, t in trial.items()}
+    truth, samples = no_samples(scene.world.camera.width * scene.world.camera.height), 0
+    drawn = path_samples(
+        scene.shown,
+        plan.schedule,
+        light="indirect",
+        bounces=scene.bounces,
+        seed=PATH_SEED,
+        pixel="box",
+    )
+    estimates: dict[str, list[Scalars]] = {name: [] for name in variants}
+    times: dict[str, list[float]] = {name: [] for name in variants}
+    for run in range(plan.runs):
+        plan.tick(run, plan.runs, "runs")
+        running = {
+            name: [
+                v.frames(scene, run * copies[name] + c, plan.schedule)
+                for c in range(copies[name])
+            ]
+            for name, v in variants.items()
+        }
+        for frame in range(FRAMES):
+            for name, some in running.items():
+                found = []
+                for one in some:
+                    start = time.perf_counter()
+                    found.append(next(one))
+                    if frame >= FRAMES - COUNTED:
+                        times[name].append(time.perf_counter() - start)
+                if frame == FRAMES - 1:
+                    mean = np.mean([f.estimates for f in found], axis=0)
+                    estimates[name].append(mean)
+        samples += paths
+        truth = add_samples(truth, drawn.radiance, samples, plan.schedule)
+    plan.tick(plan.runs, plan.runs, "runs")
+    seconds = {name: float(np.median(spent)) for name, spent in times.items()}
+    return Rounds(scene, estimates, copies, seconds, truth)
+
+
+def _trial(
+    scene: Scene, variants: Mapping[str, Variant], plan: Plan
+) -> dict[str, float]:
+    times: dict[str, list[float]] = {name: [] for name in variants}
+    running = {
+        name: v.frames(scene, PATH_SEED, plan.schedule) for name, v in variants.items()
+    }
+    for _ in range(TRIAL):
+        for name, frames in running.items():
+            start = time.perf_counter()
+            list(islice(frames, 1))
+            times[name].append(time.perf_counter() - start)
+    return {name: float(np.median(spent)) for name, spent in times.items()}

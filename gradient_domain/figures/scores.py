@@ -1,0 +1,133 @@
+"""Errors of differences and of images against path tracing: MSE, relMSE and FLIP."""
+
+import numpy as np
+
+from gradient_domain.differences import Differences, differences
+from reference import metrics
+from reference.arrays import Scalars, Vec3s
+from reference.display import Bytes
+from reference.figures.bootstrap import Numbers
+from reference.figures.spread import spreads
+from reference.flip import flip_hdr, flip_ldr
+from reference.images import to_image
+from reference.moments import Moments
+
+QUANTILE = 0.99
+"""Of true differences, by magnitude, that is drawn as black or white."""
+
+
+def gradient_errors(estimates: list[Scalars], pixels: Scalars | None = None) -> Numbers:
+    """Mean squared error of the differences of each run.
+
+    Parameters
+    ----------
+    estimates : list of (N, 9) float64
+        Pixels, and differences to the right and down; runs, all unbiased.
+    pixels : (N, 2) bool, optional
+        Which differences to the right and down count.
+
+    Returns
+    -------
+    (R,) float64
+        By how far runs spread; no truth is needed.
+    """
+    both = [np.concatenate([e[:, 3:6], e[:, 6:9]]) for e in estimates]
+    if pixels is not None:
+        at = np.flatnonzero(pixels.T.ravel())
+        both = [rows[at] for rows in both]
+    return spreads(both)
+
+
+def image_errors(images: list[Vec3s], truth: Moments) -> tuple[Numbers, Numbers]:
+    """MSE and relative MSE of each image, without the share of the truth's own noise.
+
+    Parameters
+    ----------
+    images : list of (N, 3) float64
+        Runs.
+    truth : Moments
+        Path-traced.
+
+    Returns
+    -------
+    (R,), (R,) float64
+        Biased images count with their bias.
+    """
+    true, variance = truth.mean, truth.standard_error() ** 2
+    mse = np.array([metrics.mse(i, true, variance) for i in images])
+    relative = np.array([metrics.rel_mse(i, true, variance) for i in images])
+    return mse, relative
+
+
+def image_flips(images: list[Vec3s], truth: Moments, width: int) -> Numbers:
+    """FLIP of each image.
+
+    Parameters
+    ----------
+    images : list of (N, 3) float64
+        Runs.
+    truth : Moments
+        Path-traced; its noise is seen as well.
+    width : int, pixels
+        Of the image.
+
+    Returns
+    -------
+    (R,) float64
+        Mean over the pixels, 0 for no difference that is seen.
+    """
+    height = len(truth.mean) // width
+
+    def shown(rows: Vec3s) -> Scalars:
+        return to_image(np.maximum(rows, 0.0), width, height)
+
+    true = shown(truth.mean)
+    return np.array([flip_hdr(shown(i), true)[1] for i in images])
+
+
+def gradient_picture(d: Differences, truth: Moments, width: int) -> Bytes:
+    """Differences to the right as a screen takes them: grey for none.
+
+    Parameters
+    ----------
+    d : Differences
+        N rows.
+    truth : Moments
+        Path-traced: what is black and white is told by its differences.
+    width : int, pixels
+        Of the image.
+
+    Returns
+    -------
+    (H, W, 3) uint8
+        Brighter where the right neighbour is.
+    """
+    true = np.abs(differences(truth.mean, width).x)
+    scale = max(float(np.quantile(true, QUANTILE)), 1e-300)
+    grey = np.clip(0.5 + 0.5 * d.x / scale, 0.0, 1.0)
+    return to_image(np.rint(255 * grey), width, len(d.x) // width).astype(np.uint8)
+
+
+def gradient_flips(estimates: list[Scalars], truth: Moments, width: int) -> Numbers:
+    """FLIP of the pictures of differences of each run.
+
+    Parameters
+    ----------
+    estimates : list of (N, 9) float64
+        Runs.
+    truth : Moments
+        Path-traced.
+    width : int, pixels
+        Of the image.
+
+    Returns
+    -------
+    (R,) float64
+        Mean over the pixels.
+    """
+    true = gradient_picture(differences(truth.mean, width), truth, width)
+    pictures = (
+        gradient_picture(Differences(e[:, 3:6], e[:, 6:9]), truth, width)
+        for e in estimates
+    )
+    return np.array([flip_ldr(picture, true)[1] for picture in pictures])

@@ -1,0 +1,73 @@
+"""The methods that figures compare, and the scenes."""
+
+from dataclasses import replace
+
+from gradient_domain.after_restir import render_after_frames
+from gradient_domain.figures.rounds import FRAMES, Scene, Variant
+from gradient_domain.gradient_pt import render_gradient_paths
+from gradient_domain.gradient_restir import render_gradient_frames
+from gradient_domain.settings import (
+    AfterSettings,
+    GradientPathSettings,
+    GradientSettings,
+)
+from reference.figures.paths import sized_world
+from reference.scene.animation import Animation
+from reference.scene.catalogue.registry import find_animation
+from reference.scene.validation import validate
+
+BOUNCES = 2
+PATHS, AFTER, WITH = "Gradient-PT", "after ReSTIR", "with ReSTIR"
+ALONE = "with ReSTIR, nobody around"
+
+METHODS: dict[str, Variant] = {
+    PATHS: Variant(render_gradient_paths, GradientPathSettings()),
+    AFTER: Variant(render_after_frames, AfterSettings()),
+    WITH: Variant(render_gradient_frames, GradientSettings()),
+}
+
+
+def with_restir(**changes: object) -> Variant:
+    """Gradient with ReSTIR, with other settings.
+
+    Parameters
+    ----------
+    **changes
+        Of its settings.
+
+    Returns
+    -------
+    Variant
+        That one.
+    """
+    settings = replace(GradientSettings(), **changes)  # type: ignore[arg-type]
+    return Variant(render_gradient_frames, settings)
+
+
+def scene_of(name: str, size: int, bounces: int = BOUNCES) -> Scene:
+    """Built-in scene, with its animation if only the camera moves in it.
+
+    Parameters
+    ----------
+    name : str
+        Of the catalogue.
+    size : int, pixels
+        Width and height.
+    bounces : int
+        Of indirect light.
+
+    Returns
+    -------
+    Scene
+        Ready for rays.
+    """
+    world, found = sized_world(name, size), find_animation(name)
+    if found.changes != "camera":
+        return Scene(name, world, bounces)
+    scenes = [found(frame) for frame in range(FRAMES)]
+    sized = [
+        validate(replace(s, camera=replace(s.camera, width=size, height=size)))
+        for s in scenes
+    ]
+    moving = Animation(lambda frame: sized[frame], found.changes)
+    return Scene(name, world, bounces, moving)
