@@ -159,4 +159,4 @@ def _picture(grid: list[list[Tile]], names: list[str]) -> "Figure":
     return picture
 
 
-FIGURE = Entry(NAME, gradients, 12, ())
+FIGURE = Entry(NAME, gradients, 8, (), 3)

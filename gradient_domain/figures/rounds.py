@@ -4,10 +4,10 @@ import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import islice
+from typing import Protocol
 
 import numpy as np
 
-from gradient_domain.frame import GradientFrame
 from reference.accumulate import path_samples
 from reference.arrays import Scalars
 from reference.figures.contest import PATH_SEED
@@ -53,7 +53,15 @@ class Scene:
         return next_world(self.world, self.animation(FRAMES - 1))
 
 
-Render = Callable[..., Iterator[GradientFrame]]
+class Estimated(Protocol):
+    """A frame with ``estimates``."""
+
+    @property
+    def estimates(self) -> Scalars:
+        """(N, 9): pixels, and differences to the right and down."""
+
+
+Render = Callable[..., Iterator[Estimated]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,7 +81,7 @@ class Variant:
 
     def frames(
         self, scene: Scene, seed: int, schedule: Schedule
-    ) -> Iterator[GradientFrame]:
+    ) -> Iterator[Estimated]:
         """Frames of a run.
 
         Parameters
@@ -87,7 +95,7 @@ class Variant:
 
         Returns
         -------
-        iterator of GradientFrame
+        iterator of Estimated
             Without end.
         """
         about = scene.world, self.settings, scene.bounces, seed, schedule

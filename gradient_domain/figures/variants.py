@@ -1,7 +1,13 @@
 """The methods that figures compare, and the scenes."""
 
-from dataclasses import replace
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
 
+import numpy as np
+
+from extensions.area_restir import render_area_frames
+from extensions.area_settings import AreaSettings
 from gradient_domain.after_restir import render_after_frames
 from gradient_domain.figures.rounds import FRAMES, Scene, Variant
 from gradient_domain.gradient_pt import render_gradient_paths
@@ -11,6 +17,7 @@ from gradient_domain.settings import (
     GradientPathSettings,
     GradientSettings,
 )
+from reference.arrays import Scalars
 from reference.figures.paths import sized_world
 from reference.scene.animation import Animation
 from reference.scene.catalogue.registry import find_animation
@@ -18,13 +25,36 @@ from reference.scene.validation import validate
 
 BOUNCES = 2
 PATHS, AFTER, WITH = "Gradient-PT", "after ReSTIR", "with ReSTIR"
-ALONE = "with ReSTIR, nobody around"
+ALONE, AREA = "with ReSTIR, nobody around", "Area ReSTIR"
 
 METHODS: dict[str, Variant] = {
     PATHS: Variant(render_gradient_paths, GradientPathSettings()),
     AFTER: Variant(render_after_frames, AfterSettings()),
     WITH: Variant(render_gradient_frames, GradientSettings()),
 }
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PrimalFrame:
+    """A frame without differences.
+
+    Attributes
+    ----------
+    estimates : (N, 9) float64
+        Pixels; nothing is known of differences.
+    """
+
+    estimates: Scalars
+
+
+def _area_frames(*about: Any) -> Iterator[PrimalFrame]:
+    for frame in render_area_frames(*about):
+        none = np.zeros((len(frame.color), 6))
+        yield PrimalFrame(np.concatenate([frame.color, none], axis=1))
+
+
+PRIMAL = Variant(_area_frames, AreaSettings(mis="defensive", neighbors=2))
+"""The pass that pixels come from, by itself."""
 
 
 def with_restir(**changes: object) -> Variant:

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from gradient_domain import least_absolute
+from gradient_domain.figures import ablations, gradients, images, rounds
 from hashgrid.figures import turns
 from reference import announced
 from reference.cli import main
@@ -60,6 +62,11 @@ def test_every_figure_is_made(restir, tmp_path, monkeypatch, name):
     monkeypatch.setattr(validation, "SAMPLES", 8)
     for name_of_frames in ("WARM", "COUNTED"):
         monkeypatch.setattr(turns, name_of_frames, 2)
+    monkeypatch.setattr(rounds, "FRAMES", 2)
+    monkeypatch.setattr(least_absolute, "STEPS", 2)
+    for gradient_figure in (gradients, images, ablations):
+        monkeypatch.setattr(gradient_figure, "TRUTH", 2)
+        monkeypatch.setattr(gradient_figure, "SCENES", ("checker", "moving-camera"))
     out = tmp_path / "new"
     quick = ("--size", 16, "--runs", 4, "--json")
     code, printed, told = restir("figures", name, "--out", out, *quick)

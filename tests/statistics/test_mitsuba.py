@@ -105,4 +105,4 @@ def test_all_materials_in_one_room():
 @pytest.mark.slow
 def test_a_real_room_behind_a_door(scenes_folder):
     path = scenes_folder / "veach-ajar" / "simple" / "scene.xml"
-    check(path, 64, 40, runs=1950, initial=21000, samples=390)
+    check(path, 64, 40, runs=2400, initial=26000, samples=480)

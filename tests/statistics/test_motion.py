@@ -57,7 +57,7 @@ class Plan:
 PLANS = [
     Plan("moving-camera", 620, 1900, 2500),
     Plan("moving-block", 440, 1900, 2500),
-    Plan("moving-light", 440, 1900, 2500),
+    Plan("moving-light", 600, 2300, 3000),
 ]
 
 

@@ -50,7 +50,7 @@ class Plan:
 
 PLANS = [
     Plan("cornell-box", 310, 6, 2500, 2500, "1/M"),
-    Plan("door-ajar", 620, 6, 12500, 7500, "1/M"),
+    Plan("door-ajar", 740, 6, 13500, 8000, "1/M"),
     Plan("sunlit-wall", 310, 6, 5000, 5000, "jacobian"),
     # Between points of one plate the Jacobian is 1 on average: it is planted too large.
     Plan("parallel-plates", 310, 6, 7500, 5000, "jacobian x 1.1"),

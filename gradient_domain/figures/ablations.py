@@ -1,0 +1,151 @@
+"""Figures 6, 9 and 10: reuse of pairs around, and reservoirs of both signs."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from gradient_domain.edges import across_edges, looks
+from gradient_domain.figures.gradients import difference_tile, times_smaller
+from gradient_domain.figures.rounds import FRAMES, Rounds, Variant, by_rounds
+from gradient_domain.figures.scores import gradient_errors
+from gradient_domain.figures.variants import scene_of, with_restir
+from gradient_domain.pairs import pixel_pairs
+from reference.arrays import Masks
+from reference.figures.bootstrap import mean_interval
+from reference.figures.canvas import BIG, Tile, blank, draw_tiles
+from reference.figures.record import PaperFigure, Plan, Row
+from reference.figures.registry import Entry
+from reference.passes.gbuffer import visible_points
+from reference.scene.camera import pixel_centers
+from reference.world import World
+
+if TYPE_CHECKING:  # matplotlib takes half a second to load
+    from matplotlib.figure import Figure
+
+TRUTH = 16  # path-traced samples a run, that tell what is black and white
+SCENES = ("checker", "cornell-box", "glossy-floor", "moving-camera")
+
+AROUND = {
+    "edges": with_restir(),
+    "random": with_restir(around="random"),
+    "nobody": with_restir(around="none"),
+    "edges, no past": with_restir(temporal=False),
+    "random, no past": with_restir(temporal=False, around="random"),
+    "nobody, no past": with_restir(temporal=False, around="none"),
+}
+
+SIGNS = {
+    "within the sign": with_restir(),
+    "across signs": with_restir(signs="across"),
+    "one reservoir": with_restir(signs="without"),
+}
+
+
+def reuse(plan: Plan) -> PaperFigure:
+    """Error of differences, with pairs around that are edges, any, or none.
+
+    Parameters
+    ----------
+    plan : Plan
+        Size, runs and schedule.
+
+    Returns
+    -------
+    PaperFigure
+        A row a scene and variant.
+    """
+    return _ablation(
+        "gradient-reuse",
+        "Figures 6 and 10: whose samples pairs take over, and what it is good for",
+        AROUND,
+        "nobody",
+        plan,
+    )
+
+
+def signs(plan: Plan) -> PaperFigure:
+    """Error of differences, with a reservoir for each sign, or for both.
+
+    Parameters
+    ----------
+    plan : Plan
+        Size, runs and schedule.
+
+    Returns
+    -------
+    PaperFigure
+        A row a scene and variant.
+    """
+    return _ablation(
+        "gradient-signs",
+        "Figure 9: positivization, within the sign, across signs, and without",
+        SIGNS,
+        "one reservoir",
+        plan,
+    )
+
+
+def _ablation(
+    name: str, title: str, variants: Mapping[str, Variant], than: str, plan: Plan
+) -> PaperFigure:
+    rows: list[Row] = []
+    grid: list[list[Tile]] = []
+    for scene_name in SCENES:
+        scene = scene_of(scene_name, plan.size)
+        rounds = by_rounds(scene, variants, plan, TRUTH, like="")
+        across = _across(scene.shown)
+        rows += [_row(rounds, variant, than, across) for variant in variants]
+        grid.append(
+            [
+                difference_tile(
+                    rounds, rounds.estimates[v][0], v if not grid else "", ""
+                )
+                for v in variants
+            ]
+        )
+    return PaperFigure(
+        name,
+        title,
+        _picture(grid),
+        tuple(rows),
+        (
+            f"Frame {FRAMES} of {plan.runs} runs at {plan.size} x {plan.size}: MSE of"
+            " differences to the right and down, of edge pairs and of the others, the"
+            f" spread of the runs. 'times smaller' than '{than}' in one frame, and 'in"
+            " the same time'. Intervals: 95 %, bootstrap over runs.",
+        ),
+    )
+
+
+def _across(world: World) -> Masks:
+    """Which differences to the right and down are those of edges, (N, 2)."""
+    camera = world.camera
+    visible = visible_points(world, *pixel_centers(camera.width, camera.height))
+    pairs = pixel_pairs(camera.width, camera.height)
+    found = np.zeros((camera.width * camera.height, 2), bool)
+    found[pairs.first, pairs.axis] = across_edges(looks(visible), pairs)
+    return found
+
+
+def _row(rounds: Rounds, name: str, than: str, across: Masks) -> Row:
+    found = rounds.estimates[name]
+    return {
+        "scene": rounds.scene.name,
+        "variant": name,
+        "ms": 1000 * rounds.seconds[name],
+        "MSE, edges": mean_interval(gradient_errors(found, across)),
+        "MSE, others": mean_interval(gradient_errors(found, ~across)),
+        "times smaller": times_smaller(rounds, name, than, same_time=False),
+        "in the same time": times_smaller(rounds, name, than, same_time=True),
+    }
+
+
+def _picture(grid: list[list[Tile]]) -> "Figure":
+    picture = blank(len(grid[0]) * BIG * 0.8, len(grid) * (BIG * 0.8 + 0.2))
+    draw_tiles(picture, grid, SCENES)
+    return picture
+
+
+REUSE = Entry("gradient-reuse", reuse, 8, (), 3)
+SIGN = Entry("gradient-signs", signs, 8, (), 3)

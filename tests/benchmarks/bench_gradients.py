@@ -1,0 +1,45 @@
+"""Differences and images of a scene file by each gradient-domain method.
+
+As ``restir figures gradients gradient-images``, of any file: the article's scene is
+Veach Ajar.
+
+    python -m tests.benchmarks.bench_gradients scene.xml --size 128 --runs 6 --out DIR
+"""
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+
+from rich.console import Console
+
+from gradient_domain.figures import gradients, images
+from gradient_domain.figures.rounds import Scene
+from gradient_domain.figures.variants import BOUNCES
+from reference.figures.record import Plan
+from reference.figures.table import table
+from reference.scene.loaders.load import load_scene
+from reference.scene.validation import validate
+from reference.schedule import Schedule
+from reference.world import build_world
+
+
+def main() -> None:
+    """Measure, print, and write the pictures."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("scene", type=Path)
+    parser.add_argument("--size", type=int, default=128)
+    parser.add_argument("--runs", type=int, default=6)
+    parser.add_argument("--out", type=Path, default=Path())
+    asked = parser.parse_args()
+    scene = load_scene(asked.scene)
+    camera = replace(scene.camera, width=asked.size, height=asked.size)
+    world = build_world(validate(replace(scene, camera=camera)))
+    shown = [Scene(asked.scene.parent.name, world, BOUNCES)]
+    plan = Plan(size=asked.size, runs=asked.runs, schedule=Schedule())
+    for made in (gradients.of_scenes(shown, plan), images.of_scenes(shown, plan)):
+        Console(width=150).print(table(made))
+        (asked.out / f"{made.name}.png").write_bytes(made.png())
+
+
+if __name__ == "__main__":
+    main()
