@@ -29,7 +29,7 @@ if TYPE_CHECKING:  # matplotlib takes half a second to load
 
 NAME = "gradient-images"
 SCENES = ("cornell-box", "glossy-floor", "moving-camera")
-TRUTH = 128  # path-traced samples a run
+TRUTH = 1024  # path-traced samples a run: FLIP sees the noise of the truth, too
 VARIANTS = {**METHODS, AREA: PRIMAL}
 NORMS: tuple[Reconstruction, ...] = ("l1", "l2")
 
