@@ -11,6 +11,7 @@ from gradient_domain.figures.rounds import FRAMES, Rounds, Variant, by_rounds
 from gradient_domain.figures.scores import gradient_errors
 from gradient_domain.figures.variants import scene_of, with_restir
 from gradient_domain.pairs import pixel_pairs
+from gradient_domain.settings import GradientSettings
 from reference.arrays import Masks
 from reference.figures.bootstrap import mean_interval
 from reference.figures.canvas import BIG, Tile, blank, draw_tiles
@@ -27,18 +28,18 @@ TRUTH = 16  # path-traced samples a run, that tell what is black and white
 SCENES = ("checker", "cornell-box", "glossy-floor", "moving-camera")
 
 AROUND = {
-    "edges": with_restir(),
-    "random": with_restir(around="random"),
-    "nobody": with_restir(around="none"),
-    "edges, no past": with_restir(temporal=False),
-    "random, no past": with_restir(temporal=False, around="random"),
-    "nobody, no past": with_restir(temporal=False, around="none"),
+    "edges": with_restir(GradientSettings()),
+    "random": with_restir(GradientSettings(around="random")),
+    "nobody": with_restir(GradientSettings(around="none")),
+    "edges, no past": with_restir(GradientSettings(temporal=False)),
+    "random, no past": with_restir(GradientSettings(temporal=False, around="random")),
+    "nobody, no past": with_restir(GradientSettings(temporal=False, around="none")),
 }
 
 SIGNS = {
-    "within the sign": with_restir(),
-    "across signs": with_restir(signs="across"),
-    "one reservoir": with_restir(signs="without"),
+    "within the sign": with_restir(GradientSettings()),
+    "across signs": with_restir(GradientSettings(signs="across")),
+    "one reservoir": with_restir(GradientSettings(signs="without")),
 }
 
 

@@ -57,20 +57,19 @@ PRIMAL = Variant(_area_frames, AreaSettings(mis="defensive", neighbors=2))
 """The pass that pixels come from, by itself."""
 
 
-def with_restir(**changes: object) -> Variant:
+def with_restir(settings: GradientSettings) -> Variant:
     """Gradient with ReSTIR, with other settings.
 
     Parameters
     ----------
-    **changes
-        Of its settings.
+    settings : GradientSettings
+        All of them.
 
     Returns
     -------
     Variant
         That one.
     """
-    settings = replace(GradientSettings(), **changes)  # type: ignore[arg-type]
     return Variant(render_gradient_frames, settings)
 
 

@@ -36,7 +36,7 @@ from reference.passes.neighbors import NONE
 from reference.records import take
 from reference.schedule import Schedule
 from tests.properties.path_scenes import world
-from tests.statistics.gradient_runs import SIZE, moving
+from tests.statistics.path_runs import SIZE, moving
 from tests.statistics.replicates import g_buffer
 
 positive = st.floats(1e-6, 1e6)

@@ -6,7 +6,7 @@ and down, and of the least-squares image.  The direction is noisy and independen
 that is projected on it, so that what should be 0 stays 0.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from itertools import islice
 
@@ -18,11 +18,8 @@ from gradient_domain.reconstruction import least_squares
 from gradient_domain.settings import GradientPathSettings
 from reference.accumulate import path_samples
 from reference.rng import Stream
-from reference.scene.animation import Animation
-from reference.scene.catalogue.registry import find_animation
-from reference.scene.validation import validate
-from reference.world import build_world
 from tests.properties.path_scenes import world
+from tests.statistics.path_runs import FAMILY, FRAMES, SIZE, moving
 from tests.statistics.replicates import (
     ONE_BAND,
     Means,
@@ -31,8 +28,6 @@ from tests.statistics.replicates import (
     tile_means,
 )
 
-FAMILY = 1e-4
-SIZE, FRAMES, STRIDE = 24, 4, 10
 SEED_OF_DIRECTIONS, SEED_OF_TRUTH = 1 << 21, (1 << 21) + 1
 COLUMNS = 9 * (SIZE // 8) ** 2
 
@@ -54,21 +49,6 @@ class Plan:
         return moving(self.name)
 
 
-@cache
-def moving(name):
-    """A camera that moves fast, seen by few pixels."""
-    found = find_animation(name)
-
-    def at(frame):
-        scene = found(STRIDE * frame)
-        camera = replace(scene.camera, width=SIZE, height=SIZE)
-        return validate(replace(scene, camera=camera))
-
-    scenes = [at(frame) for frame in range(FRAMES)]
-    animation = Animation(lambda frame: scenes[frame], found.changes)
-    return build_world(scenes[0]), build_world(scenes[-1]), animation
-
-
 def path_traced_image(w, bounces, seed, numbers):
     """Mean over the areas of pixels, of samples of some numbers."""
     samples = path_samples(
@@ -86,7 +66,7 @@ def path_traced_image(w, bounces, seed, numbers):
 
 @cache
 def direction(plan):
-    """Of the true differences, in unit length, and their length."""
+    """Of the true differences, in unit length."""
     _, last, _ = plan.scenes
     image = path_traced_image(last, plan.bounces, SEED_OF_DIRECTIONS, range(256))
     d = differences(image, SIZE)

@@ -6,6 +6,7 @@ probability 1e-4, and the image mean with as much.
 """
 
 from dataclasses import replace
+from functools import cache
 from itertools import islice
 
 import numpy as np
@@ -90,6 +91,14 @@ def of_a_scene_that_moves(
     name, settings, runs, render=render_path_frames, without=ALONE, stride=STRIDE
 ):
     """The same for any animation of the catalogue."""
+    first, last, animation = moving(name, stride)
+    frames = first, settings, 2, runs, render, without, animation
+    return of_last_frames(*frames), float(path_traced(last, 64, 2).mean[0])
+
+
+@cache
+def moving(name, stride=STRIDE):
+    """Worlds of the first and the last frame, and the animation, seen by few pixels."""
     found = find_animation(name)
 
     def at(frame):
@@ -99,9 +108,7 @@ def of_a_scene_that_moves(
 
     scenes = [at(frame) for frame in range(FRAMES)]
     animation = Animation(lambda frame: scenes[frame], found.changes)
-    frames = build_world(scenes[0]), settings, 2, runs, render, without, animation
-    scale = float(path_traced(build_world(scenes[-1]), 64, 2).mean[0])
-    return of_last_frames(*frames), scale
+    return build_world(scenes[0]), build_world(scenes[-1]), animation
 
 
 def of_last_frames(w, settings, bounces, runs, render, without, animation=None):

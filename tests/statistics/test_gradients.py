@@ -27,14 +27,13 @@ from tests.mutants.gradients import GRADIENT_MUTANTS
 from tests.mutants.plant import planted
 from tests.statistics.gradient_runs import (
     COLUMNS,
-    FAMILY,
-    SIZE,
     Plan,
     estimates_of,
     judged,
     of_candidates,
     of_reuse,
 )
+from tests.statistics.path_runs import FAMILY, SIZE
 from tests.statistics.replicates import Means, hall_t, threshold
 from tests.statistics.test_area_restir import Everywhere
 
