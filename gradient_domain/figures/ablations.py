@@ -1,6 +1,6 @@
 """Figures 6, 9 and 10: reuse of pairs around, and reservoirs of both signs."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -43,13 +43,15 @@ SIGNS = {
 }
 
 
-def reuse(plan: Plan) -> PaperFigure:
+def reuse(plan: Plan, scenes: Sequence[str] | None = None) -> PaperFigure:
     """Error of differences, with pairs around that are edges, any, or none.
 
     Parameters
     ----------
     plan : Plan
         Size, runs and schedule.
+    scenes : sequence of str, optional
+        Names of the catalogue, those of `SCENES` if none are given.
 
     Returns
     -------
@@ -62,16 +64,19 @@ def reuse(plan: Plan) -> PaperFigure:
         AROUND,
         "nobody",
         plan,
+        scenes,
     )
 
 
-def signs(plan: Plan) -> PaperFigure:
+def signs(plan: Plan, scenes: Sequence[str] | None = None) -> PaperFigure:
     """Error of differences, with a reservoir for each sign, or for both.
 
     Parameters
     ----------
     plan : Plan
         Size, runs and schedule.
+    scenes : sequence of str, optional
+        Names of the catalogue, those of `SCENES` if none are given.
 
     Returns
     -------
@@ -84,15 +89,22 @@ def signs(plan: Plan) -> PaperFigure:
         SIGNS,
         "one reservoir",
         plan,
+        scenes,
     )
 
 
 def _ablation(
-    name: str, title: str, variants: Mapping[str, Variant], than: str, plan: Plan
+    name: str,
+    title: str,
+    variants: Mapping[str, Variant],
+    than: str,
+    plan: Plan,
+    scenes: Sequence[str] | None,
 ) -> PaperFigure:
+    names = tuple(scenes or SCENES)
     rows: list[Row] = []
     grid: list[list[Tile]] = []
-    for scene_name in SCENES:
+    for scene_name in names:
         scene = scene_of(scene_name, plan.size)
         rounds = by_rounds(scene, variants, plan, TRUTH, like="")
         across = _across(scene.shown)
@@ -108,7 +120,7 @@ def _ablation(
     return PaperFigure(
         name,
         title,
-        _picture(grid),
+        _picture(grid, names),
         tuple(rows),
         (
             f"Frame {FRAMES} of {plan.runs} runs at {plan.size} x {plan.size}: MSE of"
@@ -142,9 +154,9 @@ def _row(rounds: Rounds, name: str, than: str, across: Masks) -> Row:
     }
 
 
-def _picture(grid: list[list[Tile]]) -> "Figure":
+def _picture(grid: list[list[Tile]], names: Sequence[str]) -> "Figure":
     picture = blank(len(grid[0]) * BIG * 0.8, len(grid) * (BIG * 0.8 + 0.2))
-    draw_tiles(picture, grid, SCENES)
+    draw_tiles(picture, grid, names)
     return picture
 
 

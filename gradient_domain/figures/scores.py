@@ -38,6 +38,33 @@ def gradient_errors(estimates: list[Scalars], pixels: Scalars | None = None) -> 
     return spreads(both)
 
 
+def relative_gradient_errors(
+    estimates: list[Scalars], truth: Moments, width: int
+) -> Numbers:
+    """Relative mean squared error of the differences of each run.
+
+    Parameters
+    ----------
+    estimates : list of (N, 9) float64
+        Pixels, and differences to the right and down; runs, all unbiased.
+    truth : Moments
+        Path-traced.
+    width : int, pixels
+        Of the image.
+
+    Returns
+    -------
+    (R,) float64
+        Relative to the light b of a pair, the mean of its two pixels: true differences
+        are 0 nearly everywhere.  Squared errors are divided by b² + ε, as in `rel_mse`.
+    """
+    true = differences(truth.mean, width)
+    light = truth.mean + np.array([true.x, true.y]) / 2
+    scale = 1.0 / np.sqrt(light**2 + metrics.EPSILON)
+    both = [np.array([e[:, 3:6], e[:, 6:9]]) * scale for e in estimates]
+    return spreads([rows.reshape(-1, 3) for rows in both])
+
+
 def image_errors(images: list[Vec3s], truth: Moments) -> tuple[Numbers, Numbers]:
     """MSE and relative MSE of each image, without the share of the truth's own noise.
 

@@ -17,6 +17,7 @@ from gradient_domain.figures.scores import (
     gradient_picture,
     image_errors,
     image_flips,
+    relative_gradient_errors,
 )
 from gradient_domain.figures.toy import VARIANTS, functions, toy
 from gradient_domain.figures.variants import METHODS, PRIMAL, scene_of
@@ -135,6 +136,24 @@ def test_errors_of_differences_are_those_that_are_asked_for():
     pixels[:] = False
     pixels[9, 1] = True
     np.testing.assert_allclose(gradient_errors([a, b], pixels), 8.0)
+
+
+def test_relative_errors_of_differences_are_those_of_the_light_of_the_pair():
+    """An image ten times as bright, ten times as noisy: the same error, but for ε."""
+    image = 1e3 * (1 + some())
+    runs = [estimates_of(image * (1 + 0.1 * some(seed))) for seed in (1, 2)]
+    brighter = [10 * run for run in runs]
+    found = relative_gradient_errors(runs, known(image), 8)
+    # ε = 0.01 beside squares of 1e6 or more: 1e-8 of the error.
+    np.testing.assert_allclose(
+        relative_gradient_errors(brighter, known(10 * image), 8), found, rtol=2e-8
+    )
+    # One difference wrong by 6, between pixels of 1 and 3: 6² / 2² / 2 of 384 numbers.
+    pair = np.repeat([[1.0, 3.0] * 32], 3, axis=0).T.copy()
+    right, wrong = estimates_of(pair), estimates_of(pair)
+    wrong[0, 3] += 6.0
+    found = relative_gradient_errors([right, wrong], known(pair), 8)
+    np.testing.assert_allclose(found, 36 / 4.01 / 2 / 384)
 
 
 def test_a_picture_of_differences_is_grey_where_there_is_none():
