@@ -1,17 +1,16 @@
 """Reconstruction that a few wrong differences do not bend: least absolute values."""
 
 import numpy as np
-from scipy.sparse.linalg import LinearOperator, cg
 
 from gradient_domain.differences import Differences, differences, spread_back
 from gradient_domain.reconstruction import ALPHA, check, least_squares, screened
 from reference.arrays import Scalars
 
-STEPS = 40
-"""Of reweighting."""
+STEPS = 200
+"""Of alternation."""
 
-FLOOR, FALL = 0.05, 0.7
-"""Least deviation that is told from 0, in mean deviations: at first, and by step."""
+PENALTY = 0.3
+"""ρ in inverse mean deviations; a third or three times as much needs more steps."""
 
 
 def least_absolute(
@@ -43,81 +42,46 @@ def least_absolute(
 
     Notes
     -----
-    Iteratively reweighted least squares: each row is weighted by the inverse of its
-    deviation, down to a floor that falls; what is solved is the weighted screened
-    Poisson equation, by conjugate gradients that the unweighted one preconditions.
-    [Lehtinen13, section 3].
+    Alternating directions [Boyd11, section 6.1]: with A = (α, D_x, D_y), b = (α P, d_x,
+    d_y) and multipliers u, z shortens A I − b + u by 1/ρ, and I solves the screened
+    Poisson equation for b + z − u, by one exact transform.  What is left after all
+    steps is some ten-thousandths of the sum, where one path a pixel finds little
+    light a hundredth.
     """
     check(primal, d, width)
     image = least_squares(primal, d, width, alpha)
-    floor = FLOOR
+    off = _deviations(image, primal, d, width, alpha)
+    mean = float(np.mean([_lengths(a) for a in off]))
+    if mean == 0:
+        return image
+    shortest = mean / PENALTY
+    u = [np.zeros_like(a) for a in off]
     for _ in range(STEPS):
-        weights = _weights(image, primal, d, width, alpha, floor)
-        if weights is None:
-            break
-        image = _weighted(image, primal, d, width, alpha, weights)
-        floor *= FALL
+        moved = [a + b for a, b in zip(off, u, strict=True)]
+        u = [_at_most(a, shortest) for a in moved]
+        p, x, y = (a - 2.0 * b for a, b in zip(moved, u, strict=True))
+        wanted = Differences(d.x + x, d.y + y)
+        right = alpha * (alpha * primal + p) + spread_back(wanted, width)
+        image = screened(right, width, alpha * alpha)
+        off = _deviations(image, primal, d, width, alpha)
     return image
 
 
-def _weights(
-    image: Scalars,
-    primal: Scalars,
-    d: Differences,
-    width: int,
-    alpha: float,
-    floor: float,
-) -> tuple[Scalars, Scalars, Scalars] | None:
-    """Inverse deviations of the rows; ``None`` where nothing deviates."""
+def _deviations(
+    image: Scalars, primal: Scalars, d: Differences, width: int, alpha: float
+) -> list[Scalars]:
+    """A I − b."""
     now = differences(image, width)
-    off = [_lengths(a) for a in (alpha * (image - primal), now.x - d.x, now.y - d.y)]
-    mean = float(np.mean(off))
-    if mean == 0:
-        return None
-    p, x, y = (mean / np.maximum(a, floor * mean) for a in off)
-    return p, x, y
+    return [alpha * (image - primal), now.x - d.x, now.y - d.y]
+
+
+def _at_most(rows: Scalars, length: float) -> Scalars:
+    """Rows, shortened where they are longer: what shortening by ``length`` takes."""
+    share = np.minimum(1.0, length / np.maximum(_lengths(rows), length))
+    kept: Scalars = rows * share[:, None]
+    return kept
 
 
 def _lengths(rows: Scalars) -> Scalars:
     squares: Scalars = np.einsum("ij,ij->i", rows, rows)
     return np.sqrt(squares)
-
-
-def _weighted(
-    image: Scalars,
-    primal: Scalars,
-    d: Differences,
-    width: int,
-    alpha: float,
-    weights: tuple[Scalars, Scalars, Scalars],
-) -> Scalars:
-    p, x, y = (w[:, None] for w in weights)
-    screen = alpha * alpha * p
-    right = screen * primal + spread_back(Differences(x * d.x, y * d.y), width)
-    size = len(image)
-
-    def left(column: Scalars) -> Scalars:
-        rows = column.reshape(size, 1)
-        now = differences(rows, width)
-        pulled = spread_back(Differences(x * now.x, y * now.y), width)
-        total: Scalars = (screen * rows + pulled).ravel()
-        return total
-
-    s, t = float(np.mean(screen)), float(np.mean([x.mean(), y.mean()]))
-
-    def nearly(column: Scalars) -> Scalars:
-        return screened(column.reshape(size, 1), width, s, t).ravel()
-
-    operator = LinearOperator((size, size), matvec=left)
-    inverse = LinearOperator((size, size), matvec=nearly)
-    solved = np.empty_like(image)
-    for channel in range(image.shape[1]):
-        solved[:, channel], _ = cg(
-            operator,
-            right[:, channel],
-            x0=image[:, channel],
-            rtol=1e-6,
-            maxiter=200,
-            M=inverse,
-        )
-    return solved

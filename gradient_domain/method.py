@@ -109,6 +109,8 @@ def _method(name: str, summary: str, settings: Any, render: Renders) -> Method:
         aovs={**PARTS, **own, **GBUFFER},
         render=framed.render,
         biases=named_biases,
+        frames=framed.shown,
+        pixel=framed.pixel,
     )
 
 

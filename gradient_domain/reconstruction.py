@@ -50,8 +50,8 @@ def least_squares(
     return screened(right, width, alpha * alpha)
 
 
-def screened(right: Scalars, width: int, screen: float, slope: float = 1.0) -> Scalars:
-    """Solve (s + t (D_xᵀ D_x + D_yᵀ D_y)) I = R exactly.
+def screened(right: Scalars, width: int, screen: float) -> Scalars:
+    """Solve (s + D_xᵀ D_x + D_yᵀ D_y) I = R exactly.
 
     Parameters
     ----------
@@ -59,8 +59,8 @@ def screened(right: Scalars, width: int, screen: float, slope: float = 1.0) -> S
         R.
     width : int, pixels
         Of a row.
-    screen, slope : float
-        s, positive, and t.
+    screen : float
+        s, positive.
 
     Returns
     -------
@@ -71,7 +71,7 @@ def screened(right: Scalars, width: int, screen: float, slope: float = 1.0) -> S
     height = len(image)
     down = 4 * np.sin(np.pi * np.arange(height) / (2 * height)) ** 2
     across = 4 * np.sin(np.pi * np.arange(width) / (2 * width)) ** 2
-    eigenvalue = screen + slope * (down[:, None] + across)
+    eigenvalue = screen + down[:, None] + across
     waves = dctn(image, axes=(0, 1)) / eigenvalue[:, :, None]
     solved: Scalars = idctn(waves, axes=(0, 1)).reshape(right.shape)
     return solved

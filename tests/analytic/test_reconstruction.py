@@ -173,7 +173,7 @@ def least_by_linear_programming(primal, d, width):
 
 @pytest.mark.parametrize("seed", range(5))
 def test_no_image_is_much_better(seed):
-    """Weights have a floor: what is lost by it is below a thousandth."""
+    """What is left after all steps is below a thousandth."""
     primal, d = given(9, 8, channels=1, seed=10 * seed)
     found = objective(least_absolute(primal, d, 9), primal, d, 9)
     least = least_by_linear_programming(primal, d, 9)

@@ -203,9 +203,8 @@ IMAGE_MUTANTS = [
         "the image begins from nothing, and has few steps",
         ("RC-05",),
         ROBUST,
-        "    image = least_squares(primal, d, width, alpha)\n    floor = FLOOR\n"
         "    for _ in range(STEPS):",
-        "    image = primal * 0\n    floor = FLOOR\n    for _ in range(2):",
+        "    image, off = primal * 0, [a * 0 for a in off]\n    for _ in range(2):",
     ),
     Mutant(
         "an image of least absolute values passes for unbiased",
