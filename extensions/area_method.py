@@ -43,12 +43,15 @@ def area_layers(frame: PathFrame, names: tuple[str, ...]) -> Mapping[str, Scalar
     return {**path_layers(r, r.y.paths, names), **places}
 
 
+FRAMED = Framed(_frames, area_layers, {**PATHS, **PLACES}, pixel="box")
 METHOD = Method(
     name="area-restir",
     summary="whole paths, reused over the area of each pixel: antialiased",
     counts={"frames": 32, "spp": 32},
     settings=AreaSettings(),
     aovs={**PARTS, **PATHS, **PLACES, **GBUFFER},
-    render=Framed(_frames, area_layers, {**PATHS, **PLACES}, pixel="box").render,
+    render=FRAMED.render,
     biases=lambda job: (),
+    frames=FRAMED.shown,
+    pixel=FRAMED.pixel,
 )

@@ -82,12 +82,14 @@ def named_biases(job: Job) -> tuple[str, ...]:
     return ()
 
 
+FRAMED = Framed(_frames, _layers, PATHS)
 METHOD = Method(
     name="restir-pt",
     summary="whole paths, reused by reconnection, random replay or both",
     counts={"frames": 32, "spp": 32},
     settings=PathSettings(),
     aovs={**PARTS, **PATHS, **GBUFFER},
-    render=Framed(_frames, _layers, PATHS).render,
+    render=FRAMED.render,
     biases=named_biases,
+    frames=FRAMED.shown,
 )

@@ -64,12 +64,14 @@ def named_biases(job: Job) -> tuple[str, ...]:
     return ()
 
 
+FRAMED = Framed(_frames, _layers, VERTEX)
 METHOD = Method(
     name="world-reservoirs",
     summary="light reservoirs at every path vertex, reused in a hashed grid",
     counts={"frames": 32, "spp": 32},
     settings=LightSettings(),
     aovs={**PARTS, **VERTEX, **GBUFFER},
-    render=Framed(_frames, _layers, VERTEX).render,
+    render=FRAMED.render,
     biases=named_biases,
+    frames=FRAMED.shown,
 )

@@ -52,12 +52,14 @@ def named_biases(job: Job) -> tuple[str, ...]:
     return tuple(line for line, holds in found.items() if holds)
 
 
+FRAMED = Framed(_frames, _layers, PATHS)
 METHOD = Method(
     name="regir-gi",
     summary="paths in the cells of a hashed grid, then reused over the screen",
     counts={"frames": 32, "spp": 32},
     settings=CellSettings(),
     aovs={**PARTS, **PATHS, **GBUFFER},
-    render=Framed(_frames, _layers, PATHS).render,
+    render=FRAMED.render,
     biases=named_biases,
+    frames=FRAMED.shown,
 )

@@ -99,9 +99,12 @@ def _checkerboard(s: Settings, needs: Needs, moves: bool) -> str:
 
 
 def _storage(s: Settings, needs: Needs, moves: bool) -> str:
-    if s.storage == "float64":
-        return ""
-    return "storage=paper: reservoirs are rounded to 48 bytes, radiance to 11 bits"
+    return {
+        "float64": "",
+        "float32": "storage=float32: reservoirs are rounded to 24 bits a number",
+        "half": "storage=half: reservoirs are rounded to 11 bits a number, places too",
+        "paper": "storage=paper: reservoirs of 48 bytes, radiance rounded to 11 bits",
+    }[s.storage]
 
 
 _ALL: tuple[Callable[[Settings, Needs, bool], str], ...] = (

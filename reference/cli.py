@@ -79,6 +79,7 @@ def build_parser() -> argparse.ArgumentParser:
         reference,
         render,
         scenes,
+        tradeoff,
     )
     from reference.version import project_version
 
@@ -92,7 +93,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     modules = (scenes, render, reference, compare, demo, golden, check, figures)
-    for module in modules:
+    for module in (*modules, tradeoff):
         summary = (module.__doc__ or "").partition("\n")[0].partition(": ")[2]
         child = commands.add_parser(
             module.NAME,

@@ -1,6 +1,7 @@
 """Records: frozen, slotted dataclasses of arrays that share their rows."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import fields, is_dataclass
 from typing import Any, TypeVar
 
 import numpy as np
@@ -189,3 +190,51 @@ def put(record: Record, rows: Indices, values: Record) -> Record:
         return out
 
     return map_rows(replaced, record, values)
+
+
+def nbytes(record: Any) -> int:
+    """Memory that the arrays of a record take.
+
+    Parameters
+    ----------
+    record : record, array, mapping, sequence, or anything without arrays
+        Descended into.
+
+    Returns
+    -------
+    int
+        Bytes; an array that is met twice counts once.
+    """
+    seen: dict[int, int] = {}
+    _weigh(record, seen)
+    return sum(seen.values())
+
+
+def _weigh(thing: Any, seen: dict[int, int]) -> None:
+    if isinstance(thing, np.ndarray):
+        seen[id(thing)] = thing.nbytes
+    elif isinstance(thing, Mapping):
+        _weigh(list(thing.values()), seen)
+    elif isinstance(thing, list | tuple):
+        for part in thing:
+            _weigh(part, seen)
+    elif is_dataclass(thing):
+        _weigh([getattr(thing, field.name) for field in fields(thing)], seen)
+
+
+def fields_but(record: Any, *names: str) -> list[Any]:
+    """Values of the fields of a record, but for some.
+
+    Parameters
+    ----------
+    record : dataclass instance
+        Any.
+    *names : str
+        Left out.
+
+    Returns
+    -------
+    list
+        In the order of the fields.
+    """
+    return [getattr(record, f.name) for f in fields(record) if f.name not in names]

@@ -14,7 +14,7 @@ JacobianUse = Literal["multiplied", "left-out", "divided"]
 BeyondLimit = Literal["reject-mirrored", "reject", "clamp"]
 MotionReuse = Literal["shifted", "as-stored"]
 Reuse = Literal["separate", "double-buffered", "fused"]
-Storage = Literal["float64", "paper"]
+Storage = Literal["float64", "float32", "half", "paper"]
 FinalVisibility = Literal["in-weight", "traced", "reused"]
 
 
@@ -89,9 +89,9 @@ class Settings(Search):
     roulette : float
         Share of the tiles of 64 x 32 pixels whose paths go on beyond the first bounce
         (section 5, which has 0.25).
-    storage : 'float64' or 'paper'
-        How reservoirs are kept between passes: as they are, or in the 48 bytes of
-        section 5.
+    storage : 'float64', 'float32', 'half' or 'paper'
+        How reservoirs are kept between passes: as they are, rounded to a shorter type,
+        or in the 48 bytes of section 5.
     reuse : 'separate', 'double-buffered' or 'fused'
         Spatial reuse of this frame's temporal reservoirs; of the last frame's, as two
         buffers without a barrier have them (section 5); or one pass for all.

@@ -1,7 +1,6 @@
 """Options that several commands share."""
 
 import argparse
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from reference.methods import Job
 from reference.path_tracer import MAX_BOUNCES
 from reference.scene.animation import Animation
 from reference.schedule import Schedule
+from reference.workers import processors
 from reference.world import World
 
 BAND = Schedule().band
@@ -117,6 +117,27 @@ def add_schedule(parser: Parser) -> None:
     )
 
 
+def add_workers(parser: Parser) -> None:
+    """Add --processes and --scheduler: who does the work.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        Of a command.
+    """
+    parser.add_argument(
+        "--processes",
+        type=whole(1, 1024),
+        metavar="N",
+        help="runs done at once on this machine (default: all processors)",
+    )
+    parser.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="of a Dask cluster that does the work, such as tcp://127.0.0.1:8786",
+    )
+
+
 def add_json(parser: Parser) -> None:
     """Add --json.
 
@@ -179,7 +200,7 @@ def job(
         By default of several bands a thread, so that no thread waits long for
         another.
     """
-    threads = arguments.threads or _processors()
+    threads = arguments.threads or processors()
     pixels = world.camera.width * world.camera.height
     parts = BANDS_A_THREAD * threads if threads > 1 else 1
     band = arguments.band or max(256, min(BAND, -(-pixels // parts)))
@@ -195,9 +216,3 @@ def job(
         animation=animation,
         frame=arguments.frame,
     )
-
-
-def _processors() -> int:
-    if hasattr(os, "sched_getaffinity"):  # a container may give us fewer than there are
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1

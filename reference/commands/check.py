@@ -7,7 +7,6 @@ from typing import Any
 
 from reference.commands.arguments import add_json
 from reference.commands.console import emit, progress, show
-from reference.commands.opening import find_scene_or_file
 from reference.commands.values import four_times, seconds, whole
 from reference.oracle.backends.command import PLACE
 from reference.oracle.backends.files import FilesBackend
@@ -23,6 +22,7 @@ from reference.oracle.report.page import write_page
 from reference.oracle.report.plain import as_plain
 from reference.oracle.report.table import table
 from reference.oracle.verdict import Verdict, climb
+from reference.scene.named import find_scene_or_file
 
 NAME = "check"
 BUDGET = 600.0

@@ -5,7 +5,6 @@ from pathlib import Path
 
 from reference.commands.arguments import add_json
 from reference.commands.console import emit, progress, show
-from reference.commands.opening import find_scene_or_file
 from reference.commands.values import whole
 from reference.oracle.frames import frame_cases
 from reference.oracle.golden import write_golden
@@ -14,6 +13,7 @@ from reference.oracle.rungs.kernels import kernel_probes
 from reference.oracle.rungs.lattice import lattice_probes
 from reference.oracle.rungs.replayed import replayed
 from reference.oracle.stage import stage
+from reference.scene.named import find_scene_or_file
 
 NAME = "golden"
 SIZE = 64

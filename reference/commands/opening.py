@@ -2,18 +2,49 @@
 
 import argparse
 from collections.abc import Callable
-from dataclasses import replace
-from pathlib import Path
 
 from reference.commands.console import remark
 from reference.commands.memory import refuse_what_does_not_fit
 from reference.commands.values import Size
-from reference.errors import UsageError
-from reference.scene.animation import Animation, still
-from reference.scene.catalogue.registry import CATALOGUE, find_animation, find_scene
-from reference.scene.loaders.load import LOADERS, load_scene
+from reference.scene.animation import Animation
+from reference.scene.named import Named, find_scene_or_file, frames_of
 from reference.scene.scene import Scene
-from reference.scene.validation import validate, validate_frames
+
+
+def open_named(
+    arguments: argparse.Namespace, size: Callable[[Scene], Size] | None = None
+) -> tuple[Named, Animation]:
+    """Scenes that the arguments name, and the words by which others can open them.
+
+    Parameters
+    ----------
+    arguments : Namespace
+        With ``scene``, ``lenient``, ``size``, ``frame`` and ``json``.
+    size : callable, optional
+        Gives the size of the picture where no --size is given; else it is what the
+        scene says.
+
+    Returns
+    -------
+    Named, Animation
+        See `open_frames`.
+
+    Raises
+    ------
+    UsageError
+        No such scene, or it cannot be read or rendered.
+    """
+    scene = find_scene_or_file(arguments.scene, arguments.lenient)
+    width, height = size(scene) if size else (scene.camera.width, scene.camera.height)
+    if arguments.size:
+        width, height = arguments.size
+    named = Named(arguments.scene, arguments.lenient, width, height, arguments.frame)
+    refuse_what_does_not_fit(width, height)
+    frames = frames_of(named, scene)
+    if not arguments.json:
+        for note in scene.notes:
+            remark(f"{scene.name}: {note}")
+    return named, frames
 
 
 def open_frames(
@@ -41,50 +72,4 @@ def open_frames(
     UsageError
         No such scene, or it cannot be read or rendered.
     """
-    scene = find_scene_or_file(arguments.scene, arguments.lenient)
-    camera = scene.camera
-    width, height = size(scene) if size else (camera.width, camera.height)
-    if arguments.size:
-        width, height = arguments.size
-    scene = replace(scene, camera=replace(camera, width=width, height=height))
-    refuse_what_does_not_fit(width, height)
-    scene = validate(scene)
-    if not arguments.json:
-        for note in scene.notes:
-            remark(f"{scene.name}: {note}")
-    built_in = arguments.scene in CATALOGUE
-    frames = find_animation(arguments.scene, scene) if built_in else still(scene)
-    valid, start = validate_frames(frames), arguments.frame
-    return Animation(lambda frame: valid(start + frame), valid.changes)
-
-
-def find_scene_or_file(name: str, lenient: bool = False) -> Scene:
-    """Scene that a word on the command line names.
-
-    Parameters
-    ----------
-    name : str
-        Built-in, or a file.
-    lenient : bool
-        Replace what the file holds and the project does not model.
-
-    Returns
-    -------
-    Scene
-        Not validated.
-
-    Raises
-    ------
-    UsageError
-        There is none, or it cannot be read.
-    """
-    path = Path(name)
-    is_file = path.suffix.lower() in LOADERS or path.exists()
-    if is_file and name not in CATALOGUE:
-        return load_scene(path, lenient)
-    try:
-        return find_scene(name)
-    except UsageError as error:
-        raise UsageError(
-            f"{error}; a scene file ends in one of {', '.join(LOADERS)}"
-        ) from None
+    return open_named(arguments, size)[1]

@@ -9,6 +9,32 @@ from reference.images import luminance
 TILE = 8  # pixels
 
 
+def tile_means(rows: Vec3s, width: int, tile: int = TILE) -> Vec3s:
+    """Means of the whole tiles of a frame.
+
+    Parameters
+    ----------
+    rows : (N, 3) float64
+        The frame.
+    width : int, pixels
+        Of the frame; what is left beyond the last whole tile does not count.
+    tile : int, pixels
+        Width and height of a tile; of a frame that is smaller, its own.
+
+    Returns
+    -------
+    (T, 3) float64
+        Row by row.
+    """
+    image = rows.reshape(-1, width, 3)
+    tall, wide = min(tile, len(image)), min(tile, width)
+    down, across = len(image) // tall, width // wide
+    whole = image[: down * tall, : across * wide]
+    parts = whole.reshape(down, tall, across, wide, 3)
+    means: Vec3s = parts.mean(axis=(1, 3)).reshape(-1, 3)
+    return means
+
+
 def tile_luminance(rows: Vec3s, size: int, tile: int = TILE) -> Numbers:
     """Mean luminance of the whole tiles of a frame.
 

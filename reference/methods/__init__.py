@@ -1,7 +1,15 @@
 """Methods: how a picture is made, and what they are called on the command line."""
 
 from reference.methods.discovery import method_named, method_names
-from reference.methods.method import Job, Layers, Method, Progress, Rendering, drive
+from reference.methods.method import (
+    Job,
+    Layers,
+    Method,
+    Progress,
+    Rendering,
+    Shown,
+    drive,
+)
 
 __all__ = [
     "Job",
@@ -9,6 +17,7 @@ __all__ = [
     "Method",
     "Progress",
     "Rendering",
+    "Shown",
     "drive",
     "method_named",
     "method_names",

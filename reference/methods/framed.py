@@ -11,8 +11,9 @@ from reference.accumulate import Pixel
 from reference.arrays import Scalars, Vec3s
 from reference.errors import UsageError
 from reference.methods.aovs import gbuffer_layers
-from reference.methods.method import Job, Progress, Rendering
+from reference.methods.method import Job, Progress, Rendering, Shown
 from reference.methods.path import mean_of_paths
+from reference.records import fields_but, nbytes
 from reference.rng import Stream
 from reference.world import World, next_world
 
@@ -74,6 +75,24 @@ def as_it_is(job: Job, color: Scalars) -> Vec3s:
     return color
 
 
+def bytes_of_frame(job: Job, frame: Any) -> int:
+    """What a frame holds beside its picture and the scene.
+
+    Parameters
+    ----------
+    job : Job
+        Does not matter.
+    frame : record
+        With ``world`` and ``color``.
+
+    Returns
+    -------
+    int
+        Bytes.
+    """
+    return nbytes(fields_but(frame, "world", "color"))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Framed:
     """How a method makes frames.
@@ -92,6 +111,8 @@ class Framed:
         From a frame to what is averaged over frames, (N, C); its light by default.
     develop : callable
         From a job, and such a mean, to indirect light, (N, 3).
+    size : callable
+        From a job and a frame to the bytes that the next frame is given.
     """
 
     frames: Callable[[Job], Iterator[Any]]
@@ -100,6 +121,24 @@ class Framed:
     pixel: Pixel = "center"
     estimates: Callable[[Any], Scalars] = color_of
     develop: Callable[[Job, Scalars], Vec3s] = as_it_is
+    size: Callable[[Job, Any], int] = bytes_of_frame
+
+    def shown(self, job: Job) -> Iterator[Shown]:
+        """Indirect light, frame after frame.
+
+        Parameters
+        ----------
+        job : Job
+            What to render.
+
+        Yields
+        ------
+        Shown
+            Without end.
+        """
+        for frame in self.frames(job):
+            color = self.develop(job, self.estimates(frame))
+            yield Shown(color, self.size(job, frame) / len(color))
 
     def render(self, job: Job) -> Rendering:
         """Indirect light by the method, direct light by path tracing.

@@ -25,11 +25,12 @@ a `Method`, whose ``render`` is a generator function::
     )
 """
 
-from collections.abc import Callable, Generator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from reference.arrays import Scalars
+from reference.accumulate import Pixel
+from reference.arrays import Scalars, Vec3s
 from reference.path_tracer import Light
 from reference.scene.animation import Animation
 from reference.schedule import Schedule
@@ -94,6 +95,22 @@ class Job:
     frame: int = 0
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Shown:
+    """A frame of indirect light, as a renderer would show it.
+
+    Attributes
+    ----------
+    color : (N, 3) float64, W/(m² sr)
+        Indirect light.
+    kept : float
+        Bytes a pixel that the next frame is given.
+    """
+
+    color: Vec3s
+    kept: float
+
+
 def _none(job: Job) -> tuple[str, ...]:
     return ()
 
@@ -119,6 +136,11 @@ class Method:
         Takes a `Job` and generates; `Rendering`.
     biases : callable
         Takes a `Job` and names what biases its picture; by default nothing does.
+    frames : callable or None
+        Takes a `Job` and yields `Shown`, frame after frame without end, by which speed
+        is weighed against accuracy; ``None`` where frames are not made one by one.
+    pixel : 'center' or 'box'
+        What a pixel shows: what its centre sees, or the mean over its area.
     """
 
     name: str
@@ -128,6 +150,8 @@ class Method:
     aovs: Mapping[str, str]
     render: Callable[[Job], Rendering]
     biases: Callable[[Job], tuple[str, ...]] = _none
+    frames: Callable[[Job], Iterator[Shown]] | None = None
+    pixel: Pixel = "center"
 
 
 def drive(method: Method, job: Job, tick: Callable[[Progress], None]) -> Layers:

@@ -1,16 +1,20 @@
 """Method ``path``: plain path tracing, a mean of independent samples."""
 
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass
+from functools import partial
+from itertools import count
 
-from reference.accumulate import Pixel, accumulate, path_samples
+from reference.accumulate import PathSamples, Pixel, accumulate, path_samples
 from reference.arrays import Scalars
 from reference.errors import UsageError
 from reference.methods.aovs import GBUFFER, gbuffer_layers
-from reference.methods.method import Job, Method, Progress, Rendering
+from reference.methods.method import Job, Method, Progress, Rendering, Shown
 from reference.moments import Moments, no_samples
 from reference.path_tracer import Light
 from reference.rng import Stream
+from reference.schedule import in_bands
+from reference.world import World, next_world
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -110,6 +114,40 @@ def mean_of_paths(
     return moments
 
 
+def frames(job: Job) -> Iterator[Shown]:
+    """One path-traced sample of indirect light a frame.
+
+    Parameters
+    ----------
+    job : Job
+        What to render; a moving scene as it is in each frame.
+
+    Yields
+    ------
+    Shown
+        Without end; nothing is kept.
+    """
+    samples = _indirect(job, job.world)
+    for number in count():
+        if job.animation:
+            world = next_world(samples.world, job.animation(number))
+            samples = samples if world is samples.world else _indirect(job, world)
+
+        draw = partial(samples.radiance, number=number)
+        yield Shown(in_bands(job.schedule, samples.rows, draw), 0.0)
+
+
+def _indirect(job: Job, world: World) -> PathSamples:
+    return path_samples(
+        world,
+        job.schedule,
+        light="indirect",
+        bounces=job.bounces,
+        seed=job.seed,
+        pixel=job.settings.pixel,
+    )
+
+
 PATH = Method(
     name="path",
     summary="Path tracing with next-event estimation, independent samples",
@@ -122,4 +160,5 @@ PATH = Method(
         **GBUFFER,
     },
     render=render,
+    frames=frames,
 )

@@ -10,6 +10,8 @@ from reference.biases import biases
 from reference.methods.aovs import GBUFFER, RESERVOIRS, reservoir_layers
 from reference.methods.framed import PARTS, Framed, Image
 from reference.methods.method import Job, Method
+from reference.passes.storage import stored_bytes
+from reference.records import nbytes
 from reference.restir_gi import Frame, render_frames
 from reference.settings import Settings
 
@@ -83,7 +85,15 @@ def _layers(frame: Frame, names: tuple[str, ...]) -> dict[str, Scalars]:
     return reservoir_layers(frame.spatial, names)
 
 
-FRAMED = Framed(_frames, _layers, RESERVOIRS)
+def _size(job: Job, frame: Frame) -> int:
+    kinds = [frame.temporal]
+    if frame.spatial is not frame.temporal:
+        kinds.append(frame.spatial)
+    reservoirs = sum(stored_bytes(job.settings.storage, r) for r in kinds)
+    return reservoirs + nbytes([frame.visible, frame.seen])
+
+
+FRAMED = Framed(_frames, _layers, RESERVOIRS, size=_size)
 
 
 def _method(name: str, summary: str, defaults: Settings) -> Method:
@@ -95,6 +105,7 @@ def _method(name: str, summary: str, defaults: Settings) -> Method:
         aovs={**PARTS, **RESERVOIRS, **GBUFFER},
         render=FRAMED.render,
         biases=named_biases,
+        frames=FRAMED.shown,
     )
 
 

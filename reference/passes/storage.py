@@ -1,13 +1,21 @@
-"""How reservoirs are kept between passes: as they are, or in the paper's 48 bytes."""
+"""How reservoirs are kept between passes: as they are, rounded, or in 48 bytes."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
+from reference.records import map_rows, nbytes
 from reference.resampling.packing.paper import pack, unpack
 from reference.resampling.reservoir import Reservoirs
 from reference.scene.surface import SurfacePoints
 from reference.settings import Storage
+
+SHORT: dict[Storage, type[np.floating[Any]]] = {
+    "float32": np.float32,
+    "half": np.float16,
+}
+PAPER_BYTES = 48
 
 
 def stored(
@@ -17,8 +25,8 @@ def stored(
 
     Parameters
     ----------
-    storage : 'float64' or 'paper'
-        Untouched, or through 48 bytes each.
+    storage : 'float64', 'float32', 'half' or 'paper'
+        Untouched, through a shorter type, or through 48 bytes each.
     points : SurfacePoints
         K visible points.
     r : Reservoirs
@@ -41,9 +49,52 @@ def stored(
     """
     if storage == "float64":
         return r
+    if storage in SHORT:
+        return _rounded(r, SHORT[storage])
     seed = np.zeros(len(r.W), np.uint32)
     if r.y.suffix:
         seed = (r.y.suffix.number % (2**32 // pixels * pixels)).astype(np.uint32)
     codes = pack(points.position, points.normal, r, seed)
     _, _, back, _ = unpack(codes)
     return replace(back, y=replace(back.y, suffix=r.y.suffix))
+
+
+def stored_bytes(storage: Storage, r: Reservoirs) -> int:
+    """Memory that reservoirs take between passes.
+
+    Parameters
+    ----------
+    storage : 'float64', 'float32', 'half' or 'paper'
+        How they are kept.
+    r : Reservoirs
+        As they come back from it.
+
+    Returns
+    -------
+    int
+        Bytes; the rest of the paths, where it is kept, is never shortened.
+    """
+    suffix = nbytes(r.y.suffix)
+    if storage == "paper":
+        return PAPER_BYTES * len(r.W) + suffix
+    bare = replace(r, y=replace(r.y, suffix=None))
+    if storage in SHORT:
+        dtype = SHORT[storage]
+        bare = map_rows(lambda a: a.astype(dtype) if a.dtype.kind == "f" else a, bare)
+    return nbytes(bare) + suffix
+
+
+def _rounded(r: Reservoirs, dtype: type[np.floating[Any]]) -> Reservoirs:
+    """Each number rounded to a type; beyond its largest that one, never infinite.
+
+    The rest of the path keeps its precision, as in the paper's 48 bytes.
+    """
+    most = float(np.finfo(dtype).max)
+
+    def through(a: Any) -> Any:
+        if a.dtype.kind != "f":
+            return a
+        return np.clip(a, -most, most).astype(dtype).astype(a.dtype)
+
+    bare = map_rows(through, replace(r, y=replace(r.y, suffix=None)))
+    return replace(bare, y=replace(bare.y, suffix=r.y.suffix))

@@ -12,7 +12,7 @@ import pytest
 from reference.passes.gbuffer import visible_points
 from reference.passes.initial import initial_samples
 from reference.passes.moment import Moment
-from reference.passes.storage import stored
+from reference.passes.storage import stored, stored_bytes
 from reference.path_tracer import reflected_radiance
 from reference.records import take
 from reference.resampling.packing.paper import pack, unpack
@@ -147,6 +147,50 @@ def test_a_sample_ages_a_frame_a_frame():
     suffix = drawn(moment).y.suffix
     for frame in (5, 6, 35):
         assert (age(suffix, frame, moment.pixels) == frame - 5).all()
+
+
+@pytest.mark.parametrize(
+    ("storage", "eps", "most", "least"),
+    [
+        ("float32", 2.0**-24, float(np.finfo(np.float32).max), 2.0**-126),
+        # Half has 11 bits, down to 2^-14; what is smaller is rounded to 2^-25 at most.
+        ("half", 2.0**-11, 65504.0, 2.0**-14),
+    ],
+)
+def test_reservoirs_are_rounded_and_never_infinite(storage, eps, most, least):
+    moment = moment_of(storage=storage)
+    y = drawn(moment).y
+    count = moment.pixels
+    rng = np.random.default_rng(3)
+    radiance = 2.0 ** rng.uniform(-30, 200, (count, 3))
+    y = replace(y, radiance=radiance)
+    r = Reservoirs(y, rng.random(count), np.ceil(30 * rng.random(count)))
+    back = stored(storage, moment.visible.surface, r, count)
+    for name in ("position", "normal", "radiance"):
+        exact, found = getattr(r.y, name), getattr(back.y, name)
+        assert found.dtype == np.float64
+        within = np.minimum(exact, most) if name == "radiance" else exact
+        # Half a unit in the last place; below the normal numbers it is a fixed one.
+        error = abs(found - within)
+        assert (error <= eps * np.maximum(abs(within), least)).all()
+    assert back.y.radiance.max() <= most
+    assert np.array_equal(back.M, r.M)
+    assert back.y.suffix is y.suffix
+    # Coming back twice changes nothing.
+    again = stored(storage, moment.visible.surface, back, count)
+    assert np.array_equal(again.W, back.W)
+
+
+def test_bytes_of_reservoirs():
+    """Three vectors and two numbers; what finds the path again comes on top."""
+    moment = moment_of()
+    y = drawn(moment).y
+    r = Reservoirs(y, np.ones(moment.pixels), np.ones(moment.pixels))
+    suffix = stored_bytes("paper", r) - 48 * moment.pixels
+    for storage, size in (("float64", 88), ("float32", 44), ("half", 22)):
+        assert stored_bytes(storage, r) == size * moment.pixels + suffix
+    bare = replace(r, y=replace(y, suffix=None))
+    assert stored_bytes("paper", bare) == 48 * moment.pixels
 
 
 def test_reservoirs_come_back_from_48_bytes_as_they_were_packed():

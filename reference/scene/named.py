@@ -1,0 +1,95 @@
+"""A scene by the words that name it: what a worker elsewhere needs to open it."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from reference.errors import UsageError
+from reference.scene.animation import Animation, still
+from reference.scene.catalogue.registry import CATALOGUE, find_animation, find_scene
+from reference.scene.loaders.load import LOADERS, load_scene
+from reference.scene.scene import Scene
+from reference.scene.validation import validate, validate_frames
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """A scene by name, and how it is looked at.
+
+    Attributes
+    ----------
+    name : str
+        Built-in, or a file.
+    lenient : bool
+        Replace what the file holds and the project does not model.
+    width, height : int, pixels
+        Of the picture.
+    frame : int
+        Of an animated scene the frame to begin at.
+    """
+
+    name: str
+    lenient: bool
+    width: int
+    height: int
+    frame: int = 0
+
+
+def find_scene_or_file(name: str, lenient: bool = False) -> Scene:
+    """Scene that a word on the command line names.
+
+    Parameters
+    ----------
+    name : str
+        Built-in, or a file.
+    lenient : bool
+        Replace what the file holds and the project does not model.
+
+    Returns
+    -------
+    Scene
+        Not validated.
+
+    Raises
+    ------
+    UsageError
+        There is none, or it cannot be read.
+    """
+    path = Path(name)
+    is_file = path.suffix.lower() in LOADERS or path.exists()
+    if is_file and name not in CATALOGUE:
+        return load_scene(path, lenient)
+    try:
+        return find_scene(name)
+    except UsageError as error:
+        raise UsageError(
+            f"{error}; a scene file ends in one of {', '.join(LOADERS)}"
+        ) from None
+
+
+def frames_of(named: Named, scene: Scene) -> Animation:
+    """Scenes of all frames, of the size asked for.
+
+    Parameters
+    ----------
+    named : Named
+        What is asked for.
+    scene : Scene
+        Found by its name.
+
+    Returns
+    -------
+    Animation
+        Its frame 0 is frame ``named.frame``.  Each frame is validated when it is asked
+        for; that of ``scene`` now.
+
+    Raises
+    ------
+    UsageError
+        It cannot be rendered.
+    """
+    camera = replace(scene.camera, width=named.width, height=named.height)
+    scene = validate(replace(scene, camera=camera))
+    built_in = named.name in CATALOGUE
+    frames = find_animation(named.name, scene) if built_in else still(scene)
+    valid = validate_frames(frames)
+    return Animation(lambda frame: valid(named.frame + frame), valid.changes)

@@ -1,0 +1,1 @@
+"""Speed against accuracy: what each setting costs, what it buys, and what to take."""

@@ -1,0 +1,160 @@
+"""Knobs: what can be turned at a method, and how far."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, fields
+
+from reference.errors import UsageError
+from reference.methods import Method
+from reference.options import with_values
+from reference.scene.animation import Changes
+
+
+@dataclass(frozen=True, slots=True)
+class Knob:
+    """What can be turned, and how far.
+
+    Attributes
+    ----------
+    name : str
+        Of the knob.
+    levels : tuple of (str, tuple of str)
+        A label, and the settings that it stands for.
+    """
+
+    name: str
+    levels: tuple[tuple[str, tuple[str, ...]], ...]
+
+
+def _levels(key: str, *values: object) -> Knob:
+    return Knob(key, tuple((str(v), (f"{key}={v}",)) for v in values))
+
+
+KNOBS = (
+    Knob(
+        "mode",
+        (
+            ("no reuse", ("temporal=false", "spatial=false")),
+            ("1/M, no rays", ("mis=1/M", "visibility=none")),
+            ("1/M", ("mis=1/M",)),
+            ("1/Z, no rays", ("mis=1/Z", "visibility=none")),
+            ("1/Z, rays of the kept", ("mis=1/Z", "visibility=chosen")),
+            ("1/Z", ("mis=1/Z",)),
+            ("balance", ("mis=balance",)),
+            ("pairwise", ("mis=pairwise",)),
+            ("defensive", ("mis=defensive",)),
+        ),
+    ),
+    _levels("temporal_cap", 1, 8, 30, 100, "inf"),
+    _levels("spatial_cap", 1, 100, 500, "inf"),
+    Knob(
+        "neighbours",
+        tuple(
+            (str(n), (f"iterations_few={n}", f"iterations_many={n}"))
+            for n in (0, 1, 3, 6, 9)
+        ),
+    ),
+    _levels("neighbors", 0, 1, 2, 3, 6),
+    _levels("radius", 0.02, 0.05, 0.1, 0.2, 0.4),
+    _levels("target", "scattered", "outgoing"),
+    _levels("source", "uniform", "cosine", "bsdf"),
+    _levels("storage", "float64", "float32", "half", "paper"),
+    _levels("jacobian_limit", "inf", 10, 3),
+    _levels("checkerboard", "false", "true"),
+)
+IN_MOTION = (_levels("motion", "shifted", "as-stored"),)
+VALIDATED = (
+    Knob(
+        "validation",
+        tuple(
+            (
+                f"every {n}" if n else "never",
+                ("motion=as-stored", f"validate_every={n}"),
+            )
+            for n in (0, 1, 6, 30)
+        ),
+    ),
+)
+LONG = (_levels("roulette", 1, 0.5, 0.25),)
+
+
+def built_in_knobs(changes: Changes, bounces: int) -> tuple[Knob, ...]:
+    """Knobs that can matter.
+
+    Parameters
+    ----------
+    changes : 'nothing', 'camera' or 'scene'
+        What may differ between frames.
+    bounces : int
+        Of indirect light.
+
+    Returns
+    -------
+    tuple of Knob
+        Those of motion where something moves, validation where light may change, and
+        roulette where paths are long enough for it.
+    """
+    moving = IN_MOTION if changes != "nothing" else ()
+    validated = VALIDATED if changes == "scene" else ()
+    return (*KNOBS, *moving, *validated, *(LONG if bounces > 1 else ()))
+
+
+def knobs_of(words: Iterable[str]) -> tuple[Knob, ...]:
+    """Knobs as they are written on the command line.
+
+    Parameters
+    ----------
+    words : iterable of str
+        Each ``KEY=VALUE,VALUE,...``.
+
+    Returns
+    -------
+    tuple of Knob
+        One a word.
+
+    Raises
+    ------
+    UsageError
+        It is not of that form.
+    """
+    found = []
+    for word in words:
+        key, equals, values = word.partition("=")
+        if not (key and equals and all(values.split(","))):
+            raise UsageError(f"--sweep {word!r} is not of the form KEY=VALUE,VALUE,...")
+        found.append(_levels(key, *values.split(",")))
+    return tuple(found)
+
+
+def usable(knobs: Iterable[Knob], method: Method) -> tuple[Knob, ...]:
+    """Knobs that a method has.
+
+    Parameters
+    ----------
+    knobs : iterable of Knob
+        Any.
+    method : Method
+        With settings.
+
+    Returns
+    -------
+    tuple of Knob
+        Without the levels that it does not take, and without the knobs that are left
+        with fewer than two.
+    """
+    found = []
+    for knob in knobs:
+        levels = tuple(level for level in knob.levels if _takes(method, level[1]))
+        if len(levels) > 1:
+            found.append(Knob(knob.name, levels))
+    return tuple(found)
+
+
+def _takes(method: Method, values: tuple[str, ...]) -> bool:
+    own = {field.name for field in fields(method.settings)}
+    if not {value.partition("=")[0] for value in values} <= own:
+        return False
+    try:
+        with_values(method.settings, values)
+    except UsageError:
+        return False
+    return True

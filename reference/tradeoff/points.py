@@ -1,0 +1,72 @@
+"""Operating points: a method with settings."""
+
+from dataclasses import dataclass
+from functools import cache
+from hashlib import sha256
+from typing import Any
+
+from reference.methods import method_named
+from reference.options import as_text, with_values
+
+UNCHANGED = "as it is"
+"""Label of the base."""
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """A method with settings.
+
+    Attributes
+    ----------
+    method : str
+        Its name.
+    values : tuple of str
+        Settings, as of ``--set KEY=VALUE``; of two with one key the last one counts.
+    knob : str
+        Which knob was turned: its name, ``"several"``, or ``""`` for the base.
+    label : str
+        What it was turned to.
+    """
+
+    method: str
+    values: tuple[str, ...]
+    knob: str = ""
+    label: str = UNCHANGED
+
+    @property
+    def key(self) -> str:
+        """Twelve hexadecimal digits of what decides pixels: method and settings."""
+        return _key(self.method, self.values)
+
+    @property
+    def name(self) -> str:
+        """Knob and label in one."""
+        return f"{self.knob}: {self.label}" if self.knob else self.label
+
+
+def settings_of(point: Point) -> Any:
+    """Settings of a point.
+
+    Parameters
+    ----------
+    point : Point
+        With the name of a method.
+
+    Returns
+    -------
+    dataclass instance
+        Of the type of the method's own.
+
+    Raises
+    ------
+    UsageError
+        There is no such method, setting or value.
+    """
+    return with_values(method_named(point.method).settings, point.values)
+
+
+@cache
+def _key(method: str, values: tuple[str, ...]) -> str:
+    settings = as_text(settings_of(Point(method, values)))
+    words = repr((method, sorted(settings.items())))
+    return sha256(words.encode()).hexdigest()[:12]

@@ -1,0 +1,285 @@
+"""The results of a sweep as numbers for programs: JSON, CSV, and a table to be read."""
+
+import csv
+import os
+import platform
+from dataclasses import dataclass
+from io import StringIO
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+
+from reference.figures.record import Interval
+from reference.moments import Moments
+from reference.tradeoff.change import Recovery
+from reference.tradeoff.front import advice, on_front, rms_percent
+from reference.tradeoff.scores import Score
+from reference.tradeoff.sweep import Sweep
+from reference.version import project_version
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Results:
+    """What a sweep has found.
+
+    Attributes
+    ----------
+    sweep : Sweep
+        What was measured.
+    truth : Moments
+        Of the base.
+    scores : list of Score
+        One a point, the first that of the base.
+    recoveries : list of Recovery
+        After a change of light; none where the scene changes by itself.
+    percent, ms : float or None
+        Error and time that the user allows.
+    """
+
+    sweep: Sweep
+    truth: Moments
+    scores: list[Score]
+    recoveries: list[Recovery]
+    percent: float | None
+    ms: float | None
+
+    @property
+    def light(self) -> float:
+        """Mean of the truth."""
+        return float(self.truth.mean.mean())
+
+    @property
+    def once(self) -> list[Score]:
+        """Scores of points that differ in what they do, not only in name."""
+        found: dict[str, Score] = {}
+        for score in self.scores:
+            found.setdefault(score.point.key, score)
+        return list(found.values())
+
+    @property
+    def groups(self) -> list[tuple[str, list[Score]]]:
+        """Scores by the knob that was turned."""
+        names = dict.fromkeys(s.point.knob for s in self.scores if s.point.knob)
+        return [(n, [s for s in self.scores if s.point.knob == n]) for n in names]
+
+    @property
+    def advice(self) -> str:
+        """The sentence at the end."""
+        return advice(self.once, self.light, self.percent, self.ms)
+
+
+def machine() -> dict[str, str]:
+    """What the times belong to.
+
+    Returns
+    -------
+    dict of str to str
+        Processor, number of them, operating system, and versions.
+    """
+    return {
+        "processor": platform.processor() or platform.machine(),
+        "processors": str(os.cpu_count()),
+        "system": f"{platform.system()} {platform.release()}",
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "version": project_version(),
+    }
+
+
+def as_plain(results: Results) -> dict[str, Any]:
+    """All numbers, for JSON.
+
+    Parameters
+    ----------
+    results : Results
+        Of a sweep.
+
+    Returns
+    -------
+    dict
+        Intervals are [value, low, high]; of times the median and the quartiles, of all
+        else 95 %.
+    """
+    sweep = results.sweep
+    return {
+        "scene": sweep.named.name,
+        "width": sweep.named.width,
+        "height": sweep.named.height,
+        "frame": sweep.named.frame,
+        "bounces": sweep.bounces,
+        "frames": sweep.frames,
+        "runs": sweep.runs,
+        "seed": sweep.seed,
+        "truth": {
+            "samples": results.truth.count,
+            "mean": results.light,
+            "variance": float(np.mean(results.truth.standard_error() ** 2.0)),
+        },
+        "machine": machine(),
+        "points": [row(results, s) for s in results.scores],
+        "after a change of light": [
+            {
+                "label": r.point.label,
+                "method": r.point.method,
+                "settings": list(r.point.values),
+                "error": r.error.tolist(),
+                "mean": r.mean.tolist(),
+            }
+            for r in results.recoveries
+        ],
+        "advice": results.advice,
+    }
+
+
+def row(results: Results, score: Score) -> dict[str, Any]:
+    """Numbers of a point.
+
+    Parameters
+    ----------
+    results : Results
+        Of the whole sweep.
+    score : Score
+        Of the point.
+
+    Returns
+    -------
+    dict
+        For JSON.
+    """
+    best = {
+        s.point.key
+        for s, good in zip(results.once, on_front(results.once), strict=True)
+        if good
+    }
+    return {
+        "knob": score.point.knob,
+        "label": score.point.label,
+        "method": score.point.method,
+        "settings": list(score.point.values),
+        "ms": _ends(score.ms),
+        "rays": score.rays,
+        "bytes": score.kept,
+        "MSE": _ends(score.error.mse),
+        "bias2": _ends(score.error.bias2),
+        "variance": _ends(score.error.variance),
+        "rms_percent": rms_percent(score, results.light),
+        "deviation": [score.deviation.value, score.deviation.error],
+        "correlation_length": _ends(score.length),
+        "lag": _ends(score.lag),
+        "worst_thousandth": score.worst,
+        "front": score.point.key in best,
+    }
+
+
+def as_csv(results: Results) -> str:
+    """The same points, a line each, for spreadsheets.
+
+    Parameters
+    ----------
+    results : Results
+        Of a sweep.
+
+    Returns
+    -------
+    str
+        The first line names the columns.
+    """
+    lines = [_flat(row(results, score)) for score in results.scores]
+    names = list(dict.fromkeys(name for line in lines for name in line))
+    buffer = StringIO()
+    writer = csv.DictWriter(buffer, names, restval="0", lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(lines)
+    return buffer.getvalue()
+
+
+def _flat(numbers: dict[str, Any]) -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for name, value in numbers.items():
+        if name == "settings":
+            flat[name] = " ".join(value)
+        elif name == "rays":
+            flat |= {f"rays.{kind}": count for kind, count in value.items()}
+        elif name == "deviation":
+            flat |= {name: value[0], f"{name}.error": value[1]}
+        elif isinstance(value, list):
+            flat |= {name: value[0], f"{name}.low": value[1], f"{name}.high": value[2]}
+        else:
+            flat[name] = value
+    return flat
+
+
+COLUMNS = (
+    "knob",
+    "set to",
+    "ms",
+    "rays",
+    "bytes",
+    "error",
+    "bias²",
+    "length",
+    "lag",
+    "",
+)
+
+
+def cells(results: Results) -> list[tuple[str, ...]]:
+    """The points as text, a cell a column.
+
+    Parameters
+    ----------
+    results : Results
+        Of a sweep.
+
+    Returns
+    -------
+    list of tuple of str
+        In the order of `COLUMNS`; error: the root of the MSE over the mean light, and
+        the squared bias as a share of the MSE with its interval.
+    """
+    found: list[tuple[str, ...]] = []
+    for score in results.scores:
+        numbers = row(results, score)
+        mse, bias2 = score.error.mse.value, score.error.bias2
+        share = [100 * x / mse if mse > 0 else 0.0 for x in _ends(bias2)]
+        found.append(
+            (
+                score.point.knob,
+                score.point.label,
+                f"{score.ms.value:.3g}",
+                f"{score.all_rays:.3g}",
+                f"{score.kept:.0f}",
+                f"{numbers['rms_percent']:.3g} %",
+                f"{share[0]:+.2g} % [{share[1]:+.2g}, {share[2]:+.2g}]",
+                f"{score.length.value:.2g}",
+                f"{score.lag.value:.2g}",
+                "front" if numbers["front"] else "",
+            )
+        )
+    return found
+
+
+def table(results: Results) -> Table:
+    """The points as a table for a terminal.
+
+    Parameters
+    ----------
+    results : Results
+        Of a sweep.
+
+    Returns
+    -------
+    Table
+        To be shown.
+    """
+    made = Table(title=f"Speed against accuracy: {results.sweep.named.name}")
+    for index, column in enumerate(COLUMNS):
+        made.add_column(column, justify="left" if index < 2 else "right")
+    for line in cells(results):
+        made.add_row(*line)
+    return made
+
+
+def _ends(interval: Interval) -> list[float]:
+    return [interval.value, interval.low, interval.high]

@@ -1,0 +1,149 @@
+"""The folder in which runs are kept: what is there need not be run again.
+
+Each run is a file of its own, named by point and seed and written in one step: a run
+that is done twice, by a worker that was thought lost, counts once.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
+
+from reference.errors import UsageError
+from reference.files import make_folder, read_file, write_file
+from reference.tradeoff.trials import Task, Trial
+
+
+@dataclass(frozen=True, slots=True)
+class Store:
+    """Runs of one scene.
+
+    Attributes
+    ----------
+    folder : Path
+        Where they are.
+    """
+
+    folder: Path
+
+    def path(self, task: Task) -> Path:
+        """File of a run.
+
+        Parameters
+        ----------
+        task : Task
+            The run.
+
+        Returns
+        -------
+        Path
+            It need not exist.
+        """
+        name = f"{task.seed}-after-{task.change}" if task.change else f"{task.seed}"
+        return self.folder / task.point.key / f"{name}.npz"
+
+    def put(self, task: Task, trial: Trial) -> None:
+        """Keep a run.
+
+        Parameters
+        ----------
+        task : Task
+            The run.
+        trial : Trial
+            What it left.
+
+        Raises
+        ------
+        UsageError
+            The file cannot be written.
+        """
+        words = {"seconds": trial.seconds, "rays": trial.rays, "kept": trial.kept}
+        buffer = BytesIO()
+        np.savez(
+            buffer,
+            words=np.array(json.dumps(words)),
+            color=trial.color,
+            mean=trial.mean,
+            tiles=trial.tiles,
+        )
+        path = self.path(task)
+        make_folder(path.parent)
+        write_file(path, buffer.getvalue())
+
+    def get(self, task: Task) -> Trial:
+        """A run that is kept.
+
+        Parameters
+        ----------
+        task : Task
+            The run.
+
+        Returns
+        -------
+        Trial
+            As it was put there.
+
+        Raises
+        ------
+        UsageError
+            It is not there, or damaged.
+        """
+        path = self.path(task)
+        contents = read_file(path)
+        # Damage shows as whatever the reader trips over first.
+        try:
+            with np.load(BytesIO(contents), allow_pickle=False) as file:
+                words = json.loads(str(file["words"]))
+                arrays = (file[name] for name in ("color", "mean", "tiles"))
+                return Trial(*arrays, **words)
+        except (ValueError, KeyError, TypeError, EOFError, BadZipFile) as error:
+            raise UsageError(
+                f"{path} is no run, or is damaged; delete it to run it again"
+            ) from error
+
+
+def open_store(folder: Path, identity: Mapping[str, str]) -> Store:
+    """Open the folder of a sweep, and only of the same sweep.
+
+    Parameters
+    ----------
+    folder : Path
+        Made if it is missing.
+    identity : mapping of str to str
+        Everything but point and seed that decides what a run is.
+
+    Returns
+    -------
+    Store
+        With the runs that were done before.
+
+    Raises
+    ------
+    UsageError
+        It holds runs of another scene, size or version: the message says what differs.
+    """
+    path = folder / "identity.json"
+    if path.exists():
+        try:
+            before = dict(json.loads(read_file(path)))
+        except ValueError as error:
+            raise UsageError(
+                f"{path} is damaged; delete {folder} to start anew"
+            ) from error
+        differences = [
+            f"{key} {before.get(key)}, not {identity.get(key)}"
+            for key in sorted({*before, *identity})
+            if before.get(key) != identity.get(key)
+        ]
+        if differences:
+            raise UsageError(
+                f"{folder} holds other runs ({'; '.join(differences)}); delete it to"
+                " start anew, or name another --out"
+            )
+    make_folder(folder)
+    write_file(path, json.dumps(dict(identity), indent=2).encode())
+    return Store(folder)

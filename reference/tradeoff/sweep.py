@@ -1,0 +1,196 @@
+"""A sweep: all runs of all points, those that are not there yet, and their scores."""
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from itertools import zip_longest
+
+from reference.accumulate import Pixel
+from reference.methods import method_named
+from reference.moments import Moments
+from reference.scene.named import Named
+from reference.tradeoff.points import Point, settings_of
+from reference.tradeoff.scores import Score, score
+from reference.tradeoff.store import Store
+from reference.tradeoff.trials import Task, run_trial
+from reference.workers import work
+
+CHANGES = 8
+"""Runs of a change of light, of those that there are."""
+
+Tick = Callable[[int, int, str], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Sweep:
+    """What is measured.
+
+    Attributes
+    ----------
+    named : Named
+        The scene.
+    bounces : int
+        Of indirect light.
+    frames : int
+        Of a run.
+    runs : int
+        Of each point, of seeds ``seed``, ``seed + 1``, ...
+    seed : int
+        Of the first.
+    points : tuple of Point
+        The first is the base.
+    changed : tuple of Point
+        What is seen after a change of light; none for no such runs.
+    """
+
+    named: Named
+    bounces: int
+    frames: int
+    runs: int
+    seed: int
+    points: tuple[Point, ...]
+    changed: tuple[Point, ...]
+
+    def runs_of(self, point: Point) -> list[Task]:
+        """Runs of a point, in a scene that is left alone.
+
+        Parameters
+        ----------
+        point : Point
+            Method and settings.
+
+        Returns
+        -------
+        list of Task
+            One a seed.
+        """
+        seeds = range(self.seed, self.seed + self.runs)
+        scene = self.named, self.bounces, self.frames, point
+        return [Task(*scene, seed) for seed in seeds]
+
+    def runs_after_change(self, point: Point) -> list[Task]:
+        """Runs of a point, whose lights change when as many frames are still to come.
+
+        Parameters
+        ----------
+        point : Point
+            Method and settings.
+
+        Returns
+        -------
+        list of Task
+            At most `CHANGES` of them, each twice as long.
+        """
+        seeds = range(self.seed, self.seed + min(self.runs, CHANGES))
+        scene = self.named, self.bounces, 2 * self.frames, point
+        return [Task(*scene, seed, change=self.frames) for seed in seeds]
+
+    def tasks(self) -> list[Task]:
+        """All runs: the first of all points, the second of all, and so on.
+
+        Returns
+        -------
+        list of Task
+            So that what slows the machine for a while slows all points.  None twice.
+        """
+        rows = [
+            *map(self.runs_of, _once(self.points)),
+            *map(self.runs_after_change, _once(self.changed)),
+        ]
+        turns = zip_longest(*rows)
+        return [task for turn in turns for task in turn if task is not None]
+
+
+def run_sweep(sweep: Sweep, store: Store, executor: Executor, tick: Tick) -> None:
+    """Do the runs that are not there yet, and keep each as soon as it is done.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        What is measured.
+    store : Store
+        Of the same sweep.
+    executor : Executor
+        See `reference.workers`.
+    tick : callable
+        Told how many runs there are, of how many, and their unit.
+    """
+    tasks = sweep.tasks()
+    missing = [task for task in tasks if not store.path(task).exists()]
+    done = len(tasks) - len(missing)
+    tick(done, len(tasks), "runs")
+    for task, trial in work(executor, run_trial, missing):
+        store.put(task, trial)
+        done += 1
+        tick(done, len(tasks), "runs")
+
+
+def scores_of(
+    sweep: Sweep, store: Store, truths: Mapping[Pixel, Moments]
+) -> list[Score]:
+    """Scores of all points.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        All of whose runs are there.
+    store : Store
+        Where.
+    truths : mapping of 'center' and 'box' to Moments
+        Those that `pixels_of` names.
+
+    Returns
+    -------
+    list of Score
+        In the order of the points.
+    """
+    counted = sweep.runs_of(sweep.points[0])[0].counted
+    return [
+        score(
+            point,
+            [store.get(task) for task in sweep.runs_of(point)],
+            truths[pixel_of(point)],
+            sweep.named.width,
+            counted,
+        )
+        for point in sweep.points
+    ]
+
+
+def pixel_of(point: Point) -> Pixel:
+    """What a pixel of a point's pictures shows.
+
+    Parameters
+    ----------
+    point : Point
+        Method and settings.
+
+    Returns
+    -------
+    'center' or 'box'
+        What its centre sees, or the mean over its area.
+    """
+    pixel: Pixel = getattr(
+        settings_of(point), "pixel", method_named(point.method).pixel
+    )
+    return pixel
+
+
+def _once(points: Sequence[Point]) -> list[Point]:
+    return list({point.key: point for point in points}.values())
+
+
+def pixels_of(points: Sequence[Point]) -> list[Pixel]:
+    """Which truths are needed.
+
+    Parameters
+    ----------
+    points : sequence of Point
+        All.
+
+    Returns
+    -------
+    list of 'center' or 'box'
+        Each once.
+    """
+    return sorted({pixel_of(point) for point in points})

@@ -1,0 +1,190 @@
+"""One run of one operating point, measured: what a worker does."""
+
+import time
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from reference.arrays import Scalars, Vec3s
+from reference.errors import UsageError
+from reference.figures.tiles import tile_means
+from reference.methods import Job, Shown, method_named
+from reference.scene.animation import Animation
+from reference.scene.brightness import brightened
+from reference.scene.named import Named, find_scene_or_file, frames_of
+from reference.schedule import Schedule
+from reference.tradeoff.points import Point, settings_of
+from reference.world import World, build_world
+
+BEFORE = 4.0
+"""How much brighter the lights were before a change."""
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """A run to be measured.
+
+    Attributes
+    ----------
+    named : Named
+        The scene.
+    bounces : int
+        Of indirect light.
+    frames : int
+        From an empty history to the picture; time is taken of the second half.
+    point : Point
+        How.
+    seed : int
+        Of the run.
+    change : int
+        Frame from which on the lights are those of the scene, after they were
+        `BEFORE` times as bright; 0 for a scene that is left alone.
+    """
+
+    named: Named
+    bounces: int
+    frames: int
+    point: Point
+    seed: int
+    change: int = 0
+
+    @property
+    def counted(self) -> int:
+        """Frames at the end, taken to be in the steady state."""
+        return self.frames - self.frames // 2
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trial:
+    """What a run leaves behind.
+
+    Attributes
+    ----------
+    color : (N, 3) float32, W/(m² sr)
+        Its last frame.
+    mean : (N, 3) float32, W/(m² sr)
+        Mean of the frames that are counted.
+    tiles : (frames, T, 3) float32, W/(m² sr)
+        Means of the tiles of all frames.
+    seconds : float
+        Median time of those.
+    rays : dict of str to float
+        A pixel and frame, by kind.
+    kept : float
+        Bytes a pixel from frame to frame.
+    """
+
+    color: Vec3s
+    mean: Vec3s
+    tiles: Scalars
+    seconds: float
+    rays: dict[str, float]
+    kept: float
+
+
+def run_trial(task: Task) -> Trial:
+    """Render, and look at the clock.
+
+    Parameters
+    ----------
+    task : Task
+        What, and how.
+
+    Returns
+    -------
+    Trial
+        Time on one thread; pixels, rays and bytes are the same on every machine.
+    """
+    world, animation = opened(task.named)
+    if task.change:
+        world, animation = _after_brighter_days(world, task.change)
+    frames = _frames(task, world, animation)
+    skipped = task.frames - task.counted
+    seconds, tiles, mean = [], [], np.zeros(())
+    for number in range(task.frames):
+        if number == skipped:
+            before = Counter(world.caster.counts)
+        start = time.perf_counter()
+        shown = next(frames)
+        seconds.append(time.perf_counter() - start)
+        tiles.append(tile_means(shown.color, task.named.width))
+        if number >= skipped:
+            mean = mean + (shown.color - mean) / (number - skipped + 1.0)
+    traced = world.caster.counts - before
+    shots = len(shown.color) * task.counted
+    return Trial(
+        shown.color.astype(np.float32),
+        mean.astype(np.float32),
+        np.array(tiles, np.float32),
+        float(np.median(seconds[skipped:])),
+        {kind: count / shots for kind, count in sorted(traced.items())},
+        shown.kept,
+    )
+
+
+def _after_brighter_days(world: World, change: int) -> tuple[World, Animation]:
+    now = world.scene
+    then = brightened(now, BEFORE)
+    animation = Animation(lambda t: now if t >= change else then, "scene")
+    return build_world(then, world), animation
+
+
+def _frames(task: Task, world: World, animation: Animation) -> Iterator[Shown]:
+    method = method_named(task.point.method)
+    if method.frames is None:
+        raise UsageError(
+            f"method {method.name!r} does not make frames one by one; measure another"
+        )
+    return method.frames(job_of(task, world, animation))
+
+
+def job_of(task: Task, world: World, animation: Animation) -> Job:
+    """What a method is asked to render.
+
+    Parameters
+    ----------
+    task : Task
+        What, and how.
+    world : World
+        Of frame 0.
+    animation : Animation
+        Of all frames.
+
+    Returns
+    -------
+    Job
+        On one thread.
+    """
+    return Job(
+        world=world,
+        light="indirect",
+        bounces=task.bounces,
+        seed=task.seed,
+        counts={"frames": task.frames, "spp": task.frames},
+        settings=settings_of(task.point),
+        aovs=(),
+        schedule=Schedule(),
+        animation=animation if animation.changes != "nothing" else None,
+        frame=task.named.frame,
+    )
+
+
+@lru_cache(maxsize=2)
+def opened(named: Named) -> tuple[World, Animation]:
+    """A scene ready for rays, kept for the next task of this process.
+
+    Parameters
+    ----------
+    named : Named
+        The scene.
+
+    Returns
+    -------
+    World, Animation
+        Of frame 0, and all frames.
+    """
+    animation = frames_of(named, find_scene_or_file(named.name, named.lenient))
+    return build_world(animation(0)), animation
