@@ -56,9 +56,7 @@ def draw_paths(
     kept: Candidates | None = None
     for vertex in range(1, bounces + 2):
         is_last = vertex == bounces + 1
-        by_chance = not is_last or (
-            world.emitters is not None and world.emitters.can_be_hit
-        )
+        by_chance = not is_last or world.seeks_lights
         active = step.points.hit & by_chance
         leaving = leave(world, step, vertex, uniforms, active)
         if vertex > 1:

@@ -17,7 +17,7 @@ from reference.scene.animation import Animation, still
 from reference.scene.camera import pixel_centers
 from reference.scene.surface import VisiblePoints
 from reference.schedule import Schedule, in_bands
-from reference.world import World, next_world
+from reference.world import World, next_world, same_but_for_the_camera
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -149,22 +149,22 @@ def path_frames(
     schedule : Schedule
         Bands and threads; no influence on the result.
     animation : Animation, optional
-        Validated scenes of all frames; by default the scene stands still.  Where
-        shapes or lights move, every frame begins anew: their paths are of another
-        scene.
+        Validated scenes of all frames; by default the scene stands still.  A frame
+        before which shapes or lights have moved begins anew: the paths of the last one
+        are of another scene.
 
     Returns
     -------
     iterator of PathFrame
         Frame after frame, each resampling what the last one left.
     """
-    begins_anew = animation is not None and animation.changes == "scene"
 
     def frame(
         number: int, now: World, visible: VisiblePoints, last: OfPaths | None
     ) -> OfPaths:
         moment = Moment(number, now, visible, settings, bounces, seed)
-        return make(moment, None if begins_anew else last, schedule)
+        is_other = last and not same_but_for_the_camera(last.world.scene, now.scene)
+        return make(moment, None if is_other else last, schedule)
 
     return frames(frame, world, schedule, animation)
 

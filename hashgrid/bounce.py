@@ -97,9 +97,8 @@ class Bounces:
         # To x_(v+1), which is the second point of paths that begin at x_v.
         step = arrive(world, criterion, start(points), 1, leaving)
         is_last = v == self.moment.bounces
-        can_meet = world.emitters is not None and world.emitters.can_be_hit
         onward: Leaving | None = None
-        if not is_last or can_meet:
+        if not is_last or world.seeks_lights:
             onward = leave(world, step, v + 1, uniforms, step.points.hit)
         # Paths that end there ...
         lights = find_lights(world, step, v + 1, uniforms, onward)

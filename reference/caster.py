@@ -32,6 +32,8 @@ class RayCaster:
         The scene.
     before : RayCaster, optional
         Of another frame of the same animation, in whose counter rays are counted on.
+    occlusion : bool
+        Whether anything may stand between two points of the surfaces.
 
     Attributes
     ----------
@@ -39,10 +41,15 @@ class RayCaster:
         Rays traced so far: 'primary', 'bounce', 'shadow', 'reuse', ...
     """
 
-    def __init__(self, geometry: Geometry, before: "RayCaster | None" = None) -> None:
+    def __init__(
+        self,
+        geometry: Geometry,
+        before: "RayCaster | None" = None,
+        occlusion: bool = True,
+    ) -> None:
         self.counts: Counter[str] = before.counts if before else Counter()
         self._lock: threading.Lock = before._lock if before else threading.Lock()
-        self._geometry = geometry
+        self._geometry, self._occlusion = geometry, occlusion
         self._triangles = Triangles(geometry)
         self._center = (geometry.center - geometry.middle) / geometry.extent
         self._radius = geometry.radius / geometry.extent
@@ -131,8 +138,11 @@ class RayCaster:
         Returns
         -------
         (N,) bool
-            Nothing lies between, up to ``STOP`` of the scene before ``x_to``.
+            Nothing lies between, up to ``STOP`` of the scene before ``x_to``; without
+            a ray where nothing ever does.
         """
+        if not self._occlusion:
+            return active.copy()
         self._count(kind, active)
         step, stop = STEP * self._geometry.extent, STOP * self._geometry.extent
         along = n_to * step

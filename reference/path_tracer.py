@@ -131,7 +131,7 @@ def reflected_radiance(
             light = next_event(world, walk.points, u)
             walk.add(radiance, walk.throughput * light)
         is_last = vertex == bounces
-        if is_last and not (world.emitters and world.emitters.can_be_hit):
+        if is_last and not world.seeks_lights:
             break
         # ... and from lights that a ray drawn from its material meets.
         if first is not None and vertex == 0:

@@ -1,5 +1,6 @@
 """A scene made ready for rays: primitives, accelerator and lights."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from reference.caster import RayCaster
@@ -7,7 +8,10 @@ from reference.scene.camera import Camera
 from reference.scene.emitters import Emitters, build_emitters
 from reference.scene.geometry import Geometry, build_geometry
 from reference.scene.materials.parameters import MaterialTable
+from reference.scene.plan import Plan, plan_of
 from reference.scene.scene import Scene
+
+Planner = Callable[[Scene], Plan]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,12 +28,18 @@ class World:
         Traces rays, and counts them.
     emitters : Emitters or None
         Lights; ``None`` where nothing emits.
+    plan : Plan
+        What is run for the scene.
+    planner : callable
+        Scene to plan, for the next frame.
     """
 
     scene: Scene
     geometry: Geometry
     caster: RayCaster
     emitters: Emitters | None
+    plan: Plan
+    planner: Planner
 
     @property
     def camera(self) -> Camera:
@@ -41,8 +51,15 @@ class World:
         """Materials of the scene."""
         return self.geometry.materials
 
+    @property
+    def seeks_lights(self) -> bool:
+        """Whether the last ray of a path looks for a light."""
+        return self.plan.chance and self.emitters is not None
 
-def build_world(scene: Scene, before: World | None = None) -> World:
+
+def build_world(
+    scene: Scene, before: World | None = None, planner: Planner = plan_of
+) -> World:
     """Make a scene ready for rays.
 
     Parameters
@@ -51,6 +68,8 @@ def build_world(scene: Scene, before: World | None = None) -> World:
         Validated by :func:`reference.scene.validation.validate`.
     before : World, optional
         Of another frame of the same animation, in whose counter rays are counted on.
+    planner : callable
+        Scene to plan; by default what the scene requires is run, and nothing else.
 
     Returns
     -------
@@ -58,9 +77,10 @@ def build_world(scene: Scene, before: World | None = None) -> World:
         With a camera of the size that the scene asks for.
     """
     geometry = build_geometry(scene)
-    caster = RayCaster(geometry, before.caster if before else None)
+    plan = planner(scene)
+    caster = RayCaster(geometry, before.caster if before else None, plan.occlusion)
     emitters = build_emitters(scene, geometry)
-    return World(scene, geometry, caster, emitters)
+    return World(scene, geometry, caster, emitters, plan, planner)
 
 
 def next_world(before: World, scene: Scene) -> World:
@@ -83,7 +103,7 @@ def next_world(before: World, scene: Scene) -> World:
         return before
     if same_but_for_the_camera(before.scene, scene):
         return replace(before, scene=scene)
-    return build_world(scene, before)
+    return build_world(scene, before, before.planner)
 
 
 def same_but_for_the_camera(a: Scene, b: Scene) -> bool:

@@ -9,13 +9,16 @@ from gradient_domain.figures.rounds import FRAMES, Rounds, Scene, by_rounds
 from gradient_domain.figures.scores import image_errors, image_flips
 from gradient_domain.figures.variants import (
     AFTER,
+    ALONE,
     AREA,
     METHODS,
     PATHS,
     PRIMAL,
     WITH,
     scene_of,
+    with_restir,
 )
+from gradient_domain.settings import GradientSettings
 from gradient_domain.images import Reconstruction, reconstructed
 from reference.arrays import Scalars, Vec3s
 from reference.figures.bootstrap import Numbers, mean_interval, ratio_interval
@@ -29,13 +32,18 @@ if TYPE_CHECKING:  # matplotlib takes half a second to load
 NAME = "gradient-images"
 SCENES = ("cornell-box", "glossy-floor", "moving-camera")
 TRUTH = 1024  # path-traced samples a run: FLIP sees the noise of the truth, too
-VARIANTS = {**METHODS, AREA: PRIMAL}
+VARIANTS = {
+    **METHODS,
+    ALONE: with_restir(GradientSettings(around="none")),
+    AREA: PRIMAL,
+}
 NORMS: tuple[Reconstruction, ...] = ("l1", "l2")
 
 COMBINED = {
     PATHS: (PATHS, PATHS),
     AFTER: (AFTER, AFTER),
     WITH: (WITH, WITH),
+    ALONE: (ALONE, ALONE),
     "pixels ReSTIR, differences PT": (WITH, PATHS),
     "pixels PT, differences ReSTIR": (PATHS, WITH),
 }
@@ -82,7 +90,7 @@ def of_scenes(scenes: list[Scene], plan: Plan) -> PaperFigure:
     rows: list[Row] = []
     grid: list[list[Tile]] = []
     for scene in scenes:
-        rounds = by_rounds(scene, VARIANTS, plan, TRUTH, like=WITH)
+        rounds = by_rounds(scene, VARIANTS, plan, TRUTH, like=ALONE)
         made = _images(rounds)
         rows += _rows(rounds, made)
         grid.append(_tiles(rounds, made, plan, first=not grid))
@@ -94,7 +102,8 @@ def of_scenes(scenes: list[Scene], plan: Plan) -> PaperFigure:
         (
             f"Frame {FRAMES} of {plan.runs} runs at {plan.size} x {plan.size}; as many"
             " copies of each method as take about the time of one of Gradient with"
-            " ReSTIR, averaged before the image is made; mixtures take pixels of the"
+            " ReSTIR with nobody around, at least one, averaged before the image is"
+            " made; mixtures take pixels of the"
             " one and differences of the other. Errors are against path tracing over"
             f" the areas of pixels, {TRUTH * plan.runs} samples a pixel. 'MSE, Area"
             " over it' and FLIP: how many times smaller than that of as many copies of"
@@ -162,7 +171,10 @@ def _tiles(rounds: Rounds, made: Made, plan: Plan, first: bool) -> list[Tile]:
         pixels = shown(np.maximum(rows, 0.0), plan.size, exposure)
         return Tile(pixels, title if first else "", words)
 
-    keys = [(AREA, "none"), *((name, kind) for name in METHODS for kind in NORMS)]
+    keys = [
+        (AREA, "none"),
+        *((name, kind) for name in (*METHODS, ALONE) for kind in NORMS),
+    ]
     found = []
     for name, norm in keys:
         flip = image_flips(made[name, norm][:1], rounds.truth, width)[0]

@@ -10,6 +10,7 @@ from reference.commands.opening import open_frames
 from reference.commands.targets import check_file
 from reference.commands.values import MOST_SAMPLES, whole
 from reference.display import auto_exposure, write_png
+from reference.effects import planner_of, prepared_for_all
 from reference.errors import UsageError
 from reference.exr import write_exr
 from reference.images import Image, to_image
@@ -52,6 +53,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="KEY=VALUE",
         help="a setting of the method; an unknown key lists them all",
     )
+    parser.add_argument(
+        "--no-plan",
+        action="store_true",
+        help="run everything, also what the scene does not require (see restir plan)",
+    )
     options.add_schedule(parser)
     options.add_json(parser)
 
@@ -79,8 +85,10 @@ def run(arguments: argparse.Namespace) -> None:
         check_file(png, ".png")
     animation = open_frames(arguments)
 
+    if arguments.no_plan:
+        animation = prepared_for_all(animation)
     scene = animation(0)
-    world = build_world(scene)
+    world = build_world(scene, planner=planner_of(arguments.no_plan))
     job = options.job(arguments, world, counts, settings, aovs, animation)
     start = time.perf_counter()
     with progress(f"{scene.name}, {method.name}") as tick:

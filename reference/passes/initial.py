@@ -173,14 +173,14 @@ def initial_samples(
     density = source_pdf(source, world.materials, points, omega)
     shared = ~drawn.delta & (density > 0)
     unshared = np.where(drawn.delta[:, None], drawn.weight * radiance, 0.0)
-    if glossy_samples == "path-traced":
+    if glossy_samples == "path-traced" and world.plan.glossy:
         lambertian = is_lambertian(world.materials, met)
-        if not lambertian[met.hit].all():
-            value = scattering(world.materials, points, omega) * radiance
-            alone = (shared & ~lambertian)[:, None]
-            unshared += np.where(alone, divide_or_zero(value, density[:, None]), 0.0)
-            shared &= lambertian
-    if source != "bsdf" and any(k in HAS_DELTA for k in world.materials.kinds):
+        value = scattering(world.materials, points, omega) * radiance
+        alone = (shared & ~lambertian)[:, None]
+        unshared += np.where(alone, divide_or_zero(value, density[:, None]), 0.0)
+        # A miss has no material, and no radiance.
+        shared &= lambertian | ~met.hit
+    if source != "bsdf" and world.plan.delta:
         first = sample_delta(world.materials, points, speculars.draw(0))
         unshared += reflected_radiance(
             world,

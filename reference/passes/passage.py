@@ -119,7 +119,7 @@ def passage_between(before: World, after: World, replay: Replay) -> Passage | No
         ``None`` where the worlds are the same, camera and all: a scene that does not
         move pays nothing for motion.
     """
-    if before is after:
+    if before is after and not after.plan.motion:
         return None
     if same_but_for_the_camera(before.scene, after.scene):
         return Passage(before, after, None, None, None)

@@ -18,6 +18,8 @@ ray resolves, well above the rounding of float64."""
 def first_obstacle(scene: Scene) -> Mesh | Sphere | None:
     """A shape that may stand between two points; ``None`` if certainly none does.
 
+    Points of surfaces, and point lights.
+
     Parameters
     ----------
     scene : Scene
@@ -28,18 +30,22 @@ def first_obstacle(scene: Scene) -> Mesh | Sphere | None:
     Mesh, Sphere or None
         ``None`` for a single sphere, and for triangles that all lie on the surface of
         their convex hull: a segment between two of them runs inside the hull, or
-        within one of its faces.
+        within one of its faces.  Point lights have to be inside, too.
     """
+    lights = np.array([light.position for light in scene.points]).reshape(-1, 3)
     if scene.spheres:
+        first = scene.spheres[0]
         alone = len(scene.spheres) == 1 and not scene.meshes
-        return None if alone else scene.spheres[0]
+        away = np.linalg.norm(lights - np.asarray(first.center), axis=1)
+        inside = bool((away < first.radius).all())
+        return None if alone and inside else first
     parts = [world_corners(mesh) for mesh in scene.meshes]
     corners = np.concatenate(parts)
     if len(corners) > MOST_TRIANGLES:
         return max(scene.meshes, key=lambda mesh: len(mesh.faces))
     vertices = np.unique(corners.reshape(-1, 3), axis=0)
     for mesh, part in zip(scene.meshes, parts, strict=True):
-        if not _supports(part, vertices).all():
+        if not _supports(part, np.concatenate([vertices, lights])).all():
             return mesh
     return None
 

@@ -124,7 +124,8 @@ def front(scores: Sequence[Score], light: float) -> "Figure":
     Returns
     -------
     Figure
-        Names stand at the points that nothing dominates.
+        Names stand at the points that nothing dominates, where there is something to
+        be seen of them.
     """
     picture = blank(11, 5)
     scale = light or 1.0
@@ -136,7 +137,7 @@ def front(scores: Sequence[Score], light: float) -> "Figure":
         for score, good, value in zip(scores, best, values, strict=True):
             color = COLORS[0] if good else DOMINATED
             axes.plot(score.ms.value, value, "o", color=color, markersize=5)
-            if good:
+            if good and value > 0:
                 axes.annotate(
                     score.point.name,
                     (score.ms.value, value),
@@ -147,6 +148,7 @@ def front(scores: Sequence[Score], light: float) -> "Figure":
                 )
         tidy(axes, "", "ms a frame on one thread", label)
         axes.set_xscale("log")
+        axes.margins(x=0.15)
     return picture
 
 

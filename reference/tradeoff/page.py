@@ -88,7 +88,8 @@ def _shown(results: Results) -> list[Score]:
     """Those of the first knob, or as many as there is room for."""
     groups = results.groups
     first = groups[0][1] if groups else []
-    return [*results.scores[:1], *first][:LINES]
+    found = {s.point.key: s for s in (*results.scores[:1], *first)}
+    return list(found.values())[:LINES]
 
 
 def _curves(results: Results, store: Store) -> "Figure":

@@ -1,0 +1,171 @@
+"""What leaving out parts of the model changes, and what it saves: measured."""
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from reference.arrays import Vec3s
+from reference.restir_gi import render_frames
+from reference.scene.animation import Animation
+from reference.scene.plan import EVERYTHING, Plan, everything, parts, plan_of
+from reference.scene.scene import Scene
+from reference.schedule import Schedule
+from reference.settings import UNBIASED
+from reference.world import Planner, build_world
+
+ALL = "all of these"
+"""Name of leaving out everything that the scene does not require."""
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """What leaving out a part does.
+
+    Attributes
+    ----------
+    part : str
+        Of `Plan`, or `ALL`.
+    identical : bool
+        Every bit of every frame is as with everything.
+    largest : float
+        Largest deviation of a pixel, relative to the mean light of its frame.
+    deviation : float
+        Of the mean of a frame, relative; the largest of all frames.
+    saved : float
+        Share of the time of a frame with everything.
+    """
+
+    part: str
+    identical: bool
+    largest: float
+    deviation: float
+    saved: float
+
+
+def prepared_for_all(animation: Animation) -> Animation:
+    """The same scenes, as if anything might change in them.
+
+    Parameters
+    ----------
+    animation : Animation
+        Of any kind.
+
+    Returns
+    -------
+    Animation
+        Samples then keep what finds their radiance again.
+    """
+    return Animation(animation, "scene")
+
+
+def left_out(animation: Animation) -> list[str]:
+    """Parts that a scene does not require, in its first frame.
+
+    Parameters
+    ----------
+    animation : Animation
+        Validated.
+
+    Returns
+    -------
+    list of str
+        Names of fields of `Plan`; motion where something moves is required.
+    """
+    plan = plan_of(animation(0))
+    names = [name for name in parts() if not getattr(plan, name)]
+    if animation.changes != "nothing":
+        names.remove("motion")
+    return names
+
+
+def effects(
+    animation: Animation, bounces: int, frames: int, tick: Callable[[int, int], None]
+) -> list[Effect]:
+    """Leave out each part by itself, and all of them, and compare with everything.
+
+    Parameters
+    ----------
+    animation : Animation
+        Validated.
+    bounces : int
+        Of indirect light.
+    frames : int
+        Of unbiased ReSTIR GI, rendered by turns.
+    tick : callable
+        Told how many frames are done, of how many.
+
+    Returns
+    -------
+    list of Effect
+        One a part that is left out, and one for all of them if they are several.
+    """
+    names = left_out(animation)
+    if not names:
+        return []
+    plans = {name: replace(EVERYTHING, **{name: False}) for name in names}
+    if len(names) > 1:
+        plans[ALL] = replace(EVERYTHING, **dict.fromkeys(names, False))
+    runs = {name: _run(animation, bounces, plan) for name, plan in plans.items()}
+    whole = _run(animation, bounces, EVERYTHING)
+    seconds: dict[str, list[float]] = {name: [] for name in plans}
+    off: dict[str, list[tuple[bool, float, float]]] = {name: [] for name in plans}
+    of_whole: list[float] = []
+    for frame in range(frames):
+        spent, true = _timed(whole)
+        of_whole.append(spent)
+        for name, run in runs.items():
+            spent, found = _timed(run)
+            seconds[name].append(spent)
+            off[name].append(_compare(found, true))
+        tick(frame + 1, frames)
+    return [
+        Effect(
+            name,
+            all(same for same, _, _ in off[name]),
+            max(largest for _, largest, _ in off[name]),
+            max(mean for _, _, mean in off[name]),
+            1.0 - float(np.median(seconds[name]) / np.median(of_whole)),
+        )
+        for name in plans
+    ]
+
+
+def _run(animation: Animation, bounces: int, plan: Plan) -> Iterator[Vec3s]:
+    def planner(scene: Scene) -> Plan:
+        return plan
+
+    shown = prepared_for_all(animation) if plan.motion else animation
+    world = build_world(shown(0), planner=planner)
+    frames = render_frames(world, UNBIASED, bounces, 0, Schedule(), shown)
+    return (frame.color for frame in frames)
+
+
+def _timed(run: Iterator[Vec3s]) -> tuple[float, Vec3s]:
+    start = time.perf_counter()
+    color = next(run)
+    return time.perf_counter() - start, color
+
+
+def _compare(found: Vec3s, true: Vec3s) -> tuple[bool, float, float]:
+    light = float(true.mean()) or 1.0
+    largest = float(np.abs(found - true).max()) / light
+    deviation = abs(float((found - true).mean())) / light
+    return np.array_equal(found, true), largest, deviation
+
+
+def planner_of(everywhere: bool) -> Planner:
+    """Who says what is run.
+
+    Parameters
+    ----------
+    everywhere : bool
+        Run everything, whatever the scene is.
+
+    Returns
+    -------
+    callable
+        Scene to plan.
+    """
+    return everything if everywhere else plan_of
