@@ -6,7 +6,7 @@ anywhere goes on as if nothing had happened, to the last bit.
 """
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -128,6 +128,10 @@ def path_samples(
     return PathSamples(world, light, bounces, seed, stream, centers)
 
 
+Advance = Callable[[Moments, int], Moments]
+"""From moments, and a number of samples, to the moments of so many samples."""
+
+
 def accumulate(
     samples: PathSamples, moments: Moments, stop: int, schedule: Schedule
 ) -> Iterator[Moments]:
@@ -144,6 +148,30 @@ def accumulate(
     schedule : Schedule
         Bands and threads.
 
+    Returns
+    -------
+    iterator of Moments
+        See `in_batches`.
+    """
+
+    def advance(before: Moments, until: int) -> Moments:
+        return add_samples(before, samples.radiance, until, schedule)
+
+    return in_batches(advance, moments, stop)
+
+
+def in_batches(advance: Advance, moments: Moments, stop: int) -> Iterator[Moments]:
+    """Advance until there are enough samples, in batches of about half a second.
+
+    Parameters
+    ----------
+    advance : callable
+        Adds samples.
+    moments : Moments
+        Of the samples before.
+    stop : int
+        Samples in the end.
+
     Yields
     ------
     Moments
@@ -154,7 +182,7 @@ def accumulate(
     while moments.count < stop:
         start = time.perf_counter()
         until = min(moments.count + batch, stop)
-        moments = add_samples(moments, samples.radiance, until, schedule)
+        moments = advance(moments, until)
         elapsed = max(time.perf_counter() - start, 1e-6)
         yield moments
         batch = max(1, min(int(batch * BATCH_SECONDS / elapsed), 4 * batch))

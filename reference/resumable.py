@@ -3,20 +3,38 @@
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
-from reference.accumulate import PathSamples, accumulate
+from reference.accumulate import Advance, in_batches
 from reference.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 from reference.errors import UsageError
 from reference.moments import no_samples
-from reference.schedule import Schedule
 from reference.signals import Interrupted
 
 
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Where samples come from.
+
+    Attributes
+    ----------
+    rows : int
+        Pixels of the frame.
+    advance : callable
+        Adds samples.
+    rays : callable
+        Tells how many rays they took so far, by kind.
+    """
+
+    rows: int
+    advance: Advance
+    rays: Callable[[], Mapping[str, int]]
+
+
 def accumulate_resumably(
-    samples: PathSamples,
+    source: Source,
     spp: int,
-    schedule: Schedule,
     path: Path,
     run: Mapping[str, str],
     every: float,
@@ -26,12 +44,10 @@ def accumulate_resumably(
 
     Parameters
     ----------
-    samples : PathSamples
+    source : Source
         What to add.
     spp : int
         Samples in the end.
-    schedule : Schedule
-        Bands and threads.
     path : Path
         Of the checkpoint.  It is left in place, complete in the end: whoever has
         written the result may delete it.
@@ -58,8 +74,8 @@ def accumulate_resumably(
     """
     state = load_checkpoint(path, run)
     if state is None:
-        state = Checkpoint(no_samples(samples.rows), 0.0, {})
-    if len(state.moments.mean) != samples.rows:
+        state = Checkpoint(no_samples(source.rows), 0.0, {})
+    if len(state.moments.mean) != source.rows:
         raise UsageError(f"{path} is damaged; delete it to start anew")
     if state.moments.count > spp:
         raise UsageError(
@@ -71,9 +87,9 @@ def accumulate_resumably(
     saved = state
     tick(state.moments.count)
     try:
-        for moments in accumulate(samples, state.moments, spp, schedule):
+        for moments in in_batches(source.advance, state.moments, spp):
             spent = before.seconds + time.perf_counter() - start
-            rays = Counter(before.rays) + samples.world.caster.counts
+            rays = Counter(before.rays) + Counter(source.rays())
             state = Checkpoint(moments, spent, rays)
             tick(moments.count)
             if time.perf_counter() - last >= every or moments.count == spp:

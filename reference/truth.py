@@ -9,8 +9,9 @@ from reference.checkpoint import Checkpoint
 from reference.fingerprint import fingerprint
 from reference.images import Image, to_image
 from reference.methods import Job
+from reference.moments import Moments, add_samples
 from reference.options import as_text
-from reference.resumable import accumulate_resumably
+from reference.resumable import Source, accumulate_resumably
 from reference.scene.scene import Scene
 from reference.version import project_version
 
@@ -37,6 +38,7 @@ def accumulate_truth(
     checkpoint: Path,
     every: float,
     tick: Callable[[int, int, str], None],
+    elsewhere: Callable[[Job], Source] | None = None,
 ) -> Checkpoint:
     """Accumulate the truth of a scene, from a checkpoint if there is one.
 
@@ -52,12 +54,26 @@ def accumulate_truth(
         Time between checkpoints.
     tick : callable
         Told the samples so far, their number in the end, and "samples".
+    elsewhere : callable, optional
+        Gives the samples of a job that other processes draw; by default this one does.
 
     Returns
     -------
     Checkpoint
         With ``job.counts["spp"]`` samples.
     """
+    spp = job.counts["spp"]
+    return accumulate_resumably(
+        (elsewhere or _here)(job),
+        spp,
+        checkpoint,
+        identity(scene, job),
+        every,
+        lambda count: tick(count, spp, "samples"),
+    )
+
+
+def _here(job: Job) -> Source:
     samples = path_samples(
         job.world,
         job.schedule,
@@ -66,16 +82,11 @@ def accumulate_truth(
         seed=job.seed,
         pixel=job.settings.pixel,
     )
-    spp = job.counts["spp"]
-    return accumulate_resumably(
-        samples,
-        spp,
-        job.schedule,
-        checkpoint,
-        identity(scene, job),
-        every,
-        lambda count: tick(count, spp, "samples"),
-    )
+
+    def advance(before: Moments, until: int) -> Moments:
+        return add_samples(before, samples.radiance, until, job.schedule)
+
+    return Source(samples.rows, advance, lambda: job.world.caster.counts)
 
 
 def identity(scene: Scene, job: Job) -> dict[str, str]:

@@ -3,8 +3,9 @@
 import multiprocessing
 import os
 import signal
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from typing import Any, TypeVar
@@ -98,6 +99,39 @@ def work(
     futures = {executor.submit(function, task): task for task in tasks}
     for future in as_completed(futures):
         yield futures.pop(future), future.result()
+
+
+def ahead(
+    executor: Executor,
+    function: Callable[[Task], Result],
+    tasks: Iterable[Task],
+    count: int,
+) -> Iterator[Result]:
+    """Do tasks before their results are wanted, and give them back in order.
+
+    Parameters
+    ----------
+    executor : Executor
+        Of `workers`.
+    function : callable
+        Of a module, without side effects: a lost task is done again.
+    tasks : iterable
+        May have no end; as many as have been handed out are done.
+    count : int
+        Tasks handed out at a time.
+
+    Yields
+    ------
+    result
+        In the order of the tasks.
+    """
+    waiting: deque[Future[Result]] = deque()
+    for task in tasks:
+        waiting.append(executor.submit(function, task))
+        if len(waiting) == count:
+            yield waiting.popleft().result()
+    while waiting:
+        yield waiting.popleft().result()
 
 
 @contextmanager

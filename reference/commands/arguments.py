@@ -131,6 +131,17 @@ def add_workers(parser: Parser) -> None:
         metavar="N",
         help="runs done at once on this machine (default: all processors)",
     )
+    add_scheduler(parser)
+
+
+def add_scheduler(parser: Parser) -> None:
+    """Add --scheduler: a cluster that does the work.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        Of a command.
+    """
     parser.add_argument(
         "--scheduler",
         metavar="ADDRESS",

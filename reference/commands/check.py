@@ -2,12 +2,17 @@
 
 import argparse
 import time
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from reference.commands.arguments import add_json
+from reference.commands.arguments import add_json, add_scheduler
 from reference.commands.console import emit, progress, show
 from reference.commands.values import four_times, seconds, whole
+from reference.errors import UsageError
 from reference.oracle.backends.command import PLACE
 from reference.oracle.backends.files import FilesBackend
 from reference.oracle.backends.find import backend_names, is_python
@@ -23,11 +28,13 @@ from reference.oracle.report.plain import as_plain
 from reference.oracle.report.table import table
 from reference.oracle.verdict import Verdict, climb
 from reference.scene.named import find_scene_or_file
+from reference.workers import ahead, workers
 
 NAME = "check"
 BUDGET = 600.0
 SCENE = "cornell-box"
 TRUTH_SAMPLES = 4096
+AHEAD = 32  # pictures that a cluster renders before they are wanted
 EXIT = {"PASS": 0, "FAIL": 1, "UNDECIDED": 3}
 
 
@@ -107,6 +114,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="your word that no tile's mean in one picture exceeds B times its truth",
     )
     parser.add_argument("--out", type=Path, metavar="DIR", help="folder for the report")
+    add_scheduler(parser)
     add_json(parser)
 
 
@@ -146,6 +154,11 @@ def _judge(arguments: argparse.Namespace) -> Verdict:
     against = arguments.against
     if "{out}" in backend:
         return _judge_renderer(arguments)
+    if arguments.scheduler:
+        raise UsageError(
+            "--scheduler is for the pictures of a renderer, whose command line has"
+            f" {{out}}; {backend!r} runs here"
+        )
     folder = Path(backend)
     if folder.is_dir() and not is_python(backend):
         against = folder if against is None else against
@@ -175,8 +188,12 @@ def _judge_renderer(arguments: argparse.Namespace) -> Verdict:
     def truth() -> Truth:
         return path_traced(scene, arguments.size, arguments.bounces, TRUTH_SAMPLES)
 
-    rungs = renderer_rungs(renderer, truth, arguments.bound, remaining)
-    with progress("check") as tick:
+    with progress("check") as tick, ExitStack() as stack:
+        pictures = None
+        if arguments.scheduler:
+            cluster = stack.enter_context(workers(1, arguments.scheduler))
+            pictures = partial(_ahead, cluster, renderer)
+        rungs = renderer_rungs(renderer, truth, arguments.bound, remaining, pictures)
         return climb(
             {},
             "float32",
@@ -185,3 +202,9 @@ def _judge_renderer(arguments: argparse.Namespace) -> Verdict:
             time.monotonic,
             lambda title: tick(0, 1, title),
         )
+
+
+def _ahead(
+    cluster: Executor, renderer: Renderer, seeds: Iterator[int]
+) -> Iterator[Any]:
+    return ahead(cluster, renderer.render, seeds, AHEAD)

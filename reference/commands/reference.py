@@ -2,21 +2,24 @@
 
 import argparse
 from collections.abc import Mapping
+from contextlib import ExitStack
 
 import numpy as np
 
 from reference.commands import arguments as options
 from reference.commands.console import emit, progress, show
-from reference.commands.opening import open_frames
+from reference.commands.opening import open_named
 from reference.commands.targets import check_file
 from reference.commands.values import MOST_SAMPLES, seconds, whole
 from reference.display import auto_exposure, write_png
+from reference.elsewhere import sampled_by
 from reference.exr import write_exr
 from reference.images import Image
 from reference.metadata import metadata
 from reference.methods.path import PATH, PathSettings
 from reference.options import with_values
 from reference.truth import accumulate_truth, checkpoint_beside, truth_image
+from reference.workers import workers
 from reference.world import build_world
 
 NAME = "reference"
@@ -64,6 +67,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="keep the checkpoint in the end: a larger --spp then goes on from it",
     )
     options.add_schedule(parser)
+    options.add_scheduler(parser)
     options.add_json(parser)
 
 
@@ -85,14 +89,20 @@ def run(arguments: argparse.Namespace) -> None:
     check_file(out)
     if arguments.png:
         check_file(out.with_suffix(".png"), ".png")
-    animation = open_frames(arguments)
+    named, animation = open_named(arguments)
     scene = animation(0)
     job = options.job(
         arguments, build_world(scene), {"spp": arguments.spp}, settings, (), animation
     )
     checkpoint = checkpoint_beside(out)
-    with progress(f"{scene.name}, truth") as tick:
-        state = accumulate_truth(scene, job, checkpoint, arguments.checkpoint, tick)
+    with progress(f"{scene.name}, truth") as tick, ExitStack() as stack:
+        elsewhere = None
+        if arguments.scheduler:
+            cluster = stack.enter_context(workers(1, arguments.scheduler))
+            elsewhere = sampled_by(cluster, named)
+        state = accumulate_truth(
+            scene, job, checkpoint, arguments.checkpoint, tick, elsewhere
+        )
     words = metadata(scene, PATH, job, state.rays, state.seconds)
     image = truth_image(state, job, words)
     write_exr(out, image)

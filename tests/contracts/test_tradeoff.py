@@ -2,12 +2,7 @@
 
 import csv
 import json
-import os
 import re
-import signal
-import subprocess
-import sys
-import time
 from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import replace
@@ -36,7 +31,6 @@ from reference.tradeoff.points import Point
 from reference.tradeoff.store import open_store
 from reference.tradeoff.sweep import Sweep, run_sweep
 from reference.tradeoff.trials import BEFORE, Task, opened, run_trial
-from reference.workers import work, workers
 from reference.world import build_world
 
 SMALL = Named("cornell-box", False, 16, 16)
@@ -336,79 +330,6 @@ def test_bad_input_is_one_line(capsys, tmp_path, monkeypatch, words, said):
     assert (code, printed) == (2, "")
     assert said in told
     assert told.count("\n") == 1
-
-
-# ------------------------------------------------------------ other processes
-
-
-@pytest.mark.slow
-def test_processes_of_this_machine_do_the_same(tmp_path):
-    sweep = sweep_of()
-    with workers(2) as executor:
-        found = dict(work(executor, run_trial, sweep.tasks()))
-    for task, run in found.items():
-        assert np.array_equal(run.color, run_trial(task).color)
-
-
-def killed(task):
-    """Take the process along, once the file that tells so is there."""
-    os.kill(os.getpid(), signal.SIGKILL)
-
-
-@pytest.mark.slow
-def test_a_process_that_is_killed_is_told():
-    with (
-        pytest.raises(UsageError, match="was ended from outside"),
-        workers(1) as executor,
-    ):
-        list(work(executor, killed, [1]))
-
-
-@contextmanager
-def cluster(folder):
-    """A Dask scheduler and two workers, each a process."""
-    address = folder / "scheduler.json"
-    python = [sys.executable, "-m", "distributed.cli"]
-    about = ["--scheduler-file", str(address), "--no-dashboard"]
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    started = []
-
-    def start(program, *words):
-        command = [*python[:2], f"distributed.cli.dask_{program}", *about, *words]
-        started.append(subprocess.Popen(command, cwd=folder, **quiet))
-
-    try:
-        start("scheduler", "--host", "127.0.0.1", "--port", "0")
-        while not address.exists():
-            time.sleep(0.1)
-        for _ in range(2):
-            start("worker", "--nthreads", "1", "--no-nanny")
-        yield json.loads(address.read_text())["address"], started[1:]
-    finally:
-        for process in started:
-            process.kill()
-            process.wait()
-
-
-@pytest.mark.slow
-def test_a_cluster_loses_nothing_when_a_worker_dies(tmp_path):
-    """Of two workers one is killed while it works: each run is there, and right."""
-    sweep = sweep_of(("mis=1/M",), runs=6)
-    store = open_store(tmp_path / "runs", {})
-    with cluster(tmp_path) as (address, (first, _)), workers(1, address) as executor:
-        done = []
-
-        def tick(count, total, unit):
-            done.append(count)
-            if count == 3:
-                first.kill()
-
-        run_sweep(sweep, store, executor, tick)
-    assert done == list(range(len(sweep.tasks()) + 1))
-    assert len(list(store.folder.glob("*/*.npz"))) == len(sweep.tasks())
-    for task in sweep.tasks():
-        assert np.array_equal(store.get(task).color, run_trial(task).color)
-    assert first.wait() == -signal.SIGKILL
 
 
 def test_scenes_of_animations_are_opened_at_their_frame():

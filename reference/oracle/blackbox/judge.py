@@ -1,8 +1,12 @@
 """A verdict on a renderer of which nothing is known but its pictures."""
 
 from collections.abc import Callable, Iterator
+from functools import partial
+from itertools import count
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reference.arrays import Scalars
 from reference.oracle.blackbox.renderer import Renderer
@@ -24,11 +28,17 @@ UNBOUNDED = 8.0
 is no larger, so that too much light is still a fault, and too little is not."""
 
 
+FIRST_SEED = 100
+
+Pictures = Callable[[Iterator[int]], Iterator[NDArray[Any] | Failure]]
+
+
 def renderer_rungs(
     renderer: Renderer,
     truth: Callable[[], Truth],
     bound: float | None,
     remaining: Callable[[], float],
+    pictures: Pictures | None = None,
 ) -> Iterator[Rung]:
     """Rungs for pictures.
 
@@ -43,6 +53,9 @@ def renderer_rungs(
         truth; ``None`` where there is none.
     remaining : callable
         Seconds that are left.
+    pictures : callable, optional
+        From seeds to the renderer's pictures, in order; by default one after the
+        other is rendered here.
 
     Yields
     ------
@@ -52,7 +65,8 @@ def renderer_rungs(
         Takes it.
     """
     yield "L2", "seeds", lambda: Step("L2", "seeds", findings=[_seeds(renderer)])
-    yield "L4", "mean", lambda: _mean(renderer, truth(), bound, remaining)
+    rendered = (pictures or partial(map, renderer.render))(count(FIRST_SEED))
+    yield "L4", "mean", lambda: _mean(rendered, truth(), bound, remaining)
 
 
 def _seeds(renderer: Renderer) -> Finding:
@@ -72,7 +86,7 @@ def _seeds(renderer: Renderer) -> Finding:
 
 
 def _mean(
-    renderer: Renderer,
+    pictures: Iterator[NDArray[Any] | Failure],
     truth: Truth,
     bound: float | None,
     remaining: Callable[[], float],
@@ -80,11 +94,10 @@ def _mean(
     low, high = truth_interval(truth.mean, truth.standard_error, DEVIATIONS)
     most = np.maximum((bound or UNBOUNDED) * truth.mean, high)
     bets = interval_bets(low, high, most, proven=bound is not None)
-    runs, seed = 0, 100
+    runs = 0
     found: Finding | None = None
     while found is None and (remaining() > 0 or runs < 2):
-        picture = renderer.render(seed)
-        seed += 1
+        picture = next(pictures)
         if isinstance(picture, Failure):
             found = Finding(False, picture.reason)
             break

@@ -1,0 +1,158 @@
+"""Path-traced samples that other processes draw, to the same last bit.
+
+Each worker is given some rows of the frame, with their moments, and adds samples to
+them one after the other, as one process would.
+"""
+
+from collections import Counter
+from collections.abc import Callable
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from reference.accumulate import PathSamples, Pixel, path_samples
+from reference.arrays import Vec3s
+from reference.methods import Job
+from reference.moments import Moments, add_samples
+from reference.path_tracer import Light
+from reference.resumable import Source
+from reference.scene.named import Named, find_scene_or_file, frames_of
+from reference.schedule import Schedule, bands
+from reference.workers import work
+from reference.world import build_world
+
+MOST_SHARES, LEAST_ROWS = 32, 256
+"""Of a frame, for all workers; and rows that are worth a message."""
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """Samples that are asked for.
+
+    Attributes
+    ----------
+    named : Named
+        The scene.
+    light : 'indirect', 'direct' or 'full'
+        Which paths count.
+    bounces : int
+        Bounces of indirect light.
+    seed : int
+        Of the run.
+    pixel : 'center' or 'box'
+        Where camera rays go.
+    """
+
+    named: Named
+    light: Light
+    bounces: int
+    seed: int
+    pixel: Pixel
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Share:
+    """What one worker is to do.
+
+    Attributes
+    ----------
+    request : Request
+        Whose samples.
+    start, stop : int
+        Rows of the frame.
+    moments : Moments
+        Of these rows, so far.
+    until : int
+        Samples in the end.
+    """
+
+    request: Request
+    start: int
+    stop: int
+    moments: Moments
+    until: int
+
+
+def sampled_by(executor: Executor, named: Named) -> Callable[[Job], Source]:
+    """How workers draw the samples of a job.
+
+    Parameters
+    ----------
+    executor : Executor
+        See `reference.workers`.
+    named : Named
+        The scene of the job, at its frame.
+
+    Returns
+    -------
+    callable
+        For `reference.truth.accumulate_truth`.
+    """
+
+    def source(job: Job) -> Source:
+        request = Request(named, job.light, job.bounces, job.seed, job.settings.pixel)
+        rows = named.width * named.height
+        share_rows = max(LEAST_ROWS, -(-rows // MOST_SHARES))
+        counts: Counter[str] = Counter()
+        if request.pixel == "center":
+            counts["primary"] = rows  # once, by whichever worker opens the scene
+
+        def advance(before: Moments, until: int) -> Moments:
+            shares = [
+                Share(request, r.start, r.stop, _cut(before, r), until)
+                for r in bands(rows, share_rows)
+            ]
+            mean, squares = np.empty((rows, 3)), np.empty((rows, 3))
+            for share, (found, rays) in work(executor, add_share, shares):
+                mean[share.start : share.stop] = found.mean
+                squares[share.start : share.stop] = found.squares
+                counts.update(rays)
+            return Moments(until, mean, squares)
+
+        return Source(rows, advance, lambda: counts)
+
+    return source
+
+
+def add_share(share: Share) -> tuple[Moments, Counter[str]]:
+    """Add samples to some rows: what a worker does.
+
+    Parameters
+    ----------
+    share : Share
+        Rows and their moments.
+
+    Returns
+    -------
+    Moments, Counter of str
+        Of these rows, and the rays that were traced, by kind.
+    """
+    samples = _opened(share.request)
+    before = Counter(samples.world.caster.counts)
+
+    def draw(rows: slice, number: int) -> Vec3s:
+        moved = slice(share.start + rows.start, share.start + rows.stop)
+        return samples.radiance(moved, number)
+
+    found = add_samples(share.moments, draw, share.until, Schedule())
+    return found, samples.world.caster.counts - before
+
+
+@lru_cache(maxsize=2)
+def _opened(request: Request) -> PathSamples:
+    named = request.named
+    scene = frames_of(named, find_scene_or_file(named.name, named.lenient))(0)
+    return path_samples(
+        build_world(scene),
+        Schedule(),
+        light=request.light,
+        bounces=request.bounces,
+        seed=request.seed,
+        pixel=request.pixel,
+    )
+
+
+def _cut(moments: Moments, rows: slice) -> Moments:
+    return Moments(moments.count, moments.mean[rows], moments.squares[rows])

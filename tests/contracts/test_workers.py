@@ -1,0 +1,148 @@
+"""Work that other processes do: the same bits, each once, also when one dies."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from itertools import count, islice
+
+import numpy as np
+import pytest
+
+from reference.cli import main
+from reference.errors import UsageError
+from reference.exr import read_exr
+from reference.scene.named import Named
+from reference.tradeoff.points import Point
+from reference.tradeoff.store import open_store
+from reference.tradeoff.sweep import Sweep, run_sweep
+from reference.tradeoff.trials import run_trial
+from reference.workers import ahead, work, workers
+
+pytestmark = pytest.mark.slow
+
+
+def sweep_of(*values, runs=3):
+    points = tuple(Point("restir-gi-unbiased", v) for v in ((), *values))
+    return Sweep(Named("cornell-box", False, 16, 16), 1, 4, runs, 0, points, ())
+
+
+def test_processes_of_this_machine_do_the_same(tmp_path):
+    sweep = sweep_of()
+    with workers(2) as executor:
+        found = dict(work(executor, run_trial, sweep.tasks()))
+    for task, run in found.items():
+        assert np.array_equal(run.color, run_trial(task).color)
+
+
+def killed(task):
+    """Take the process along, once the file that tells so is there."""
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def test_a_process_that_is_killed_is_told():
+    with (
+        pytest.raises(UsageError, match="was ended from outside"),
+        workers(1) as executor,
+    ):
+        list(work(executor, killed, [1]))
+
+
+@contextmanager
+def cluster(folder):
+    """A Dask scheduler and two workers, each a process."""
+    address = folder / "scheduler.json"
+    python = [sys.executable, "-m", "distributed.cli"]
+    about = ["--scheduler-file", str(address), "--no-dashboard"]
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    started = []
+
+    def start(program, *words):
+        command = [*python[:2], f"distributed.cli.dask_{program}", *about, *words]
+        started.append(subprocess.Popen(command, cwd=folder, **quiet))
+
+    try:
+        start("scheduler", "--host", "127.0.0.1", "--port", "0")
+        while not address.exists():
+            time.sleep(0.1)
+        for _ in range(2):
+            start("worker", "--nthreads", "1", "--no-nanny")
+        yield json.loads(address.read_text())["address"], started[1:]
+    finally:
+        for process in started:
+            process.kill()
+            process.wait()
+
+
+def test_a_cluster_loses_nothing_when_a_worker_dies(tmp_path):
+    """Of two workers one is killed while it works: each run is there, and right."""
+    sweep = sweep_of(("mis=1/M",), runs=6)
+    store = open_store(tmp_path / "runs", {})
+    with cluster(tmp_path) as (address, (first, _)), workers(1, address) as executor:
+        done = []
+
+        def tick(count, total, unit):
+            done.append(count)
+            if count == 3:
+                first.kill()
+
+        run_sweep(sweep, store, executor, tick)
+    assert done == list(range(len(sweep.tasks()) + 1))
+    assert len(list(store.folder.glob("*/*.npz"))) == len(sweep.tasks())
+    for task in sweep.tasks():
+        assert np.array_equal(store.get(task).color, run_trial(task).color)
+    assert first.wait() == -signal.SIGKILL
+
+
+def slowly(number):
+    """Later numbers are ready before earlier ones."""
+    time.sleep(0.2 if number % 2 == 0 else 0.0)
+    return number * number
+
+
+def test_results_that_are_asked_for_in_order_come_in_order():
+    with workers(2) as executor:
+        found = list(islice(ahead(executor, slowly, count(), 4), 6))
+        assert found == [0, 1, 4, 9, 16, 25]
+        assert list(ahead(executor, slowly, range(3), 8)) == [0, 1, 4]
+
+
+def test_a_cluster_accumulates_the_same_truth(tmp_path, capsys):
+    """To the last bit, and with the same rays, while one of its workers is killed."""
+    about = ["cornell-box", "--size", "24x20", "--spp", "200", "--bounces", "6"]
+    here, there = tmp_path / "here.exr", tmp_path / "there.exr"
+    assert main(["reference", *about, "--out", str(here)]) == 0
+    with cluster(tmp_path) as (address, (first, _)):
+        killer = subprocess.Popen(["sh", "-c", f"sleep 2.5; kill -9 {first.pid}"])
+        words = ["--out", str(there), "--scheduler", address]
+        assert main(["reference", *about, *words]) == 0
+        killer.wait()
+    capsys.readouterr()
+    a, b = read_exr(here), read_exr(there)
+    for name in ("color", "standard_error"):
+        assert np.array_equal(a.layers[name], b.layers[name])
+    for key in ("rays.primary", "rays.bounce", "rays.shadow", "spp"):
+        assert a.metadata[key] == b.metadata[key], key
+
+
+def test_a_cluster_renders_the_pictures_of_a_renderer(tmp_path, capsys):
+    """The verdict is that of the same pictures, one after the other."""
+    restir = f"{sys.executable} -m reference"
+    command = (
+        f"{restir} render {{scene}} --method path --spp 1 --size {{size}}x{{size}}"
+        " --seed {seed} --out {out}"
+    )
+    about = ["check", command, "--size", "8", "--budget", "25", "--json"]
+    with cluster(tmp_path) as (address, _):
+        code = main([*about, "--scheduler", address])
+    found = json.loads(capsys.readouterr().out)
+    assert code in (0, 3), found
+    assert "mean of" in json.dumps(found)
+
+
+def test_a_backend_that_is_no_renderer_stays_here(capsys):
+    assert main(["check", "float64", "--scheduler", "tcp://127.0.0.1:1"]) == 2
+    assert "is for the pictures of a renderer" in capsys.readouterr().err
