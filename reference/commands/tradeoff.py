@@ -23,7 +23,8 @@ from reference.tradeoff.design import at_random, methods_beside, one_at_a_time
 from reference.tradeoff.knobs import Knob, built_in_knobs, knobs_of, usable
 from reference.tradeoff.page import write_results
 from reference.tradeoff.points import Point, settings_of
-from reference.tradeoff.report import Results, as_plain, table
+from reference.tradeoff.report import as_plain, table
+from reference.tradeoff.results import Results
 from reference.tradeoff.store import open_store
 from reference.tradeoff.sweep import Sweep, pixel_of, pixels_of, run_sweep, scores_of
 from reference.truth import accumulate_truth

@@ -14,7 +14,8 @@ from reference.files import write_file
 from reference.tradeoff.change import draw_recoveries
 from reference.tradeoff.charts import LINES, bars, curves, front, neighbours
 from reference.tradeoff.maps import deviations, draw_maps
-from reference.tradeoff.report import COLUMNS, Results, as_csv, as_plain, cells, machine
+from reference.tradeoff.report import COLUMNS, as_csv, as_plain, cells
+from reference.tradeoff.results import Results, machine
 from reference.tradeoff.scores import Score
 from reference.tradeoff.store import Store
 

@@ -1,0 +1,35 @@
+"""
+Images from pixels and their differences
+========================================
+
+Figures 8 and 12 of the article on gradient-domain ReSTIR: images made from the pixels
+and the differences of each method, by least squares and by least absolute values,
+beside as many copies of Area ReSTIR as take the same time. :doc:`The page on
+differences </explanation/gradient_domain>` has the numbers at full size.
+
+The picture below is made while this page is built, of one scene, smaller and from few
+runs: the numbers on that page are the ones to quote.
+"""
+
+import matplotlib.pyplot as plt
+from rich.console import Console
+
+from gradient_domain.figures.images import of_scenes
+from gradient_domain.figures.variants import scene_of
+from reference.figures.record import Plan
+from reference.figures.table import table
+from reference.schedule import Schedule
+
+SIZE = 32
+
+plan = Plan(size=SIZE, runs=2, schedule=Schedule())
+figure = of_scenes([scene_of("cornell-box", SIZE)], plan)
+plt.figure().figimage(figure.pixels(), resize=True)
+plt.show()
+
+# %%
+# The numbers of this smaller run:
+
+console = Console(width=140, markup=False, highlight=False)
+console.print(table(figure))
+console.print(*figure.remarks, sep="\n\n")

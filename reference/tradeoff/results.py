@@ -1,0 +1,82 @@
+"""What a sweep has found, and on which machine."""
+
+import os
+import platform
+from dataclasses import dataclass
+
+import numpy as np
+
+from reference.moments import Moments
+from reference.tradeoff.change import Recovery
+from reference.tradeoff.front import advice
+from reference.tradeoff.scores import Score
+from reference.tradeoff.sweep import Sweep
+from reference.version import project_version
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Results:
+    """What a sweep has found.
+
+    Attributes
+    ----------
+    sweep : Sweep
+        What was measured.
+    truth : Moments
+        Of the base.
+    scores : list of Score
+        One a point, the first that of the base.
+    recoveries : list of Recovery
+        After a change of light; none where the scene changes by itself.
+    percent, ms : float or None
+        Error and time that the user allows.
+    """
+
+    sweep: Sweep
+    truth: Moments
+    scores: list[Score]
+    recoveries: list[Recovery]
+    percent: float | None
+    ms: float | None
+
+    @property
+    def light(self) -> float:
+        """Mean of the truth."""
+        return float(self.truth.mean.mean())
+
+    @property
+    def once(self) -> list[Score]:
+        """Scores of points that differ in what they do, not only in name."""
+        found: dict[str, Score] = {}
+        for score in self.scores:
+            found.setdefault(score.point.key, score)
+        return list(found.values())
+
+    @property
+    def groups(self) -> list[tuple[str, list[Score]]]:
+        """Scores by the knob that was turned."""
+        names = dict.fromkeys(s.point.knob for s in self.scores if s.point.knob)
+        return [(n, [s for s in self.scores if s.point.knob == n]) for n in names]
+
+    @property
+    def advice(self) -> str:
+        """The sentence at the end."""
+        return advice(self.once, self.light, self.percent, self.ms)
+
+
+def machine() -> dict[str, str]:
+    """What the times belong to.
+
+    Returns
+    -------
+    dict of str to str
+        Processor, number of them, operating system, and versions.
+    """
+    return {
+        "processor": platform.processor() or platform.machine(),
+        "processors": str(os.cpu_count()),
+        "system": f"{platform.system()} {platform.release()}",
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "version": project_version(),
+    }
