@@ -4,6 +4,7 @@ import csv
 from io import StringIO
 from typing import Any
 
+import numpy as np
 from rich.table import Table
 
 from reference.figures.record import Interval

@@ -14,9 +14,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
+from reference.effects import effects
 from reference.errors import UsageError
 from reference.scene.loaders.load import load_scene
 from reference.scene.materials.kinds import Coated, Conductor, Dielectric, Lambertian
+from reference.scene.named import Named, frames_of
 from reference.scene.textures import Bitmap, Checker
 
 BESIDE = Path(__file__).parents[3] / "shared" / "scenes"
@@ -159,3 +161,17 @@ def test_the_staircase_leniently(mitsuba):
     for disk in disks:
         a, b, c = disk.vertices[disk.faces[0]]
         assert np.cross(b - a, c - a)[1] < 0
+
+
+REAL = ("veach-ajar/simple/scene.json", "veach-ajar/scene.xml", "staircase2/scene.xml")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", REAL)
+def test_what_is_left_out_of_a_real_scene_changes_nothing(name, mitsuba):
+    """With two bounces, in four frames, to the last bit."""
+    scene = load(name, lenient=True)
+    named = Named(str(SCENES / name), True, 24, 16)
+    found = effects(frames_of(named, scene), 2, 4, lambda done, total: None)
+    assert found
+    assert all(effect.identical for effect in found), found
