@@ -98,6 +98,12 @@ def _checkerboard(s: Settings, needs: Needs, moves: bool) -> str:
     return "checkerboard: what only a new sample can find waits for its turn"
 
 
+def _lattice(s: Settings, needs: Needs, moves: bool) -> str:
+    if s.lattice == 1:
+        return ""
+    return f"lattice={s.lattice}: what no reservoir around can see is missing"
+
+
 def _storage(s: Settings, needs: Needs, moves: bool) -> str:
     return {
         "float64": "",
@@ -118,5 +124,6 @@ _ALL: tuple[Callable[[Settings, Needs, bool], str], ...] = (
     _boiling,
     _final,
     _checkerboard,
+    _lattice,
     _storage,
 )

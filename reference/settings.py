@@ -120,6 +120,10 @@ class Settings(Search):
     checkerboard : bool
         New samples in every other pixel, and where there is no history; biased while
         things move.
+    lattice : int, pixels
+        Side of the squares of which one pixel draws samples and keeps reservoirs; the
+        others are shaded by what they take over from those around, which is biased:
+        what none of these can see is missing.  1 for reservoirs of every pixel.
     """
 
     source: Source = "uniform"
@@ -149,6 +153,7 @@ class Settings(Search):
     fallback_search: bool = False
     final_visibility: FinalVisibility = "in-weight"
     checkerboard: bool = False
+    lattice: int = 1
 
 
 UNBIASED = Settings()

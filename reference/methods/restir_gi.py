@@ -31,6 +31,7 @@ LEAST_AND_MOST = {
     "jacobian_limit": (1, float("inf")),
     "max_age": (1, float("inf")),
     "boiling_filter": (0, 1),
+    "lattice": (1, 64),
 }
 
 
@@ -54,6 +55,11 @@ class RestirSettings(Settings):
                 raise ValueError(
                     f"{name}={getattr(self, name)} is out of range: {least} {end}"
                 )
+        if self.lattice > 1 and not (self.spatial and self.reuse == "separate"):
+            raise ValueError(
+                f"lattice={self.lattice} needs spatial=true and reuse=separate: pixels"
+                " without a reservoir live on those around them"
+            )
 
 
 def named_biases(job: Job) -> tuple[str, ...]:
@@ -89,8 +95,9 @@ def _size(job: Job, frame: Frame) -> int:
     kinds = [frame.temporal]
     if frame.spatial is not frame.temporal:
         kinds.append(frame.spatial)
-    reservoirs = sum(stored_bytes(job.settings.storage, r) for r in kinds)
-    return reservoirs + nbytes([frame.visible, frame.seen])
+    whole = sum(stored_bytes(job.settings.storage, r) for r in kinds)
+    one_in: int = job.settings.lattice**2
+    return whole // one_in + nbytes([frame.visible, frame.seen])
 
 
 FRAMED = Framed(_frames, _layers, RESERVOIRS, size=_size)

@@ -9,6 +9,7 @@ from reference.passes.checkerboard import samples_anew
 from reference.passes.entries import Donors
 from reference.passes.fused import fused_pass
 from reference.passes.initial import InitialSamples, initial_samples, shares_all
+from reference.passes.lattice import keeps_reservoir
 from reference.passes.moment import Moment
 from reference.passes.past import Past
 from reference.passes.receivers import Receivers
@@ -143,19 +144,34 @@ def spatial_and_shade(
     if seen is not None:
         color = np.where(seen[:, None], color, 0.0)
     spatial = _stored(moment, r, kept).reservoirs
+    keeps = _who_keeps(moment, r)
+    if keeps is not None:
+        kept_M, kept_W = (np.where(keeps, a, 0.0) for a in (spatial.M, spatial.W))
+        spatial = replace(spatial, M=kept_M, W=kept_W)
     return Shaded(spatial, color + fresh.unshared[r], seen)
 
 
 def _who_draws(moment: Moment, past: Past | None, r: slice) -> Masks | None:
     """Who adds a new sample; ``None`` for everyone."""
-    if past is None:
-        return None
-    if moment.validates:  # the rays of this frame go into old samples, where there are
-        return ~past.is_there(r)
-    if not moment.settings.checkerboard:
-        return None
+    able = _who_keeps(moment, r)
     rows, width = np.arange(r.start, r.stop), moment.world.camera.width
-    return samples_anew(rows, width, moment.number, past.is_there(r))
+    drawn = None
+    if past and moment.validates:
+        # The rays of this frame go into old samples, where there are.
+        drawn = ~past.is_there(r)
+    elif past and moment.settings.checkerboard:
+        drawn = samples_anew(rows, width, moment.number, past.is_there(r))
+    if able is None or drawn is None:
+        return able if drawn is None else drawn
+    return drawn & able
+
+
+def _who_keeps(moment: Moment, r: slice) -> Masks | None:
+    """Who keeps reservoirs; ``None`` for everyone."""
+    side, width = moment.settings.lattice, moment.world.camera.width
+    if side == 1:
+        return None
+    return keeps_reservoir(np.arange(r.start, r.stop), width, side)
 
 
 def _draw(moment: Moment, r: slice, drawn: Masks | None) -> InitialSamples:

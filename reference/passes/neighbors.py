@@ -4,6 +4,7 @@ import numpy as np
 
 from reference.arrays import Indices, Scalars
 from reference.passes.gbuffer import similar
+from reference.passes.lattice import corner
 from reference.records import take
 from reference.rng import Draw
 from reference.scene.surface import VisiblePoints
@@ -19,6 +20,7 @@ def find_neighbors(
     width: int,
     settings: Search,
     draws: list[Draw],
+    lattice: int = 1,
 ) -> list[Indices]:
     """Neighbours drawn in a disk around each pixel, one a draw.
 
@@ -34,6 +36,8 @@ def find_neighbors(
         Radius and similarity.
     draws : list of four (K,) float64
         Lanes 0 and 1 of each give a point of the disk.
+    lattice : int, pixels
+        Side of the squares of which one pixel has a reservoir to lend.
 
     Returns
     -------
@@ -57,6 +61,7 @@ def find_neighbors(
         x_to, y_to = x + dx, y + dy
         inside = (x_to >= 0) & (x_to < width) & (y_to >= 0) & (y_to < height)
         neighbor = np.where(inside, y_to * width + x_to, rows)
+        neighbor = corner(neighbor, width, lattice)
         usable = inside & similar(
             n_row,
             depth_row,

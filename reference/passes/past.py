@@ -9,6 +9,7 @@ from reference.arrays import Indices, Masks
 from reference.passes.entries import Donors
 from reference.passes.history import History
 from reference.passes.home import find_home
+from reference.passes.lattice import corner, keeps_reservoir
 from reference.passes.moment import Frame, Moment
 from reference.passes.neighbors import NONE
 from reference.passes.passage import Passage, passage_between
@@ -107,6 +108,7 @@ def past_of(moment: Moment, last: Frame | None) -> Past | None:
     home = None
     if passage or settings.permutation:
         home = find_home(moment, last, passage)
+        home = _on_lattice(moment, home)
     as_stored = settings.motion == "as-stored"
     visible = last.visible
     if moment.validates:
@@ -121,6 +123,16 @@ def past_of(moment: Moment, last: Frame | None) -> Past | None:
     fused = last.spatial is last.temporal
     spatial = temporal if fused else donors(last.spatial)
     return Past(temporal, spatial, home, as_stored or home is None, last.seen)
+
+
+def _on_lattice(moment: Moment, home: Indices) -> Indices:
+    """Homes where reservoirs are, of pixels that keep some."""
+    side, width = moment.settings.lattice, moment.world.camera.width
+    if side == 1:
+        return home
+    keeps = keeps_reservoir(np.arange(moment.pixels), width, side)
+    there = keeps & (home != NONE)
+    return np.where(there, corner(np.maximum(home, 0), width, side), NONE)
 
 
 def _carried(passage: Passage | None, visible: VisiblePoints) -> VisiblePoints:

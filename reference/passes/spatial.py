@@ -175,6 +175,7 @@ def neighbors(
         receivers.world.camera.width,
         receivers.settings,
         draws,
+        receivers.settings.lattice,
     )
     found: list[tuple[Entry, Scalars]] = []
     for row, u in zip(rows, draws, strict=True):

@@ -60,6 +60,7 @@ KNOBS = (
     _levels("storage", "float64", "float32", "half", "paper"),
     _levels("jacobian_limit", "inf", 10, 3),
     _levels("checkerboard", "false", "true"),
+    _levels("lattice", 1, 2, 4),
 )
 IN_MOTION = (_levels("motion", "shifted", "as-stored"),)
 VALIDATED = (

@@ -20,6 +20,7 @@ BIASING = {
     "max_age": 30.0,
     "boiling_filter": 0.2,
     "storage": "paper",
+    "lattice": 2,
 }
 IN_MOTION = {"motion": "as-stored", "final_visibility": "reused", "checkerboard": True}
 
