@@ -42,7 +42,7 @@ def open_named(
     refuse_what_does_not_fit(width, height)
     frames = frames_of(named, scene)
     if not arguments.json:
-        for note in scene.notes:
+        for note in frames(0).notes:
             remark(f"{scene.name}: {note}")
     return named, frames
 

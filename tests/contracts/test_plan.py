@@ -62,9 +62,9 @@ def no_tick(done, total):
 @pytest.mark.parametrize("name", CATALOGUE)
 def test_what_is_left_out_of_a_built_in_scene_changes_nothing(name):
     """Each part by itself, and all of them."""
-    named = Named(name, False, 24, 24)
+    named = Named(name, False, 16, 16)
     animation = frames_of(named, find_scene_or_file(name))
-    found = effects(animation, 2, 4, no_tick)
+    found = effects(animation, 2, 3, no_tick)
     wanted = left_out(animation)
     assert [e.part for e in found] == [*wanted, *([ALL] if len(wanted) > 1 else [])]
     for effect in found:
@@ -107,6 +107,7 @@ def test_every_method_makes_the_same_picture(name, tmp_path, capsys):
         out = tmp_path / f"{len(words)}.exr"
         about = ["--size", "16x16", "--bounces", "2", "--out", str(out)]
         about += [*words, *UNVALIDATED.get(name, ())]
+        about += ["--spp", "4"] if name == "path" else ["--frames", "4"]
         assert main(["render", "sunlit-wall", "--method", name, *about]) == 0
         pictures.append(read_exr(out).color)
     capsys.readouterr()
