@@ -61,7 +61,8 @@ def find_neighbors(
         x_to, y_to = x + dx, y + dy
         inside = (x_to >= 0) & (x_to < width) & (y_to >= 0) & (y_to < height)
         neighbor = np.where(inside, y_to * width + x_to, rows)
-        neighbor = corner(neighbor, width, lattice)
+        if lattice > 1:
+            neighbor = corner(neighbor, width, lattice)
         usable = inside & similar(
             n_row,
             depth_row,

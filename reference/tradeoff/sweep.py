@@ -9,6 +9,7 @@ from reference.accumulate import Pixel
 from reference.methods import method_named
 from reference.moments import Moments
 from reference.scene.named import Named
+from reference.signals import Interrupted
 from reference.tradeoff.points import Point, settings_of
 from reference.tradeoff.scores import Score, score
 from reference.tradeoff.store import Store
@@ -114,15 +115,27 @@ def run_sweep(sweep: Sweep, store: Store, executor: Executor, tick: Tick) -> Non
         See `reference.workers`.
     tick : callable
         Told how many runs there are, of how many, and their unit.
+
+    Raises
+    ------
+    Interrupted
+        By Ctrl-C or SIGTERM; runs that are done are kept.
     """
     tasks = sweep.tasks()
     missing = [task for task in tasks if not store.path(task).exists()]
     done = len(tasks) - len(missing)
     tick(done, len(tasks), "runs")
-    for task, trial in work(executor, run_trial, missing):
-        store.put(task, trial)
-        done += 1
-        tick(done, len(tasks), "runs")
+    try:
+        for task, trial in work(executor, run_trial, missing):
+            store.put(task, trial)
+            done += 1
+            tick(done, len(tasks), "runs")
+    except KeyboardInterrupt as stop:
+        raise Interrupted(
+            f"interrupted; {done} of {len(tasks)} runs are kept in {store.folder}, and"
+            " the same command goes on from there",
+            getattr(stop, "terminated", False),
+        ) from None
 
 
 def scores_of(

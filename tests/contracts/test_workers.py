@@ -146,3 +146,41 @@ def test_a_cluster_renders_the_pictures_of_a_renderer(tmp_path, capsys):
 def test_a_backend_that_is_no_renderer_stays_here(capsys):
     assert main(["check", "float64", "--scheduler", "tcp://127.0.0.1:1"]) == 2
     assert "is for the pictures of a renderer" in capsys.readouterr().err
+
+
+def gone(group):
+    """Whether a group of processes is empty, within ten seconds."""
+    for _ in range(100):
+        try:
+            os.killpg(group, 0)
+        except ProcessLookupError:
+            return True
+        time.sleep(0.1)
+    return False
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_sweep_goes_on(tmp_path, number):
+    """What is done is kept, no process stays behind, and the end is the same."""
+    about = ["cornell-box", "--size", "16x16", "--runs", "40", "--frames", "8"]
+    about += ["--spp", "4", "--design", "0", "--sweep", "radius=0.1,0.2"]
+    command = [sys.executable, "-m", "reference", "tradeoff", *about]
+    command += ["--processes", "2", "--out", str(tmp_path)]
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE, "text": True}
+    run = subprocess.Popen(command, start_new_session=True, **quiet)
+    while len(list(tmp_path.glob("runs/*/*.npz"))) < 3:
+        assert run.poll() is None
+        time.sleep(0.02)
+    # Ctrl-C reaches all processes of a terminal, SIGTERM the one that it is sent to.
+    (os.killpg if number == signal.SIGINT else os.kill)(run.pid, number)
+    _, told = run.communicate(timeout=60)
+    assert run.returncode == 128 + number
+    assert "goes on from there" in told
+    assert told.count("\n") == 1
+    kept = {p: p.read_bytes() for p in tmp_path.glob("runs/*/*.npz")}
+    assert 3 <= len(kept) < 80
+    assert not list(tmp_path.glob("runs/*/.*.part"))
+    assert gone(run.pid)
+    assert subprocess.run(command, capture_output=True, check=False).returncode == 0
+    assert len(list(tmp_path.glob("runs/*/*.npz"))) == 80
+    assert all(path.read_bytes() == contents for path, contents in kept.items())
