@@ -107,9 +107,11 @@ def find(
     -------
     list of (K,) int64
         Rows of the cache, or ``NONE``.  Nobody who faces elsewhere is taken.  No sample
-        decides who is.
+        decides who is.  Nothing at all where the cache is empty.
     """
-    found = []
+    found: list[Indices] = []
+    if len(cache.points) == 0:
+        return found
     for number in range(cells):
         u = uniforms.draw(LOOK_UP + number)
         moved = jittered(cache.lattice, points.position, points.normal, u)
