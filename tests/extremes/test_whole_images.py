@@ -123,13 +123,10 @@ def twice(scene):
     return replace(scene, meshes=(*scene.meshes, *extra))
 
 
-def in_pieces(mesh, count, direction):
+def in_pieces(mesh, count):
     """The first parallelogram of a mesh in so many strips."""
     corners = mesh.vertices[mesh.faces[0]]
-    edges = [corners[1] - corners[0], corners[2] - corners[0]]
-    if direction:
-        edges.reverse()
-    a, b = edges
+    a, b = corners[1] - corners[0], corners[2] - corners[0]
     t = np.linspace(0, 1, count + 1)[:, None]
     low, high = corners[0] + t * a, corners[0] + t * a + b
     vertices = np.concatenate([low, high])
@@ -138,15 +135,13 @@ def in_pieces(mesh, count, direction):
     first = np.stack([i, i + 1, i + 1 + n], axis=1)
     second = np.stack([i, i + 1 + n, i + n], axis=1)
     faces = np.concatenate([first, second])
-    if direction:
-        faces = faces[:, ::-1]
     return replace(mesh, vertices=vertices, faces=faces, uv=None)
 
 
 def slivers(scene):
     """Walls in strips a ten-thousandth as wide as long."""
     meshes = [
-        in_pieces(m, 10_000, 0) if m.name in ("floor", "back wall") else m
+        in_pieces(m, 10_000) if m.name in ("floor", "back wall") else m
         for m in scene.meshes
     ]
     return replace(scene, meshes=tuple(meshes))
@@ -154,7 +149,7 @@ def slivers(scene):
 
 def many_lights(scene):
     """The lamp in 40,000 triangles, each of which is a light."""
-    meshes = [in_pieces(m, 20_000, 0) if any(m.emission) else m for m in scene.meshes]
+    meshes = [in_pieces(m, 20_000) if any(m.emission) else m for m in scene.meshes]
     return replace(scene, meshes=tuple(meshes))
 
 
