@@ -10,6 +10,7 @@ from reference.figures import (
     bias,
     bounces,
     equal_time,
+    extremes,
     jacobian,
     source,
     validation,
@@ -49,6 +50,7 @@ _ENTRIES = (
     Entry(bias.NAME, bias.bias, 16, ("9",), 4),
     Entry(validation.NAME, validation.validation, 8, ("11",)),
     Entry(source.NAME, source.source, 32, ("14",)),
+    Entry(extremes.NAME, extremes.extremes, 32, ()),
 )
 
 GROUP = "restir.figures"
