@@ -101,17 +101,31 @@ def load_checkpoint(path: Path, run: Mapping[str, str]) -> Checkpoint | None:
         raise UsageError(
             f"{path} is not a checkpoint, or is damaged; {remedy}"
         ) from error
-    differences = [
-        f"{key} {words['run'].get(key)}, not {run.get(key)}"
-        for key in sorted({*words["run"], *run})
-        if words["run"].get(key) != run.get(key)
-    ]
-    if differences:
+    if differences := what_differs(words["run"], run):
         raise UsageError(
-            f"{path} is the checkpoint of another run ({'; '.join(differences)});"
-            f" {remedy}"
+            f"{path} is the checkpoint of another run ({differences}); {remedy}"
         )
     return Checkpoint(moments, words["seconds"], words["rays"])
+
+
+def what_differs(there: Mapping[str, str], wanted: Mapping[str, str]) -> str:
+    """Where a run that was kept is not the one that is wanted.
+
+    Parameters
+    ----------
+    there, wanted : mapping of str to str
+        Everything that decides what a run is.
+
+    Returns
+    -------
+    str
+        Empty where they are the same.
+    """
+    return "; ".join(
+        f"{key} {there.get(key)}, not {wanted.get(key)}"
+        for key in sorted({*there, *wanted})
+        if there.get(key) != wanted.get(key)
+    )
 
 
 def _decode(contents: bytes) -> tuple[dict[str, Any], Moments]:

@@ -13,6 +13,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
+from reference.checkpoint import what_differs
 from reference.errors import UsageError
 from reference.files import make_folder, read_file, write_file
 from reference.tradeoff.trials import Task, Trial
@@ -134,15 +135,10 @@ def open_store(folder: Path, identity: Mapping[str, str]) -> Store:
             raise UsageError(
                 f"{path} is damaged; delete {folder} to start anew"
             ) from error
-        differences = [
-            f"{key} {before.get(key)}, not {identity.get(key)}"
-            for key in sorted({*before, *identity})
-            if before.get(key) != identity.get(key)
-        ]
-        if differences:
+        if differences := what_differs(before, identity):
             raise UsageError(
-                f"{folder} holds other runs ({'; '.join(differences)}); delete it to"
-                " start anew, or name another --out"
+                f"{folder} holds other runs ({differences}); delete it to start anew, or"
+                " name another --out"
             )
     make_folder(folder)
     write_file(path, json.dumps(dict(identity), indent=2).encode())

@@ -1,4 +1,4 @@
-"""The figure of exactness: within its bound in every type, and the bound can be broken."""
+"""The figure of exactness: within its bound in every type, which can be broken."""
 
 import numpy as np
 import pytest
@@ -45,9 +45,7 @@ def test_places_are_rounded_far_from_the_origin():
         if row["type"] == "float16":
             continue
         eps = float(np.finfo(row["type"]).eps)
-        for power, name in (
-            (10, "relative error by places at 2^10 m"),
-            (20, "at 2^20 m"),
-        ):
-            assert 0.1 * eps * 2.0**power < row[name] < 10 * eps * 2.0**power
+        near, far = row["relative error by places at 2^10 m"], row["at 2^20 m"]
+        for power, error in ((10, near), (20, far)):
+            assert 0.1 * eps * 2.0**power < error < 10 * eps * 2.0**power
     assert rows()["float16"]["at 2^20 m"] == 1.0
