@@ -137,8 +137,8 @@ def open_store(folder: Path, identity: Mapping[str, str]) -> Store:
             ) from error
         if differences := what_differs(before, identity):
             raise UsageError(
-                f"{folder} holds other runs ({differences}); delete it to start anew, or"
-                " name another --out"
+                f"{folder} holds other runs ({differences}); delete it to start"
+                " anew, or name another --out"
             )
     make_folder(folder)
     write_file(path, json.dumps(dict(identity), indent=2).encode())
