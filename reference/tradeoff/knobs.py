@@ -71,7 +71,7 @@ VALIDATED = (
                 f"every {n}" if n else "never",
                 ("motion=as-stored", f"validate_every={n}"),
             )
-            for n in (0, 1, 6, 30)
+            for n in (0, 2, 6, 30)
         ),
     ),
 )
