@@ -40,7 +40,7 @@ class PathSettings(Search):
     """
 
     shift: ShiftKind = "hybrid"
-    mis: Mis = "1/Z"
+    mis: Mis = "defensive"
     temporal: bool = True
     spatial: bool = True
     temporal_cap: float = 20.0

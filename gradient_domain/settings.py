@@ -5,7 +5,6 @@ from typing import Literal
 
 from extensions.area_settings import AreaSettings
 from extensions.connection import ShiftKind
-from extensions.reuse import Mis
 from gradient_domain.images import Reconstruction
 from reference.methods.framed import Image
 
@@ -45,7 +44,6 @@ class AfterSettings(AreaSettings):
         Norm of what is left of the differences; L1 is biased.
     """
 
-    mis: Mis = "defensive"
     neighbors: int = 2
     reconstruction: Reconstruction = "l2"
 

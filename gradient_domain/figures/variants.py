@@ -53,7 +53,7 @@ def _area_frames(*about: Any) -> Iterator[PrimalFrame]:
         yield PrimalFrame(np.concatenate([frame.color, none], axis=1))
 
 
-PRIMAL = Variant(_area_frames, AreaSettings(mis="defensive", neighbors=2))
+PRIMAL = Variant(_area_frames, AreaSettings(neighbors=2))
 """The pass that pixels come from, by itself."""
 
 

@@ -22,10 +22,10 @@ from tests.statistics.path_runs import (
 )
 
 STILL = [
-    ("paint", 2, AreaSettings()),
+    ("paint", 2, AreaSettings(mis="1/Z")),
     ("rough metal", 2, AreaSettings(mis="balance")),
     ("mirror", 3, AreaSettings(mis="defensive")),
-    ("glass", 3, AreaSettings()),
+    ("glass", 3, AreaSettings(mis="1/Z")),
     ("checker", 1, AreaSettings(mis="pairwise")),
 ]
 PAST_ALONE = {

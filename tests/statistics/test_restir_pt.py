@@ -93,7 +93,7 @@ PAST_ALONE = PathSettings(spatial=False), 250
     "plan",
     [
         PAST_ALONE,
-        (PathSettings(), 150),
+        (PathSettings(mis="1/Z"), 150),
         (PathSettings(mis="balance"), 150),
         (PathSettings(mis="defensive"), 150),
     ],
