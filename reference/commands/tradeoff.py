@@ -153,15 +153,14 @@ def run(arguments: argparse.Namespace) -> None:
     make_folder(arguments.out)
     identity = _identity(sweep, animation(0))
     store = open_store(arguments.out / "runs", identity)
-    truths = {
-        pixel: _truth(arguments, sweep, animation, pixel)
-        for pixel in pixels_of(sweep.points)
-    }
-    with (
-        workers(arguments.processes or processors(), arguments.scheduler) as executor,
-        progress(f"{named.name}, settings") as tick,
-    ):
-        run_sweep(sweep, store, executor, tick)
+    processes = arguments.processes or processors()
+    with workers(processes, arguments.scheduler) as executor:
+        truths = {
+            pixel: _truth(arguments, sweep, animation, pixel)
+            for pixel in pixels_of(sweep.points)
+        }
+        with progress(f"{named.name}, settings") as tick:
+            run_sweep(sweep, store, executor, tick)
     results = Results(
         sweep,
         truths[pixel_of(base)],
