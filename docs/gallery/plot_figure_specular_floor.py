@@ -16,12 +16,12 @@ frames, two bounces, as many samples for each shift):
 ==============  ============  =====================  ==================
 where           shift         MSE                    times smaller
 ==============  ============  =====================  ==================
-whole picture   reconnection  1.9e-4 [1.7, 2.2]e-4   1
-whole picture   replay        2.0e-4 [1.7, 2.4]e-4   0.95 [0.75, 1.22]
-whole picture   hybrid        2.8e-5 [1.8, 4.5]e-5   6.9 [4.8, 9.9]
-floor           reconnection  2.5e-4 [2.3, 2.8]e-4   1
-floor           replay        1.7e-5 [1.5, 1.8]e-5   15 [14, 17]
-floor           hybrid        3.3e-6 [3.0, 3.6]e-6   76 [66, 87]
+whole picture   reconnection  7.4e-5 [7.2, 7.7]e-5   1
+whole picture   replay        9.7e-5 [9.2, 10.3]e-5  0.77 [0.71, 0.82]
+whole picture   hybrid        2.7e-5 [2.5, 3.0]e-5   2.7 [2.5, 2.9]
+floor           reconnection  8.0e-5 [7.6, 8.4]e-5   1
+floor           replay        1.8e-5 [1.7, 1.9]e-5   4.5 [4.2, 4.8]
+floor           hybrid        9.4e-6 [8.7, 10.2]e-6  8.5 [7.6, 9.4]
 ==============  ============  =====================  ==================
 
 Intervals are of 95 %, by bootstrap over the runs.
