@@ -18,7 +18,7 @@ CELL_LIMITS = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CellSettings(PathSettings):
-    """Settings of ReGIR GI: those of ReSTIR PT, and of the cells.
+    """Settings of ReGIR GI: those of ReSTIR PT, with 1/Z, and of the cells.
 
     Attributes
     ----------
@@ -44,6 +44,7 @@ class CellSettings(PathSettings):
         Parts of each component of the normal that cells tell apart.
     """
 
+    mis: Mis = "1/Z"  # where few paths find light, a share for one's own is waste
     query: int = 2
     cells: int = 1
     cell_reuse: int = 4

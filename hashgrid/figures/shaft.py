@@ -24,12 +24,15 @@ SCENES = ("shaft", "specular-floor")
 BOUNCES = 2
 PATHS = 16  # path-traced samples beside each frame
 SCREEN = "ReSTIR GI"
+WHOLE_PATHS = extensions.method.METHOD
 ARTICLE = replace(
     METHOD.settings, cell_mis="1/M", nulls="dropped", writers="every-bounce"
 )
 VARIANTS: dict[str, Method] = {
     SCREEN: UNBIASED,
-    "ReSTIR PT": extensions.method.METHOD,
+    "ReSTIR PT": replace(
+        PATHS_ALONE, settings=replace(PATHS_ALONE.settings, mis="1/Z")
+    ),
     "ReGIR GI": METHOD,
     "ReGIR GI, the article's form": replace(METHOD, settings=ARTICLE),
 }
