@@ -31,7 +31,7 @@ ARTICLE = replace(
 VARIANTS: dict[str, Method] = {
     SCREEN: UNBIASED,
     "ReSTIR PT": replace(
-        PATHS_ALONE, settings=replace(PATHS_ALONE.settings, mis="1/Z")
+        WHOLE_PATHS, settings=replace(WHOLE_PATHS.settings, mis="1/Z")
     ),
     "ReGIR GI": METHOD,
     "ReGIR GI, the article's form": replace(METHOD, settings=ARTICLE),
