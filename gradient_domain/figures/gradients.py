@@ -13,11 +13,10 @@ from gradient_domain.figures.scores import (
 from gradient_domain.figures.variants import (
     AFTER,
     ALONE,
+    BY_ITSELF,
     METHODS,
     scene_of,
-    with_restir,
 )
-from gradient_domain.settings import GradientSettings
 from reference.arrays import Scalars
 from reference.figures.bootstrap import mean_interval, ratio_interval
 from reference.figures.canvas import BIG, Tile, blank, draw_tiles
@@ -30,7 +29,7 @@ if TYPE_CHECKING:  # matplotlib takes half a second to load
 NAME = "gradients"
 SCENES = ("cornell-box", "checker", "glossy-floor", "door-ajar", "moving-camera")
 TRUTH = 64  # path-traced samples a run
-VARIANTS = {**METHODS, ALONE: with_restir(GradientSettings(around="none"))}
+VARIANTS = {**METHODS, ALONE: BY_ITSELF}
 
 
 def gradients(plan: Plan) -> PaperFigure:

@@ -11,15 +11,14 @@ from gradient_domain.figures.variants import (
     AFTER,
     ALONE,
     AREA,
+    BY_ITSELF,
     METHODS,
     PATHS,
     PRIMAL,
     WITH,
     scene_of,
-    with_restir,
 )
 from gradient_domain.images import Reconstruction, reconstructed
-from gradient_domain.settings import GradientSettings
 from reference.arrays import Scalars, Vec3s
 from reference.figures.bootstrap import Numbers, mean_interval, ratio_interval
 from reference.figures.canvas import BIG, Tile, blank, draw_tiles, exposure_of, shown
@@ -34,7 +33,7 @@ SCENES = ("cornell-box", "glossy-floor", "moving-camera")
 TRUTH = 1024  # path-traced samples a run: FLIP sees the noise of the truth, too
 VARIANTS = {
     **METHODS,
-    ALONE: with_restir(GradientSettings(around="none")),
+    ALONE: BY_ITSELF,
     AREA: PRIMAL,
 }
 NORMS: tuple[Reconstruction, ...] = ("l1", "l2")

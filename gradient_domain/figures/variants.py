@@ -34,6 +34,10 @@ METHODS: dict[str, Variant] = {
 }
 
 
+BY_ITSELF = Variant(render_gradient_frames, GradientSettings(around="none"))
+"""Gradient with ReSTIR, whose pairs have their own past alone."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class PrimalFrame:
     """A frame without differences.

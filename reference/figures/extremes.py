@@ -151,9 +151,8 @@ def _parts(g: Geometry) -> tuple[Vec3s, Vec3s, Vec3s, Vec3s]:
 
 def _exact(g: Geometry) -> Exact:
     names = ("x_from", "x_to", "position", "normal")
-    return FORMULAS["jacobian"](dict(zip(names, _parts(g), strict=True)), {})[
-        "jacobian"
-    ]
+    inputs = dict(zip(names, _parts(g), strict=True))
+    return FORMULAS["jacobian"](inputs, {})["jacobian"]
 
 
 def _judged(g: Geometry, dtype: Any) -> tuple[Scalars, Scalars]:

@@ -47,7 +47,7 @@ KNOBS = (
     _levels("temporal_cap", 1, 8, 30, 100, "inf"),
     _levels("spatial_cap", 1, 100, 500, "inf"),
     Knob(
-        "neighbours",
+        "iterations",
         tuple(
             (str(n), (f"iterations_few={n}", f"iterations_many={n}"))
             for n in (0, 1, 3, 6, 9)

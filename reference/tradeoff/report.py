@@ -43,7 +43,7 @@ def as_plain(results: Results) -> dict[str, Any]:
             "variance": float(np.mean(results.truth.standard_error() ** 2.0)),
         },
         "machine": machine(),
-        "points": [row(results, s) for s in results.scores],
+        "points": rows(results),
         "after a change of light": [
             {
                 "label": r.point.label,
@@ -58,26 +58,25 @@ def as_plain(results: Results) -> dict[str, Any]:
     }
 
 
-def row(results: Results, score: Score) -> dict[str, Any]:
-    """Numbers of a point.
+def rows(results: Results) -> list[dict[str, Any]]:
+    """Numbers of all points.
 
     Parameters
     ----------
     results : Results
-        Of the whole sweep.
-    score : Score
-        Of the point.
+        Of a sweep.
 
     Returns
     -------
-    dict
-        For JSON.
+    list of dict
+        For JSON, one a point.
     """
-    best = {
-        s.point.key
-        for s, good in zip(results.once, on_front(results.once), strict=True)
-        if good
-    }
+    once = results.once
+    best = {s.point.key for s, good in zip(once, on_front(once), strict=True) if good}
+    return [_row(s, results.light, s.point.key in best) for s in results.scores]
+
+
+def _row(score: Score, light: float, is_best: bool) -> dict[str, Any]:
     return {
         "knob": score.point.knob,
         "label": score.point.label,
@@ -89,12 +88,12 @@ def row(results: Results, score: Score) -> dict[str, Any]:
         "MSE": _ends(score.error.mse),
         "bias2": _ends(score.error.bias2),
         "variance": _ends(score.error.variance),
-        "rms_percent": rms_percent(score, results.light),
+        "rms_percent": rms_percent(score, light),
         "deviation": [score.deviation.value, score.deviation.error],
         "correlation_length": _ends(score.length),
         "lag": _ends(score.lag),
         "worst_thousandth": score.worst,
-        "front": score.point.key in best,
+        "front": is_best,
     }
 
 
@@ -111,7 +110,7 @@ def as_csv(results: Results) -> str:
     str
         The first line names the columns.
     """
-    lines = [_flat(row(results, score)) for score in results.scores]
+    lines = [_flat(numbers) for numbers in rows(results)]
     names = list(dict.fromkeys(name for line in lines for name in line))
     buffer = StringIO()
     writer = csv.DictWriter(buffer, names, restval="0", lineterminator="\n")
@@ -165,8 +164,7 @@ def cells(results: Results) -> list[tuple[str, ...]]:
         the squared bias as a share of the MSE with its interval.
     """
     found: list[tuple[str, ...]] = []
-    for score in results.scores:
-        numbers = row(results, score)
+    for score, numbers in zip(results.scores, rows(results), strict=True):
         mse, bias2 = score.error.mse.value, score.error.bias2
         share = [100 * x / mse if mse > 0 else 0.0 for x in _ends(bias2)]
         found.append(

@@ -16,6 +16,7 @@ from reference.records import take
 from reference.restir_gi import next_frame
 from reference.rng import KeyedUniforms, Stream, TabledUniforms
 from reference.sampling import sample_cosine_hemisphere
+from reference.scene.brightness import brightened
 from reference.scene.camera import Camera
 from reference.scene.catalogue.registry import CATALOGUE, find_scene
 from reference.scene.catalogue.rooms import pose
@@ -63,23 +64,6 @@ scenes = pytest.mark.parametrize(
 )
 
 
-def with_light(scene, factor):
-    """All emission times a factor."""
-
-    def scaled(color):
-        return tuple(factor * c for c in color)
-
-    sky = scene.environment
-    return replace(
-        scene,
-        meshes=tuple(replace(m, emission=scaled(m.emission)) for m in scene.meshes),
-        spheres=tuple(replace(s, emission=scaled(s.emission)) for s in scene.spheres),
-        points=tuple(replace(p, intensity=scaled(p.intensity)) for p in scene.points),
-        suns=tuple(replace(s, irradiance=scaled(s.irradiance)) for s in scene.suns),
-        environment=None if sky is None else ConstantEnvironment(scaled(sky.radiance)),
-    )
-
-
 def with_colors(scene, change, names=None):
     """Lambertian reflectances changed, of all meshes or of some."""
 
@@ -103,7 +87,7 @@ def test_emission_times_a_power_of_two(render, name, k):
     scene = find_scene(name)
     plain = render(scene)
     assert plain.any()
-    assert np.array_equal(render(with_light(scene, 2.0**k)), plain * 2.0**k)
+    assert np.array_equal(render(brightened(scene, 2.0**k)), plain * 2.0**k)
 
 
 @pytest.mark.parametrize("reuse", ["", "1/Z", "1/M", "balance"])
@@ -111,7 +95,7 @@ def test_emission_leaves_choices_and_weights_alone(reuse):
     """T1 again: the same samples are kept, with the same W."""
     plain, bright = (
         frames_of(
-            world_of(with_light(find_scene("cornell-box"), factor), SIZE),
+            world_of(brightened(find_scene("cornell-box"), factor), SIZE),
             3,
             seed=3,
             **({"mis": reuse} if reuse else {"temporal": False, "spatial": False}),
@@ -220,12 +204,12 @@ def test_a_grey_scene_stays_grey(render):
 @pytest.mark.parametrize("name", ["cornell-box", "checker"])
 def test_a_black_scene_is_black(render, name):
     """T9: nothing emits."""
-    assert not render(with_light(find_scene(name), 0.0)).any()
+    assert not render(brightened(find_scene(name), 0.0)).any()
 
 
 def test_nulls_of_a_black_scene_count():
     """T9: M counts every trial, whatever it found."""
-    world = world_of(with_light(find_scene("cornell-box"), 0.0), SIZE)
+    world = world_of(brightened(find_scene("cornell-box"), 0.0), SIZE)
     for number, frame in enumerate(frames_of(world, 3)):
         assert not frame.temporal.W.any()
         assert set(frame.temporal.M) == {number + 1}
@@ -248,7 +232,7 @@ def test_light_is_additive(name):
     """T26: e = e1 + e2.  The tests of each vertex add, eight roundings a bounce."""
     scene = find_scene(name)
     whole = pt(scene)
-    parts = pt(with_light(scene, 0.3)) + pt(with_light(scene, 0.7))
+    parts = pt(brightened(scene, 0.3)) + pt(brightened(scene, 0.7))
     assert np.abs(parts - whole).max() <= 64 * EPS * whole.max()
 
 

@@ -65,6 +65,7 @@ OPTIONS: dict[str, Settings] = {
     "permutation=true": replace(UNBIASED, permutation=True),
     "fallback_search=true": replace(UNBIASED, fallback_search=True),
     "checkerboard=true": replace(UNBIASED, checkerboard=True),
+    "lattice=2": replace(UNBIASED, lattice=2),
 }
 
 

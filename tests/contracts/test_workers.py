@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -13,8 +14,11 @@ import numpy as np
 import pytest
 
 from reference.cli import main
+from reference.commands import reference as command
 from reference.errors import UsageError
 from reference.exr import read_exr
+from reference.oracle.backends.running import Limits
+from reference.oracle.blackbox.renderer import Renderer
 from reference.scene.named import Named
 from reference.tradeoff.points import Point
 from reference.tradeoff.store import open_store
@@ -39,7 +43,7 @@ def test_processes_of_this_machine_do_the_same(tmp_path):
 
 
 def killed(task):
-    """Take the process along, once the file that tells so is there."""
+    """Take the process along."""
     os.kill(os.getpid(), signal.SIGKILL)
 
 
@@ -110,16 +114,25 @@ def test_results_that_are_asked_for_in_order_come_in_order():
         assert list(ahead(executor, slowly, range(3), 8)) == [0, 1, 4]
 
 
-def test_a_cluster_accumulates_the_same_truth(tmp_path, capsys):
+def test_a_cluster_accumulates_the_same_truth(tmp_path, capsys, monkeypatch):
     """To the last bit, and with the same rays, while one of its workers is killed."""
     about = ["cornell-box", "--size", "24x20", "--spp", "200", "--bounces", "6"]
     here, there = tmp_path / "here.exr", tmp_path / "there.exr"
     assert main(["reference", *about, "--out", str(here)]) == 0
     with cluster(tmp_path) as (address, (first, _)):
-        killer = subprocess.Popen(["sh", "-c", f"sleep 2.5; kill -9 {first.pid}"])
+
+        @contextmanager
+        def deadly(what):
+            def tick(done, total, unit):
+                if 0 < done < total:
+                    first.kill()
+
+            yield tick
+
+        monkeypatch.setattr(command, "progress", deadly)
         words = ["--out", str(there), "--scheduler", address]
         assert main(["reference", *about, *words]) == 0
-        killer.wait()
+        assert first.wait() == -signal.SIGKILL
     capsys.readouterr()
     a, b = read_exr(here), read_exr(there)
     for name in ("color", "standard_error"):
@@ -128,19 +141,27 @@ def test_a_cluster_accumulates_the_same_truth(tmp_path, capsys):
         assert a.metadata[key] == b.metadata[key], key
 
 
+RENDER = (
+    f"{sys.executable} -m reference render {{scene}} --method path --spp 1"
+    " --size {size}x{size} --seed {seed} --out {out}"
+)
+
+
 def test_a_cluster_renders_the_pictures_of_a_renderer(tmp_path, capsys):
-    """The verdict is that of the same pictures, one after the other."""
-    restir = f"{sys.executable} -m reference"
-    command = (
-        f"{restir} render {{scene}} --method path --spp 1 --size {{size}}x{{size}}"
-        " --seed {seed} --out {out}"
-    )
-    about = ["check", command, "--size", "8", "--budget", "25", "--json"]
+    """Those of the same seeds, in order; and the command judges several of them."""
+    renderer = Renderer(RENDER, "cornell-box", 1, 8, Limits())
     with cluster(tmp_path) as (address, _):
+        with workers(1, address) as executor:
+            found = list(ahead(executor, renderer.render, range(100, 104), 3))
+        about = ["check", RENDER, "--size", "8", "--budget", "25", "--json"]
         code = main([*about, "--scheduler", address])
-    found = json.loads(capsys.readouterr().out)
-    assert code in (0, 3), found
-    assert "mean of" in json.dumps(found)
+    for seed, picture in enumerate(found, 100):
+        assert np.array_equal(picture, renderer.render(seed))
+    assert not np.array_equal(found[0], found[1])
+    told = capsys.readouterr().out
+    assert code in (0, 3), told
+    (pictures,) = {int(n) for n in re.findall(r"mean of (\d+) pictures", told)}
+    assert pictures >= 2
 
 
 def test_a_backend_that_is_no_renderer_stays_here(capsys):
