@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from extensions.area_paths import AreaPaths, Placed
-from reference.arrays import Indices, Scalars, Vec3s, divide_or_zero
+from reference.arrays import Indices, Scalars, Vec3s, divide_or_zero, saturate, total
 from reference.resampling.target import luminance
 
 WHOLE, PLUS, MINUS = 0, 1, -1
@@ -137,7 +137,9 @@ def share_of_base(p_base: Scalars, p_offset: Scalars, jacobian: Scalars) -> Scal
     -----
     [Wang25, Eq. 4, and Eq. 13 with targets].
     """
-    shared = divide_or_zero(p_base, p_base + p_offset * jacobian)
+    with np.errstate(over="ignore"):
+        other = saturate(p_offset * jacobian)
+    shared = divide_or_zero(p_base, total(p_base, other))
     # Alone there is nothing to divide by: p / p would make floats of whole numbers.
     return np.where(jacobian > 0, shared, (p_base > 0) + 0 * jacobian)
 

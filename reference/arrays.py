@@ -180,10 +180,47 @@ def saturate(x: Scalars) -> Scalars:
         NaN, from infinity over infinity, becomes 0: a null.  Object rows are returned
         as they are.
     """
-    if x.dtype == object:
+    # As a rule there is nothing to be done: one pass tells, NaN included.
+    if x.dtype == object or np.isfinite(x.max(initial=0.0)):
         return x
     finite: Scalars = np.nan_to_num(x, nan=0.0)
     return finite
+
+
+def total(a: Scalars, b: Scalars) -> Scalars:
+    """Sum of numbers that are not negative, at most the largest of the dtype.
+
+    Parameters
+    ----------
+    a, b : (N,)
+        Finite, not negative; any dtype.
+
+    Returns
+    -------
+    (N,)
+        a + b.
+    """
+    with np.errstate(over="ignore"):
+        return saturate(a + b)
+
+
+def triangle_normal(u: Vec3s, v: Vec3s) -> Vec3s:
+    """Unit normal of triangles, u × v / |u × v|.
+
+    Parameters
+    ----------
+    u, v : (N, 3) float, m
+        Edges from one corner.
+
+    Returns
+    -------
+    (N, 3) float
+        0 where there is no area, or its square leaves the range of the dtype.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):
+        n = normalize(cross(u, v))
+    kept: Vec3s = np.where(np.isfinite(n), n, 0.0)
+    return kept
 
 
 def normalize(a: Vec3s) -> Vec3s:

@@ -154,16 +154,15 @@ def _judge(arguments: argparse.Namespace) -> Verdict:
     against = arguments.against
     if "{out}" in backend:
         return _judge_renderer(arguments)
-    if arguments.scheduler:
-        raise UsageError(
-            "--scheduler is for the pictures of a renderer, whose command line has"
-            f" {{out}}; {backend!r} runs here"
-        )
     folder = Path(backend)
     if folder.is_dir() and not is_python(backend):
         against = folder if against is None else against
         backend = FilesBackend(folder, read_golden(against)[0])
-    with progress("check") as tick:
+    if arguments.scheduler and against is not None:
+        raise UsageError(
+            "--scheduler is for whole runs, and golden folders have none; leave it out"
+        )
+    with progress("check") as tick, ExitStack() as stack:
         return judge(
             backend,
             arguments.budget,
@@ -171,7 +170,14 @@ def _judge(arguments: argparse.Namespace) -> Verdict:
             precision=arguments.precision,
             against=against,
             tell=lambda title: tick(0, 1, title),
+            executor=_cluster(arguments, stack),
         )
+
+
+def _cluster(arguments: argparse.Namespace, stack: ExitStack) -> Executor | None:
+    if not arguments.scheduler:
+        return None
+    return stack.enter_context(workers(1, arguments.scheduler))
 
 
 def _judge_renderer(arguments: argparse.Namespace) -> Verdict:
@@ -189,10 +195,8 @@ def _judge_renderer(arguments: argparse.Namespace) -> Verdict:
         return path_traced(scene, arguments.size, arguments.bounces, TRUTH_SAMPLES)
 
     with progress("check") as tick, ExitStack() as stack:
-        pictures = None
-        if arguments.scheduler:
-            cluster = stack.enter_context(workers(1, arguments.scheduler))
-            pictures = partial(_ahead, cluster, renderer)
+        cluster = _cluster(arguments, stack)
+        pictures = partial(_ahead, cluster, renderer) if cluster else None
         rungs = renderer_rungs(renderer, truth, arguments.bound, remaining, pictures)
         return climb(
             {},

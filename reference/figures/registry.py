@@ -12,6 +12,7 @@ from reference.figures import (
     equal_time,
     extremes,
     jacobian,
+    kernels,
     source,
     validation,
 )
@@ -51,6 +52,7 @@ _ENTRIES = (
     Entry(validation.NAME, validation.validation, 8, ("11",)),
     Entry(source.NAME, source.source, 32, ("14",)),
     Entry(extremes.NAME, extremes.extremes, 32, ()),
+    Entry(kernels.NAME, kernels.kernels_at_extremes, 64, ()),
 )
 
 GROUP = "restir.figures"

@@ -2,16 +2,14 @@
 
 import time
 from collections.abc import Callable
+from concurrent.futures import Executor
 from itertools import chain
 from pathlib import Path
 from typing import Any
 
 from reference.errors import UsageError
-from reference.oracle.backends.backend import Backend
-from reference.oracle.backends.command import PLACE, ProgramBackend
-from reference.oracle.backends.find import backend_names, is_python
-from reference.oracle.backends.inside import InsideBackend
-from reference.oracle.backends.process import PythonBackend
+from reference.oracle.afar import Reached, rungs_afar
+from reference.oracle.backends.open import open_backend
 from reference.oracle.backends.running import Limits
 from reference.oracle.contract.fields import Precision
 from reference.oracle.golden import read_golden
@@ -32,6 +30,7 @@ def judge(
     precision: Precision = "float32",
     against: Path | None = None,
     tell: Callable[[str], None] = _silent,
+    executor: Executor | None = None,
 ) -> Verdict:
     """Judge a backend.
 
@@ -52,6 +51,9 @@ def judge(
         Golden folder whose cases are judged in place of our own.
     tell : callable
         Told the title of each step.
+    executor : Executor, optional
+        Other processes, which make most of the whole runs, of a backend that is named
+        by a string.
 
     Returns
     -------
@@ -82,49 +84,17 @@ def judge(
             rungs = golden_rungs(passes, opened, golden[1])
         else:
             rungs = ladder(passes, opened)
-            if statistics:
+            if statistics and executor:
+                reached = Reached(backend, limits or Limits(), given)
+                runs = rungs_afar(reached, opened, executor, remaining)
+                rungs = chain(rungs, runs)
+            elif statistics:
                 runs = statistical_rungs(passes, opened, remaining)
                 rungs = chain(rungs, runs)
         clock = time.monotonic
         return climb(passes, opened.precision, rungs, budget, clock, tell)
     finally:
         opened.close()
-
-
-def open_backend(backend: Any, limits: Limits, precision: Precision) -> Backend:
-    """Reach a backend.
-
-    Parameters
-    ----------
-    backend : object or str
-        As for `judge`.
-    limits : Limits
-        Of time and memory.
-    precision : 'float32' or 'float64'
-        Of a program.
-
-    Returns
-    -------
-    Backend
-        To be closed.
-
-    Raises
-    ------
-    UsageError
-        There is none.
-    """
-    if not isinstance(backend, str):
-        found: Backend = backend if hasattr(backend, "run") else InsideBackend(backend)
-        return found
-    if PLACE in backend:
-        return ProgramBackend(backend, limits, precision)
-    if is_python(backend):
-        return PythonBackend(backend, limits)
-    raise UsageError(
-        f"no backend {backend!r}; known are {', '.join(backend_names())},"
-        f" module:object, file.py[:object], a command line with {PLACE}, or a golden"
-        " folder"
-    )
 
 
 def told(verdict: Verdict) -> str:

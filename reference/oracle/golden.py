@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.errors import UsageError
+from reference.exactness.registry import limits_of
 from reference.files import make_folder, read_file
 from reference.oracle.buffers import given
 from reference.oracle.builtin.backend import BuiltIn
@@ -132,6 +133,7 @@ def write_golden(
             "version": project_version(),
             "precision": precision,
             **about,
+            "limits": {name: limits_of(name) for name in passes if limits_of(name)},
             "cases": entries,
         }
         (new / MANIFEST).write_text(json.dumps(manifest, indent=1), encoding="utf-8")

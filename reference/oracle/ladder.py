@@ -1,6 +1,6 @@
 """The ladder: every rung in turn, the cheap ones first."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 
@@ -14,7 +14,7 @@ from reference.oracle.rungs.kernels import kernel_probes
 from reference.oracle.rungs.lattice import lattice_probes
 from reference.oracle.rungs.law import SCENES as LAW_SCENES
 from reference.oracle.rungs.law import same_law
-from reference.oracle.rungs.means import Mean, mean_over_runs
+from reference.oracle.rungs.means import Batches, Mean, mean_over_runs
 from reference.oracle.rungs.probe import Finding, Probe
 from reference.oracle.rungs.relations import relations_of
 from reference.oracle.rungs.replayed import replayed
@@ -91,7 +91,11 @@ def _asked(
 
 
 def statistical_rungs(
-    passes: Passes, backend: Backend, remaining: Callable[[], float]
+    passes: Passes,
+    backend: Backend,
+    remaining: Callable[[], float],
+    batches: Batches | None = None,
+    laws: Mapping[str, Callable[[], Step]] | None = None,
 ) -> Iterator[Rung]:
     """Rungs of whole runs, which take as long as they may.
 
@@ -103,6 +107,11 @@ def statistical_rungs(
         Runs cases.
     remaining : callable
         Seconds that are left.
+    batches : callable, optional
+        From the seed of a batch to its replicates and those of the seeds after it, by
+        other processes; the first batch is made here.
+    laws : mapping of str to callable, optional
+        What takes the step of each scene elsewhere.
 
     Yields
     ------
@@ -111,9 +120,10 @@ def statistical_rungs(
     callable
         Takes it.
     """
-    yield "L4", "mean", partial(_mean, passes, backend, remaining)
+    yield "L4", "mean", partial(_mean, passes, backend, remaining, batches)
     for scene in LAW_SCENES:
-        yield "L4", f"law in {scene}", partial(_law, passes, backend, scene)
+        here = partial(law_step, passes, backend, scene)
+        yield "L4", f"law in {scene}", laws[scene] if laws else here
 
 
 def golden_rungs(
@@ -183,11 +193,16 @@ def _relations(passes: Passes, backend: Backend) -> Step:
     return taken("L2", "relations", passes, backend, tests, departures)
 
 
-def _mean(passes: Passes, backend: Backend, remaining: Callable[[], float]) -> Step:
+def _mean(
+    passes: Passes,
+    backend: Backend,
+    remaining: Callable[[], float],
+    batches: Batches | None,
+) -> Step:
     found: list[Mean] = []
 
     def test(ask: Ask) -> Finding:
-        found.append(mean_over_runs(ask, backend.precision, remaining))
+        found.append(mean_over_runs(ask, backend.precision, remaining, batches))
         return found[0].finding
 
     step = taken("L4", "mean", passes, backend, [test], ("target",))
@@ -197,7 +212,24 @@ def _mean(passes: Passes, backend: Backend, remaining: Callable[[], float]) -> S
     return replace(step, title=title, certified=found[0].certified, more=found[0].more)
 
 
-def _law(passes: Passes, backend: Backend, scene: str) -> Step:
+def law_step(passes: Passes, backend: Backend, scene: str) -> Step:
+    """Step of the law in one scene.
+
+    Parameters
+    ----------
+    passes : mapping of str to Pass
+        The contract.
+    backend : Backend
+        Runs cases.
+    scene : str
+        Built-in.
+
+    Returns
+    -------
+    Step
+        Of rung L4.
+    """
+
     def test(ask: Ask) -> Finding:
         return same_law(ask, backend.precision, scene).finding
 

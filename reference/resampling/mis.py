@@ -7,7 +7,7 @@ estimate is unbiased if c_k is 0 exactly where k cannot make z.
 
 import numpy as np
 
-from reference.arrays import Masks, Scalars, divide_or_zero
+from reference.arrays import Masks, Scalars, divide_or_zero, saturate
 
 
 def one_over_m(M_k: list[Scalars]) -> Scalars:
@@ -77,12 +77,11 @@ def balance_heuristic(
     -----
     [Lin22, Eq. 36].  The weight is applied once, to the sample that was kept.
     """
-    terms = [M * p for M, p in zip(M_k, p_k, strict=True)]
-    return divide_or_zero(_sum(terms), p_made)
+    with np.errstate(over="ignore"):
+        terms = [saturate(M * p) for M, p in zip(M_k, p_k, strict=True)]
+        return saturate(divide_or_zero(_sum(terms), p_made))
 
 
 def _sum(terms: list[Scalars]) -> Scalars:
-    total = terms[0]
-    for term in terms[1:]:
-        total = total + term
-    return total
+    with np.errstate(over="ignore"):
+        return saturate(sum(terms[1:], terms[0]))

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import Masks, Scalars, Vec3s, divide_or_zero, saturate
+from reference.arrays import Masks, Scalars, Vec3s, divide_or_zero, saturate, total
 from reference.records import where
 from reference.resampling.suffix import Suffix
 
@@ -92,17 +92,17 @@ def merge(a: Candidates, b: Candidates, u: Scalars) -> Candidates:
     Returns
     -------
     Candidates
-        Weights and confidences are summed.  Merging is associative in distribution,
-        so that a stream of any length is a fold.
+        Weights and confidences are summed, up to the largest number.  Merging is
+        associative in distribution, so that a stream of any length is a fold.
 
     Notes
     -----
     [Ouyang21, Alg. 1, lines 6 to 10].
     """
-    w = a.w + b.w
+    w, M = total(a.w, b.w), total(a.M, b.M)
     take_b = choose_second(a.w, b.w, u)
     y, p_hat = where(take_b, b.y, a.y), np.where(take_b, b.p_hat, a.p_hat)
-    return Candidates(y=y, p_hat=p_hat, w=w, M=a.M + b.M)
+    return Candidates(y=y, p_hat=p_hat, w=w, M=M)
 
 
 def choose_second(w_a: Scalars, w_b: Scalars, u: Scalars) -> Masks:
@@ -121,7 +121,7 @@ def choose_second(w_a: Scalars, w_b: Scalars, u: Scalars) -> Masks:
         Strict, so that a row of weight 0 is never taken; and a positive weight
         always is, against 0, even where u · w rounds to w.
     """
-    taken: Masks = (u * (w_a + w_b) < w_b) | ((w_a == 0) & (w_b > 0))
+    taken: Masks = (u * total(w_a, w_b) < w_b) | ((w_a == 0) & (w_b > 0))
     return taken.astype(bool, copy=False)
 
 
@@ -167,13 +167,14 @@ def initial_candidates(y: Any, p_hat: Scalars, pdf: Scalars) -> Candidates:
     Returns
     -------
     Candidates
-        w = 0 where p̂ or p is; M counts such nulls too.
+        w = 0 where p̂ or p is, at most the largest number; M counts nulls too.
 
     Notes
     -----
     [Ouyang21, Eq. 5].
     """
-    w = divide_or_zero(p_hat, pdf)
+    with np.errstate(over="ignore"):
+        w = saturate(divide_or_zero(p_hat, pdf))
     return Candidates(y=y, p_hat=p_hat, w=w, M=np.ones_like(w))
 
 
@@ -194,17 +195,18 @@ def reused_candidates(
     Returns
     -------
     Candidates
-        M counts where w = 0 too.
+        M counts where w = 0 too; w is at most the largest number.
 
     Notes
     -----
     [Ouyang21, Alg. 1, line 12].  The weight is *multiplied* by the Jacobian: Algorithm
     4, line 11, prints a division, which is right for a density.
     """
-    w = p_hat * r.W * r.M
-    if jacobian is not None:
-        w = w * jacobian
-    return Candidates(y=r.y, p_hat=p_hat, w=w, M=r.M)
+    with np.errstate(over="ignore", invalid="ignore"):
+        w = p_hat * r.W * r.M
+        if jacobian is not None:
+            w = w * jacobian
+    return Candidates(y=r.y, p_hat=p_hat, w=saturate(w), M=r.M)
 
 
 def cap_confidence(r: Reservoirs, cap: float) -> Reservoirs:

@@ -4,7 +4,7 @@ from typing import Literal
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s, divide_or_zero, dot
+from reference.arrays import Scalars, Vec3s, divide_or_zero, dot, saturate
 from reference.images import luminance_weights
 from reference.resampling.reservoir import Samples
 from reference.scene.materials.parameters import Kind, MaterialTable, lit_cosine
@@ -89,10 +89,11 @@ def target(
         return luminance(reflected(table, receiver, y))
     # Neither needs a unit vector: the cosine over a distance, or its sign.
     toward = y.position - receiver.position
-    cosine = np.where(
-        dot(y.normal, toward) < 0, lit_cosine(table, receiver, toward), 0.0
-    )
+    with np.errstate(over="ignore"):
+        cosine = saturate(lit_cosine(table, receiver, toward))
+        cosine = np.where(dot(y.normal, toward) < 0, cosine, 0.0)
+        distance = saturate(np.pi * np.sqrt(dot(toward, toward)))
     if kind == "outgoing":
         return np.where(cosine > 0, luminance(y.radiance), 0.0)
-    scale = divide_or_zero(cosine, np.pi * np.sqrt(dot(toward, toward)))
+    scale = divide_or_zero(cosine, distance)
     return luminance(receiver.color * y.radiance) * scale

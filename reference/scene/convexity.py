@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import Masks, Scalars, cross, dot, normalize
+from reference.arrays import Masks, Scalars, dot, triangle_normal
 from reference.scene.geometry import world_corners
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh, Sphere
@@ -52,8 +52,8 @@ def first_obstacle(scene: Scene) -> Mesh | Sphere | None:
 
 def _supports(corners: Scalars, vertices: Scalars) -> Masks:
     """Whether all vertices lie on one side of each triangle's plane."""
-    normal = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normal = normalize(normal)
+    a, b, c = (corners[:, k] for k in range(3))
+    normal = triangle_normal(b - a, c - a)
     height = normal @ vertices.T - dot(normal, corners[:, 0])[:, None]
     flat = FLAT * float(np.ptp(vertices, axis=0).max())
     above, below = (height <= flat).all(axis=1), (height >= -flat).all(axis=1)

@@ -13,6 +13,7 @@ from reference.arrays import (
     divide_or_zero,
     length,
     normalize,
+    triangle_normal,
 )
 from reference.records import take
 from reference.scene.materials.kinds import Material
@@ -116,7 +117,7 @@ def build_geometry(scene: Scene) -> Geometry:
     smooth = any(m.normals is not None for m in scene.meshes)
     textured = any(isinstance(t, Bitmap | Checker) for t in table.textures)
     edge_u, edge_v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    front = cross(edge_u, edge_v)
+    front, normal = cross(edge_u, edge_v), triangle_normal(edge_u, edge_v)
     center = np.array([s.center for s in scene.spheres], float).reshape(-1, 3)
     radius = np.array([s.radius for s in scene.spheres], float)
     reach = radius[:, None]
@@ -124,7 +125,7 @@ def build_geometry(scene: Scene) -> Geometry:
     low, high = every.min(axis=0), every.max(axis=0)
     extent = float(np.max(high - low)) / 2
     return Geometry(
-        triangle=np.stack([corners[:, 0], edge_u, edge_v, normalize(front)], axis=1),
+        triangle=np.stack([corners[:, 0], edge_u, edge_v, normal], axis=1),
         margin=_margins(edge_u, edge_v, length(front), extent),
         area=np.concatenate([0.5 * length(front), 4.0 * np.pi * radius**2]),
         smooth=per_triangle([_world_normals(m) for m in scene.meshes], 3, 3)
@@ -231,8 +232,8 @@ def world_corners(mesh: Mesh) -> Scalars:
 def _world_normals(mesh: Mesh) -> Scalars:
     if mesh.normals is None:
         corners = world_corners(mesh)
-        flat = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        return np.repeat(normalize(flat)[:, None], 3, axis=1)
+        a, b, c = (corners[:, k] for k in range(3))
+        return np.repeat(triangle_normal(b - a, c - a)[:, None], 3, axis=1)
     # Normals turn with the inverse transpose.
     turned = normalize(mesh.normals @ np.linalg.inv(mesh.pose[:3, :3]))
     corner_normals: Scalars = turned[mesh.faces]

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s
+from reference.arrays import Indices, Masks, Scalars, Vec3s, saturate
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,10 +106,12 @@ def direction_and_distance(x_from: Vec3s, x_to: Vec3s) -> tuple[Vec3s, Scalars]:
     Returns
     -------
     (N, 3), (N,) float64
-        Zero direction where the points coincide.
+        Zero direction where the points coincide; finite, no more, where the square of
+        the distance leaves the range of the dtype.
     """
     offset = x_to - x_from
     x, y, z = offset[:, 0], offset[:, 1], offset[:, 2]
-    distance = np.sqrt(x * x + y * y + z * z)
+    with np.errstate(over="ignore"):
+        distance = saturate(np.sqrt(x * x + y * y + z * z))
     scale = np.divide(1.0, distance, out=np.zeros_like(distance), where=distance > 0)
     return offset * scale[:, None], distance

@@ -17,8 +17,15 @@ from reference.cli import main
 from reference.commands import reference as command
 from reference.errors import UsageError
 from reference.exr import read_exr
+from reference.oracle.afar import Reached, rungs_afar
+from reference.oracle.backends.inside import InsideBackend
 from reference.oracle.backends.running import Limits
 from reference.oracle.blackbox.renderer import Renderer
+from reference.oracle.builtin.backend import BuiltIn
+from reference.oracle.ladder import statistical_rungs
+from reference.oracle.parts import whole_contract
+from reference.oracle.rungs.means import mean_over_runs, replicates
+from reference.oracle.steps import Asker
 from reference.scene.named import Named
 from reference.tradeoff.points import Point
 from reference.tradeoff.store import open_store
@@ -164,9 +171,43 @@ def test_a_cluster_renders_the_pictures_of_a_renderer(tmp_path, capsys):
     assert pictures >= 2
 
 
-def test_a_backend_that_is_no_renderer_stays_here(capsys):
-    assert main(["check", "float64", "--scheduler", "tcp://127.0.0.1:1"]) == 2
-    assert "is for the pictures of a renderer" in capsys.readouterr().err
+def statistics_of(step):
+    return step.title, step.certified, step.more, step.faults
+
+
+def test_a_cluster_gathers_the_statistics_of_a_backend(tmp_path):
+    """The same runs and the same bound as here, while one of its workers is killed."""
+    reached = Reached("float64", Limits(), "float32")
+    backend, forever = reached.open(), lambda: 1e6
+    here = [
+        take() for *_, take in statistical_rungs(whole_contract(), backend, forever)
+    ]
+    with cluster(tmp_path) as (address, (first, _)), workers(1, address) as executor:
+        there = []
+        for _, _, take in rungs_afar(reached, backend, executor, forever):
+            there.append(take())
+            first.kill()
+    assert len(here) == 5
+    assert [statistics_of(s) for s in there] == [statistics_of(s) for s in here]
+    assert first.wait() == -signal.SIGKILL
+
+
+def test_what_a_cluster_brings_is_what_is_judged():
+    """Control: batches from elsewhere that are a tenth too dark are told."""
+    ask = Asker(whole_contract(), InsideBackend(BuiltIn("float64")))
+
+    def dark(first):
+        return (0.9 * replicates(ask, "float64", seed) for seed in count(first))
+
+    found = mean_over_runs(ask, "float64", lambda: 1e6, dark)
+    assert not found.finding.passed
+
+
+def test_a_golden_folder_has_no_runs_for_a_cluster(tmp_path, capsys):
+    address = "tcp://127.0.0.1:1"
+    about = ["check", "float64", "--against", str(tmp_path), "--scheduler", address]
+    assert main(about) == 2
+    assert "golden folders have none" in capsys.readouterr().err
 
 
 def gone(group):

@@ -1,7 +1,8 @@
 """The contract as a page of the documentation."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
+from reference.exactness.registry import limits_of
 from reference.oracle.contract.fields import Field, Pass, Passes
 
 INTRODUCTION = """\
@@ -36,6 +37,10 @@ radiance 0 is a null, and one with pdf 0 has w = 0. Where all weights of a strea
 nothing is kept: W = 0, M counts, and which sample stands in the row is not looked at. A
 quotient by 0 is 0, whether the denominator is exactly 0 or has rounded to it. Outputs
 are finite.
+
+**Limits.** What a kernel gives at the ends of its numbers stands beneath its pass: no
+finite input may give NaN or infinity. How exact the project's own kernels are there, in
+half, single and double precision, stands in [Extremes](../explanation/extremes.md).
 
 **Terms.** What is marked "may" nobody has to give. It is not judged; where a pass is
 wrong, the report shows it beside what it should be.
@@ -80,7 +85,15 @@ def _section(one: Pass) -> str:
     ]
     lines += [_row("out", field) for field in one.outputs]
     lines += [_row("may", field) for field in one.terms]
+    lines += [_limits(name, defined) for name, defined in limits_of(one.name).items()]
     return "".join(lines)
+
+
+def _limits(kernel: str, defined: Mapping[str, str]) -> str:
+    rows = "".join(
+        f"| {extreme} | {_cell(what)} |\n" for extreme, what in defined.items()
+    )
+    return f"\n| at its limits: {kernel} | it gives |\n|---|---|\n{rows}"
 
 
 def _row(word: str, field: Field) -> str:

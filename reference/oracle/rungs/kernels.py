@@ -17,6 +17,7 @@ from reference.oracle.rungs.exact_extremes import (
 )
 from reference.oracle.rungs.probe import Finding, Probe
 from reference.oracle.rungs.replayed import replayed
+from reference.oracle.rungs.worst import worst_cases
 
 ROWS = 2048
 
@@ -53,6 +54,7 @@ def kernel_probes(precision: Precision, seed: int = 2026) -> list[Probe]:
         target_extremes("scattered", precision),
         target_extremes("outgoing", precision),
         similar_extremes(precision),
+        *worst_cases(precision),
     ]
     return [
         replayed("L0", words),

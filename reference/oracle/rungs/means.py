@@ -6,8 +6,9 @@ of radiances that were met: at most ρ times the largest, whatever is reused.  T
 valid for any law of the estimator, and at every moment.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import chain, count
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +42,9 @@ the mean, since a bet against darkness pays for their ratio."""
 PIXELS, TILES, REPLICATES, FRAMES = 16, 4, 512, 3
 """Of a run, and runs of a batch.  Runs are small: many are worth more than large ones,
 where the bound on the mean is what costs."""
+
+
+Batches = Callable[[int], Iterator[NDArray[np.float64]]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +100,7 @@ def mean_over_runs(
     ask: Ask,
     precision: Precision,
     remaining: Callable[[], float],
+    batches: Batches | None = None,
     target: float = TARGET,
     alpha: float = ALPHA,
     first_seed: int = 1000,
@@ -110,6 +115,10 @@ def mean_over_runs(
         Of the backend.
     remaining : callable
         Seconds that are left.
+    batches : callable, optional
+        From a seed to the replicates of its batch and of those after it, where others
+        make them; the first batch is made here, so that a backend which does not
+        answer is known before.
     target : float
         Certified bound at which to stop.
     alpha : float
@@ -127,13 +136,14 @@ def mean_over_runs(
     most = max(radiance for _, radiance in BANDS) * (1 + room(precision))
     bets = open_bets(np.full(1 + TILES, exact), np.full(1 + TILES, most))
     certificate = open_certificate(exact, most)
-    runs, seed = 0, first_seed
-    while True:
-        for y in replicates(ask, precision, seed):
+    runs = 0
+    here = (replicates(ask, precision, seed) for seed in count(first_seed))
+    rest = batches(first_seed + 1) if batches else here
+    for batch in chain([next(here)], rest):
+        for y in batch:
             bets = place(bets, y)
             certificate = extend(certificate, float(y[0]))
             runs += 1
-        seed += 1
         e = average_e(e_value(bets))
         bound = certified_bias(certificate, alpha)
         if e >= 1 / alpha:
@@ -147,6 +157,7 @@ def mean_over_runs(
             return Mean(Finding(True), bound, runs, "")
         if remaining() <= 0:
             return Mean(Finding(True), bound, runs, _more(certificate, target, runs))
+    raise AssertionError("batches ended")
 
 
 def replicates(ask: Ask, precision: Precision, seed: int) -> NDArray[np.float64]:

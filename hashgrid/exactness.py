@@ -1,0 +1,55 @@
+"""The grid's kernel in the matrix of extremes."""
+
+from typing import Any
+
+from hashgrid.keys import FARTHEST, LEAST, Lattice, levels
+from reference.arrays import Indices
+from reference.exactness.draws import Draws
+from reference.exactness.kernel import Inputs, Kernel, Row
+from reference.exactness.numbers import EXACT, Exact, UndecidedError, exact, literal
+from reference.exactness.vectors import inner
+
+_LATTICE = Lattice((0.0, 0.0, 0.0), 0.02)
+
+
+def _draw(draws: Draws) -> dict[str, Any]:
+    return {"position": draws.seen_from(draws.place(), draws.unit())}
+
+
+def _run(given: Inputs) -> Indices:
+    return levels(_LATTICE, given["position"])
+
+
+def _clipped(x: Exact) -> Exact:
+    return exact(max(min(x.value, FARTHEST), -FARTHEST), x.type)
+
+
+def _level(row: Row) -> Exact:
+    """floor(log2(|x − eye| · base / edge)), at least 0."""
+    x, y, z = (_clipped(component) for component in row["position"])
+    base = exact(_LATTICE.base, x.type)
+    size = inner((x, y, z), (x, y, z)).sqrt() * base / literal(LEAST, x.type)
+    if size <= 1:
+        return x * 0
+    low, high = (EXACT.frexp(size.value + k * size.error)[1] for k in (-1, 1))
+    if low != high:
+        raise UndecidedError
+    return exact(low - 1, x.type)
+
+
+CELL_LEVEL = Kernel(
+    "cell-level",
+    "",
+    _draw,
+    _run,
+    _level,
+    {
+        "points that touch": "0: no cell is smaller than a millimetre",
+        "points far away": "that of 2⁶² m",
+        "edge-on": "does not know the angle",
+        "in a corner": "0",
+        "scale of the scene": "at least 0",
+        "far from the origin": "grows with the distance from the eye",
+    },
+)
+"""Level of detail of a cell."""

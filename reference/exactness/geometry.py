@@ -1,0 +1,178 @@
+"""Kernels of places, directions and angles."""
+
+from math import pi
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.arrays import Scalars, Vec3s, dot, triangle_normal
+from reference.exactness.draws import Draws
+from reference.exactness.kernel import Inputs, Kernel, Row
+from reference.exactness.numbers import EXACT, literal
+from reference.exactness.vectors import Vector, inner, minus
+from reference.frames import normal_frames
+from reference.passes.gbuffer import similar
+from reference.scene.surface import direction_and_distance
+
+MAX_ANGLE, MAX_DEPTH = 60.0, 0.0625
+"""Limits of similarity that are binary numbers: cosine 1/2 and depth 1/16."""
+
+
+# ------------------------------------------------------------------ similarity
+
+
+def _draw_seen(draws: Draws) -> dict[str, Scalars]:
+    n_a = draws.unit()
+    nearly = 1 + np.round(draws.rng.normal(size=draws.rows)) / 16
+    depth = draws("scale") * draws("distance")
+    return {
+        "normal_a": n_a,
+        "depth_a": depth,
+        "normal_b": draws.leaning(n_a),
+        "depth_b": depth * nearly,
+    }
+
+
+def _run_similar(given: Inputs) -> NDArray[Any]:
+    a, b = ((given[f"normal_{k}"], given[f"depth_{k}"]) for k in "ab")
+    return similar(*a, *b, MAX_ANGLE, MAX_DEPTH)
+
+
+def _similar(row: Row) -> bool:
+    a, b = row["depth_a"], row["depth_b"]
+    near, far = (a, b) if a < b else (b, a)
+    cosine = literal(EXACT.mpf(0.5), a.type)
+    there = near > 0
+    alike = inner(row["normal_a"], row["normal_b"]) >= cosine
+    return there and far - near <= far * literal(EXACT.mpf(MAX_DEPTH), a.type) and alike
+
+
+SIMILAR = Kernel(
+    "similar", "similar", _draw_seen, _run_similar, _similar,
+    {
+        "points that touch": "false where a depth is 0",
+        "points far away": "does not know the unit of length",
+        "edge-on": "false beyond the angle; the limit itself is inside",
+        "in a corner": "false where a depth is 0",
+        "scale of the scene": "does not know the unit of length",
+    },
+)  # fmt: skip
+
+# ------------------------------------------------------------------ vectors
+
+
+def _draw_places(draws: Draws) -> dict[str, Scalars]:
+    place, normal = draws.place(), draws.unit()
+    return {"x": place, "y": draws.seen_from(place, normal)}
+
+
+def _run_direction(given: Inputs) -> Vec3s:
+    return direction_and_distance(given["x"], given["y"])[0]
+
+
+def _direction(row: Row) -> Vector:
+    v = minus(row["y"], row["x"])
+    one_over = (v[0] * 0 + 1) / inner(v, v).sqrt()
+    return v[0] * one_over, v[1] * one_over, v[2] * one_over
+
+
+_FAR = "finite where d² leaves the type's range"
+DIRECTION = Kernel(
+    "direction to a point", "", _draw_places, _run_direction, _direction,
+    {
+        "points that touch": f"0 where the points coincide; {_FAR}",
+        "points far away": _FAR,
+        "edge-on": "does not know the angle",
+        "in a corner": f"0 where the points coincide; {_FAR}",
+        "scale of the scene": "does not know it",
+        "far from the origin": "that of the rounded places",
+    },
+)  # fmt: skip
+
+
+def _draw_triangle(draws: Draws) -> dict[str, Scalars]:
+    along, across = draws.unit(), draws.unit()
+    corner, size = draws.place(), draws("scale")[:, None]
+    height = draws("shape")[:, None]
+    b = corner + size * along
+    return {"a": corner, "b": b, "c": b + size * height * across}
+
+
+def _run_normal(given: Inputs) -> Vec3s:
+    a, b, c = (given[name] for name in "abc")
+    return triangle_normal(b - a, c - a)
+
+
+def _normal(row: Row) -> Vector:
+    u, v = minus(row["b"], row["a"]), minus(row["c"], row["a"])
+    if row["b"] == row["c"]:  # all products cancel, however they are rounded
+        return u[0] * 0, u[0] * 0, u[0] * 0
+    n = (
+        u[1] * v[2] - u[2] * v[1],
+        u[2] * v[0] - u[0] * v[2],
+        u[0] * v[1] - u[1] * v[0],
+    )
+    size = inner(n, n).sqrt()
+    return n[0] / size, n[1] / size, n[2] / size
+
+
+NORMAL = Kernel(
+    "normal of a triangle", "", _draw_triangle, _run_normal, _normal,
+    {
+        "scale of the scene": "does not know it; finite where the area's square"
+        " leaves the type's range",
+        "far from the origin": "that of the rounded corners",
+        "slivers": "unit, or 0 where the height is lost",
+        "no area": "0 where two corners are one",
+    },
+)  # fmt: skip
+
+
+def _draw_normal(draws: Draws) -> dict[str, Scalars]:
+    cosine = draws("cosine")
+    phi = draws.rng.uniform(0, 2 * pi, draws.rows)
+    flat = np.sqrt(1 - np.minimum(cosine**2, 1))
+    return {"n": np.stack([flat * np.cos(phi), flat * np.sin(phi), cosine], axis=1)}
+
+
+def _run_tangent(given: Inputs) -> Vec3s:
+    return normal_frames(given["n"])[0]
+
+
+def _tangent(row: Row) -> Vector:
+    x, y, z = row["n"]
+    sign = -1 if z.value < 0 else 1
+    a = (z * 0 - 1) / (z + sign)
+    return (x * x * a) * sign + 1, (x * y * a) * sign, x * -sign
+
+
+TANGENT = Kernel(
+    "tangent of a normal", "direction", _draw_normal, _run_tangent, _tangent,
+    {
+        "edge-on": "unit and orthogonal, on either side of n_z = 0",
+        "in a corner": "as edge-on",
+    },
+)  # fmt: skip
+
+
+def _run_cosine(given: Inputs) -> Scalars:
+    return dot(given["n"], given["v"])
+
+
+COSINE = Kernel(
+    "inner product",
+    "",
+    lambda draws: {
+        "n": (n := draws.unit()),
+        "v": draws.leaning(n),
+    },
+    _run_cosine,
+    lambda row: inner(row["n"], row["v"]),
+    {
+        "edge-on": "the difference of large products: as wrong as these are rounded",
+        "in a corner": "as edge-on",
+    },
+)
+
+GEOMETRY = (SIMILAR, DIRECTION, NORMAL, TANGENT, COSINE)

@@ -1,0 +1,164 @@
+"""Each kernel at each extreme in each type, beside exact numbers."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from reference.exactness.draws import Draws
+from reference.exactness.extremes import EXTREMES, Extreme
+from reference.exactness.judge import Judged, judge
+from reference.exactness.kernel import Inputs, Kernel
+from reference.exactness.numbers import (
+    type_of,
+)
+
+TYPES: tuple[Any, ...] = (np.float16, np.float32, np.float64)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cell:
+    """A kernel at an extreme in a type.
+
+    Attributes
+    ----------
+    kernel, extreme, type : str
+        Names.
+    inputs : mapping of str to array
+        What it was given.
+    judged : Judged
+        What came of it.
+    fault : str
+        Warning or exception, '' for none.
+    """
+
+    kernel: str
+    extreme: str
+    type: str
+    inputs: Inputs
+    judged: Judged
+    fault: str = ""
+
+    @property
+    def passed(self) -> bool:
+        """No warning, all finite, no error that rounding does not make."""
+        return not self.fault and bool((self.judged.share <= 1).all())
+
+    @property
+    def worst(self) -> int:
+        """Row with the largest share."""
+        return int(self.judged.share.argmax())
+
+
+def reads(kernel: Kernel, extreme: Extreme) -> bool:
+    """Whether a kernel can meet an extreme.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        Whose inputs.
+    extreme : Extreme
+        What is driven.
+
+    Returns
+    -------
+    bool
+        True for the plain one.
+    """
+    draws = Draws(np.random.default_rng(0), 1, np.finfo(np.float64), EXTREMES[0])
+    kernel.draw(draws)
+    return not extreme.drives or bool(draws.read & set(extreme.drives))
+
+
+def cell(
+    kernel: Kernel, extreme: Extreme, dtype: Any, rows: int, seed: int = 0
+) -> Cell:
+    """Draw, run and judge one cell.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        What runs.
+    extreme : Extreme
+        What it is given.
+    dtype : float16, float32 or float64
+        In which.
+    rows : int
+        How many.
+    seed : int
+        Of the rows.
+
+    Returns
+    -------
+    Cell
+        With its inputs.
+    """
+    name = np.dtype(dtype).name
+    key = [seed, *f"{kernel.name}/{extreme.name}/{name}".encode()]
+    draws = Draws(np.random.default_rng(key), rows, np.finfo(dtype), extreme)
+    inputs = {k: draws.in_type(v) for k, v in kernel.draw(draws).items()}
+    return judged_cell(kernel, extreme.name, inputs)
+
+
+def judged_cell(kernel: Kernel, extreme: str, inputs: Inputs) -> Cell:
+    """Run and judge a kernel on rows that are there.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        What runs.
+    extreme : str
+        Name of where the rows are from.
+    inputs : mapping of str to array
+        All of one type.
+
+    Returns
+    -------
+    Cell
+        A warning is a fault; what was calculated is judged all the same.
+    """
+    dtype = next(iter(inputs.values())).dtype
+    fault = ""
+    try:
+        with np.errstate(over="raise", invalid="raise", divide="raise", under="ignore"):
+            found = kernel.run(inputs)
+    except FloatingPointError as error:
+        fault = str(error)
+        with np.errstate(all="ignore"):
+            found = kernel.run(inputs)
+    judged = judge(kernel, inputs, found, type_of(dtype))
+    return Cell(kernel.name, extreme, dtype.name, inputs, judged, fault)
+
+
+def matrix(
+    kernels: tuple[Kernel, ...],
+    rows: int,
+    tell: Callable[[int, int], None] = lambda done, total: None,
+    seed: int = 0,
+) -> list[Cell]:
+    """All cells.
+
+    Parameters
+    ----------
+    kernels : tuple of Kernel
+        Which.
+    rows : int
+        In each cell.
+    tell : callable
+        Told how many cells are done, of how many.
+    seed : int
+        Of the rows.
+
+    Returns
+    -------
+    list of Cell
+        By kernel, extreme and type; without what a kernel cannot meet.
+    """
+    asked = [(k, e, t) for k in kernels for e in EXTREMES if reads(k, e) for t in TYPES]
+    cells = []
+    for done, (kernel, extreme, dtype) in enumerate(asked):
+        tell(done, len(asked))
+        cells.append(cell(kernel, extreme, dtype, rows, seed))
+    tell(len(asked), len(asked))
+    return cells

@@ -1,0 +1,62 @@
+"""All kernels of the matrix: those of this floor, and what packages announce."""
+
+from collections.abc import Mapping
+from functools import cache
+
+from reference.announced import announced, announced_names
+from reference.exactness.divisors import DIVISORS
+from reference.exactness.geometry import GEOMETRY
+from reference.exactness.kernel import Kernel
+from reference.exactness.materials import MATERIALS
+from reference.exactness.sampling import SAMPLING
+from reference.exactness.storage import STORAGE
+from reference.exactness.targets import TARGETS
+from reference.exactness.weights import WEIGHTS
+
+GROUP = "restir.kernels"
+
+OWN = (
+    *TARGETS, *GEOMETRY, *WEIGHTS, *DIVISORS, *SAMPLING, *MATERIALS, *STORAGE,
+)  # fmt: skip
+"""Those of this floor."""
+
+
+@cache
+def kernels() -> tuple[Kernel, ...]:
+    """All kernels.
+
+    Returns
+    -------
+    tuple of Kernel
+        Those that packages announce through the entry-point group ``restir.kernels``
+        come last.
+    """
+    names = announced_names(GROUP)
+    theirs = (announced(GROUP, name, Kernel, "kernel") for name in names)
+    found = tuple(kernel for kernel in theirs if kernel is not None)
+    return (
+        *TARGETS,
+        *GEOMETRY,
+        *WEIGHTS,
+        *DIVISORS,
+        *SAMPLING,
+        *MATERIALS,
+        *STORAGE,
+        *found,
+    )
+
+
+def limits_of(pass_name: str) -> dict[str, Mapping[str, str]]:
+    """What the kernels of a pass define at their limits.
+
+    Parameters
+    ----------
+    pass_name : str
+        Of the contract.
+
+    Returns
+    -------
+    dict of str to mapping of str to str
+        By kernel and extreme; empty for passes of which no kernel has any.
+    """
+    return {k.name: k.defines for k in kernels() if k.of_contract == pass_name}

@@ -1,0 +1,68 @@
+"""Kernels of numbers that are stored in fewer bits."""
+
+import numpy as np
+
+from reference.arrays import Scalars, Vec3s
+from reference.exactness.draws import Draws
+from reference.exactness.kernel import Inputs, Kernel, Row
+from reference.exactness.numbers import Exact, exact, type_of
+from reference.exactness.vectors import Vector, inner
+from reference.resampling.packing.octahedral import (
+    WORST_ANGLE,
+    decode_normal,
+    encode_normal,
+)
+from reference.resampling.packing.rounding import nearest_float, widened
+
+_HALF = type_of(np.float16)
+
+
+def _run_half(given: Inputs) -> Scalars:
+    radiance = given["radiance"]
+    return widened(nearest_float(radiance, np.float16)).astype(radiance.dtype)
+
+
+def _half(row: Row) -> Exact:
+    """Rounded once: half a unit in the last place, or of the smallest subnormal."""
+    x = row["radiance"]
+    value = min(x.value, _HALF.most)
+    return Exact(value, max(value * _HALF.unit, _HALF.least / 2), x.type)
+
+
+HALF = Kernel(
+    "radiance in half", "pack",
+    lambda draws: {"radiance": draws("radiance")}, _run_half, _half,
+    {
+        "radiance at its limits": "at most 65504; below 2⁻¹⁴ to a multiple of 2⁻²⁴",
+        "no light": "0",
+    },
+)  # fmt: skip
+
+
+def _draw_normal(draws: Draws) -> dict[str, Scalars]:
+    up = np.tile([0.0, 0.0, 1.0], (draws.rows, 1))
+    return {"n": draws.leaning(up)}
+
+
+def _run_octahedral(given: Inputs) -> Vec3s:
+    return decode_normal(encode_normal(given["n"])).astype(given["n"].dtype)
+
+
+def _octahedral(row: Row) -> Vector:
+    """The unit vector of n; the chord is shorter than the angle."""
+    n = row["n"]
+    size = inner(n, n).sqrt()
+    near = exact(WORST_ANGLE, n[0].type).value
+    unit = (c / size for c in n)
+    return tuple(Exact(c.value, c.error + near, c.type) for c in unit)  # type: ignore[return-value]
+
+
+OCTAHEDRAL = Kernel(
+    "normal in four bytes", "pack", _draw_normal, _run_octahedral, _octahedral,
+    {
+        "edge-on": "within 6.474e-5 radians, across the fold too",
+        "in a corner": "as edge-on",
+    },
+)  # fmt: skip
+
+STORAGE = (HALF, OCTAHEDRAL)

@@ -1,0 +1,37 @@
+"""Vectors of exact numbers."""
+
+from reference.exactness.numbers import Exact
+
+Vector = tuple[Exact, Exact, Exact]
+
+
+def inner(a: Vector, b: Vector) -> Exact:
+    """Inner product.
+
+    Parameters
+    ----------
+    a, b : three Exact
+        Vectors.
+
+    Returns
+    -------
+    Exact
+        Summed from the first component on.
+    """
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def minus(a: Vector, b: Vector) -> Vector:
+    """Difference of vectors.
+
+    Parameters
+    ----------
+    a, b : three Exact
+        Vectors.
+
+    Returns
+    -------
+    three Exact
+        a − b.
+    """
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]

@@ -1,0 +1,95 @@
+"""The worst rows that were found for each kernel in each type, kept as vectors."""
+
+import json
+from dataclasses import asdict, dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from reference.exactness.kernel import Inputs
+
+PATH = Path(__file__).with_name("worst.json")
+
+Plain = float | list[float]
+
+
+@dataclass(frozen=True, slots=True)
+class Worst:
+    """A row on which a kernel came closest to what rounding explains.
+
+    Attributes
+    ----------
+    kernel, type, extreme : str
+        Whose, in which type, and where it was found.
+    ulp, share : float
+        Its error when it was found, and that as a share of the bound.
+    given : mapping of str to float or list of float
+        The very numbers.
+    """
+
+    kernel: str
+    type: str
+    extreme: str
+    ulp: float
+    share: float
+    given: dict[str, Plain]
+
+    @property
+    def inputs(self) -> Inputs:
+        """As arrays of one row, of the type."""
+        return {k: np.array([v], self.type) for k, v in self.given.items()}
+
+    def as_plain(self) -> dict[str, Any]:
+        """For JSON, where float64 keeps every number of every type."""
+        return asdict(self)
+
+
+def plain(value: Any) -> Plain:
+    """Numbers of a row for JSON.
+
+    Parameters
+    ----------
+    value : number or (k,) array
+        Of any floating-point type.
+
+    Returns
+    -------
+    float or list of float
+        Without an error.
+    """
+    wide = np.asarray(value, np.float64)
+    return wide.tolist() if wide.ndim else float(wide)
+
+
+@cache
+def worst_rows() -> tuple[Worst, ...]:
+    """All rows that are kept.
+
+    Returns
+    -------
+    tuple of Worst
+        One for each kernel and type.
+    """
+    return tuple(Worst(**row) for row in json.loads(PATH.read_text("utf-8")))
+
+
+def worst_inputs(kernel: str, type_name: str) -> Inputs:
+    """The rows of one kernel, one below the other.
+
+    Parameters
+    ----------
+    kernel : str
+        Its name.
+    type_name : 'float16', 'float32' or 'float64'
+        In which they were found.
+
+    Returns
+    -------
+    mapping of str to array
+        Of that type; none where nothing is kept.
+    """
+    rows = [w for w in worst_rows() if (w.kernel, w.type) == (kernel, type_name)]
+    names = rows[0].given if rows else ()
+    return {k: np.concatenate([w.inputs[k] for w in rows]) for k in names}

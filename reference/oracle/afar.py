@@ -1,0 +1,139 @@
+"""Statistics of a backend that other processes gather, each from a backend of its own.
+
+Batches of runs are numbered, and judged in the order of their numbers: whoever made
+them, the verdict is the same.
+"""
+
+import atexit
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from itertools import count
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reference.oracle.backends.backend import Backend
+from reference.oracle.backends.open import open_backend
+from reference.oracle.backends.running import Limits
+from reference.oracle.contract.fields import Precision
+from reference.oracle.ladder import law_step, statistical_rungs
+from reference.oracle.parts import whole_contract
+from reference.oracle.rungs.law import SCENES
+from reference.oracle.rungs.means import replicates
+from reference.oracle.steps import Asker, Rung, Step
+from reference.workers import ahead
+
+AHEAD = 32
+"""Batches that are handed out before they are wanted."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reached:
+    """A backend as any process can reach it.
+
+    Attributes
+    ----------
+    name : str
+        Object, file or command line, the same everywhere.
+    limits : Limits
+        Of a call.
+    precision : 'float32' or 'float64'
+        Of a command line.
+    """
+
+    name: str
+    limits: Limits
+    precision: Precision
+
+    def open(self) -> Backend:
+        """Of this process, opened once.
+
+        Returns
+        -------
+        Backend
+            Closed when the process ends.
+
+        Raises
+        ------
+        UsageError
+            There is none here.
+        """
+        return _opened(self)
+
+
+@lru_cache(maxsize=1)
+def _opened(reached: Reached) -> Backend:
+    backend = open_backend(reached.name, reached.limits, reached.precision)
+    atexit.register(backend.close)
+    return backend
+
+
+def batch(reached: Reached, seed: int) -> NDArray[np.float64]:
+    """Runs of the backend of this process.
+
+    Parameters
+    ----------
+    reached : Reached
+        The backend.
+    seed : int
+        Of the batch.
+
+    Returns
+    -------
+    (R, 1 + T) float64
+        As of :func:`reference.oracle.rungs.means.replicates`.
+    """
+    backend = reached.open()
+    return replicates(Asker(whole_contract(), backend), backend.precision, seed)
+
+
+def law(reached: Reached, scene: str) -> Step:
+    """Step of the law in one scene, with the backend of this process.
+
+    Parameters
+    ----------
+    reached : Reached
+        The backend.
+    scene : str
+        Built-in.
+
+    Returns
+    -------
+    Step
+        As if it had been taken here.
+    """
+    return law_step(whole_contract(), reached.open(), scene)
+
+
+def rungs_afar(
+    reached: Reached,
+    backend: Backend,
+    executor: Executor,
+    remaining: Callable[[], float],
+) -> Iterator[Rung]:
+    """Rungs of whole runs, of which other processes make all but the first batch.
+
+    Parameters
+    ----------
+    reached : Reached
+        The backend, for them.
+    backend : Backend
+        The same, of this process.
+    executor : Executor
+        Of :func:`reference.workers.workers`.
+    remaining : callable
+        Seconds that are left.
+
+    Yields
+    ------
+    rung, title, callable
+        As of :func:`reference.oracle.ladder.statistical_rungs`.
+    """
+    laws = {s: executor.submit(law, reached, s).result for s in SCENES}
+
+    def batches(first: int) -> Iterator[NDArray[np.float64]]:
+        return ahead(executor, partial(batch, reached), count(first), AHEAD)
+
+    yield from statistical_rungs(whole_contract(), backend, remaining, batches, laws)

@@ -1,0 +1,129 @@
+"""Mitsuba's side of the comparison: our scenes in its words, and indirect light alone.
+
+Nothing here is imported by tests; it needs Mitsuba's LLVM variant, and with it a shared
+library of LLVM.
+"""
+
+import tempfile
+from pathlib import Path
+
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+from reference.scene.geometry import world_corners
+from reference.scene.materials.kinds import Lambertian
+from reference.scene.scene import Scene
+
+mi.set_variant("llvm_ad_rgb")
+
+
+def translated(scene: Scene) -> mi.Scene:
+    """A scene of triangles, Lambertian surfaces, area lights and suns."""
+    camera = scene.camera
+    parts = {
+        "type": "scene",
+        "sensor": {
+            "type": "perspective",
+            "fov": camera.fov_x,
+            "fov_axis": "x",
+            "to_world": mi.ScalarTransform4f().look_at(
+                list(camera.position), list(camera.target), list(camera.up)
+            ),
+            "film": {
+                "type": "hdrfilm",
+                "width": camera.width,
+                "height": camera.height,
+            },
+        },
+    }
+    for number, sun in enumerate(scene.suns):
+        parts[f"sun{number}"] = {
+            "type": "directional",
+            "direction": list(sun.direction),
+            "irradiance": {"type": "rgb", "value": list(sun.irradiance)},
+        }
+    with tempfile.TemporaryDirectory() as folder:
+        for number, mesh in enumerate(scene.meshes):
+            parts[f"mesh{number}"] = _shape(mesh, Path(folder) / f"{number}.ply")
+        return mi.load_dict(parts)
+
+
+def _shape(mesh, path):
+    assert isinstance(mesh.material, Lambertian), mesh.name
+    corners = world_corners(mesh)
+    built = mi.Mesh(mesh.name, 3 * len(corners), len(corners))
+    values = mi.traverse(built)
+    values["vertex_positions"] = mi.Float(corners.ravel())
+    values["faces"] = mi.UInt32(np.arange(3 * len(corners)))
+    values.update()
+    built.write_ply(str(path))
+    diffuse = {
+        "type": "diffuse",
+        "reflectance": {"type": "rgb", "value": list(mesh.material.reflectance)},
+    }
+    shape = {
+        "type": "ply",
+        "filename": str(path),
+        "face_normals": True,
+        "bsdf": {"type": "twosided", "nested": diffuse},
+    }
+    if any(mesh.emission):
+        radiance = {"type": "rgb", "value": list(mesh.emission)}
+        shape["emitter"] = {"type": "area", "radiance": radiance}
+    return shape
+
+
+def from_file(path: Path, width: int, height: int) -> mi.Scene:
+    scene = mi.load_file(str(path))
+    film = mi.traverse(scene.sensors()[0])
+    film["film.size"] = [width, height]
+    film["film.crop_size"] = [width, height]
+    film.update()
+    return scene
+
+
+class Indirect:
+    """Paths from pixel centres whose light has bounced at least once on its way.
+
+    The visible point's lobe is sampled, and what comes along that ray is Mitsuba's own
+    path integrator's, without the light that the ray meets at once: that is direct.
+    """
+
+    def __init__(self, scene: mi.Scene, bounces: int) -> None:
+        self.scene, self.sensor = scene, scene.sensors()[0]
+        options = {"max_depth": bounces + 1, "rr_depth": 1000, "hide_emitters": True}
+        self.inner = mi.load_dict({"type": "path", **options})
+        size = self.sensor.film().crop_size()
+        self.width, self.height = int(size[0]), int(size[1])
+
+    def estimate(self, samples: int, seed: int) -> np.ndarray:
+        """(N, 3): mean of so many samples a pixel, a power of two."""
+        pixels = self.width * self.height
+        number = dr.arange(mi.UInt32, pixels * samples) // samples
+        place = mi.Point2f(
+            (mi.Float(number % self.width) + 0.5) / self.width,
+            (mi.Float(number // self.width) + 0.5) / self.height,
+        )
+        sampler = mi.load_dict({"type": "independent"})
+        sampler.seed(seed, pixels * samples)
+        ray, _ = self.sensor.sample_ray(0.0, 0.5, place, mi.Point2f(0.5))
+        seen = self.scene.ray_intersect(ray)
+        there = seen.is_valid()
+        lobe, weight = seen.bsdf(ray).sample(
+            mi.BSDFContext(), seen, sampler.next_1d(), sampler.next_2d(), there
+        )
+        onward = mi.RayDifferential3f(seen.spawn_ray(seen.to_world(lobe.wo)))
+        light, _, _ = self.inner.sample(self.scene, sampler, onward, None, there)
+        color = dr.select(there, weight * light, 0)
+        mean = dr.block_sum(color, samples) / samples
+        dr.eval(mean)
+        dr.sync_thread()
+        return np.array(mean).T
+
+    def many(self, samples: int, seed: int, at_once: int) -> np.ndarray:
+        """The same in several launches."""
+        rounds = max(1, round(samples / at_once))
+        return np.mean(
+            [self.estimate(at_once, seed + 7919 * k) for k in range(rounds)], axis=0
+        )
