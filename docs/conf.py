@@ -21,7 +21,7 @@ extensions = [
     "numpydoc",
     "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["_build", "_templates", "gallery"]
+exclude_patterns = ["_build", "_templates", "gallery", "lessons/*.rst", "lessons/*.py"]
 templates_path = ["_templates"]
 
 # Pages are Markdown with formulas, definition lists and headings to link to.
@@ -38,13 +38,14 @@ shutil.rmtree(Path(__file__).parent / "reference" / "generated", ignore_errors=T
 
 # The gallery is run by the build; each script named plot_* makes its figures.
 sphinx_gallery_conf = {
-    "examples_dirs": "gallery",
-    "gallery_dirs": "auto_gallery",
+    "examples_dirs": ["gallery", "lessons"],
+    "gallery_dirs": ["auto_gallery", "auto_lessons"],
     "filename_pattern": r"[\\/]plot_",
     "abort_on_example_error": True,
     "download_all_examples": False,
     "remove_config_comments": True,
     "show_memory": False,
+    "within_subsection_order": "FileNameSortKey",
 }
 
 html_theme = "furo"

@@ -16,8 +16,8 @@ from reference.figures import registry
 from reference.figures.record import Plan
 from reference.figures.table import as_plain, table
 from reference.files import write_file
+from reference.machine import machine
 from reference.schedule import Schedule
-from reference.version import project_version
 
 NAME = "figures"
 SIZE = 128
@@ -96,7 +96,7 @@ def run(arguments: argparse.Namespace) -> None:
             "picture": picture.name,
             "size": plan.size,
             "runs": plan.runs,
-            "version": project_version(),
+            "machine": machine(),
         }
         write_file(picture, figure.png())
         write_file(picture.with_suffix(".json"), json.dumps(numbers, indent=2).encode())

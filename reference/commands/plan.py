@@ -10,6 +10,7 @@ from reference.commands.console import emit, progress, show
 from reference.commands.opening import open_frames
 from reference.commands.values import whole
 from reference.effects import ALL, Effect, effects
+from reference.machine import machine
 from reference.scene.animation import Animation
 from reference.scene.requirements import Requirement, survey
 
@@ -126,7 +127,7 @@ def _effects_table(arguments: argparse.Namespace, found: list[Effect]) -> Table:
             effect.part,
             LEAVES_OUT[effect.part],
             "the same to the last bit" if effect.identical else _bound(effect),
-            f"{effect.saved:.0%}",
+            "{:.0%} [{:.0%}, {:.0%}]".format(*effect.saved),
         )
     return table
 
@@ -145,6 +146,7 @@ def _plain(
         "scene": arguments.scene,
         "bounces": arguments.bounces,
         "frames": arguments.frames,
+        "machine": machine(),
         "features": [
             {"name": n.name, "why": n.why, "left_out": n.left_out} for n in needs
         ],
@@ -154,7 +156,7 @@ def _plain(
                 "identical": e.identical,
                 "largest": e.largest,
                 "deviation": e.deviation,
-                "saved": e.saved,
+                "saved": list(e.saved),
             }
             for e in found
         ],

@@ -11,11 +11,12 @@ import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from reference.files import write_file
+from reference.machine import machine
 from reference.tradeoff.change import draw_recoveries
 from reference.tradeoff.charts import LINES, bars, curves, front, neighbours
 from reference.tradeoff.maps import deviations, draw_maps
 from reference.tradeoff.report import COLUMNS, as_csv, as_plain, cells
-from reference.tradeoff.results import Results, machine
+from reference.tradeoff.results import Results
 from reference.tradeoff.scores import Score
 from reference.tradeoff.store import Store
 

@@ -8,8 +8,9 @@ import numpy as np
 from rich.table import Table
 
 from reference.figures.record import Interval
+from reference.machine import machine
 from reference.tradeoff.front import on_front, rms_percent
-from reference.tradeoff.results import Results, machine
+from reference.tradeoff.results import Results
 from reference.tradeoff.scores import Score
 
 

@@ -1,17 +1,12 @@
 """What a sweep has found, and on which machine."""
 
-import os
-import platform
 from dataclasses import dataclass
-
-import numpy as np
 
 from reference.moments import Moments
 from reference.tradeoff.change import Recovery
 from reference.tradeoff.front import advice
 from reference.tradeoff.scores import Score
 from reference.tradeoff.sweep import Sweep
-from reference.version import project_version
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,21 +57,3 @@ class Results:
     def advice(self) -> str:
         """The sentence at the end."""
         return advice(self.once, self.light, self.percent, self.ms)
-
-
-def machine() -> dict[str, str]:
-    """What the times belong to.
-
-    Returns
-    -------
-    dict of str to str
-        Processor, number of them, operating system, and versions.
-    """
-    return {
-        "processor": platform.processor() or platform.machine(),
-        "processors": str(os.cpu_count()),
-        "system": f"{platform.system()} {platform.release()}",
-        "python": platform.python_version(),
-        "numpy": np.__version__,
-        "version": project_version(),
-    }

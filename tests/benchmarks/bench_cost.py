@@ -1,19 +1,18 @@
 """What a frame costs beside its rays: time ratios, threads, frame sizes, memory.
 
-    python tests/benchmarks/bench_cost.py [rays] [threads] [size] [memory] [motion]
+    python -m tests.benchmarks.bench_cost [rays] [threads] [size] [memory] [motion]
         [paths]
 
-Prints ratios of medians of interleaved repeats; seconds belong to a machine.
+Prints medians of the ratios of turns; seconds belong to a machine.
 """
 
-import statistics
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 import numpy as np
@@ -35,9 +34,10 @@ from reference.scene.shapes import Mesh
 from reference.schedule import Schedule
 from reference.settings import BIASED, UNBIASED, Settings
 from reference.world import World, build_world, next_world
+from tests.benchmarks.turns import in_turns, ratio
 
+MODULE = "tests.benchmarks.bench_cost"
 WARM = 31  # the frame after the 32 of the paper; every pixel then tries few neighbours
-REPEATS = 7
 
 
 def sized(scene: Scene, width: int, height: int) -> Scene:
@@ -114,18 +114,6 @@ def warmed(
     return frame, step
 
 
-def timed(function: Callable[[], object]) -> float:
-    start = time.perf_counter()
-    function()
-    return time.perf_counter() - start
-
-
-def interleaved(*functions: Callable[[], object]) -> list[float]:
-    """Median seconds of each of several functions, run in turn."""
-    rounds = [[timed(f) for f in functions] for _ in range(REPEATS)]
-    return [statistics.median(column) for column in zip(*rounds, strict=True)]
-
-
 def frame_against_rays() -> Iterator[str]:
     for scene in (cornell_box(), bumpy_box()):
         world = build_world(sized(scene, 512, 512))
@@ -138,10 +126,10 @@ def frame_against_rays() -> Iterator[str]:
             step()
             triangles._embree = recorder.embree
             rays = recorder.rays / pixels
-            whole, alone = interleaved(step, recorder.replay)
+            whole, alone = in_turns(step, recorder.replay)
             yield (
-                f"{scene.name:12} {name:9} {whole / pixels * 1e6:6.2f} us/pixel"
-                f" = {whole / alone:5.2f} x its {rays:.1f} rays"
+                f"{scene.name:12} {name:9} {median(whole) / pixels * 1e6:6.2f} us/pixel"
+                f" = {ratio(whole, alone)} x its {rays:.1f} rays"
             )
 
 
@@ -149,8 +137,7 @@ def threads() -> Iterator[str]:
     world = build_world(sized(cornell_box(), 512, 512))
     _, one = warmed(world, UNBIASED, Schedule(threads=1))
     _, two = warmed(world, UNBIASED, Schedule(threads=2))
-    a, b = interleaved(one, two)
-    yield f"two threads are {a / b:.2f} x faster than one"
+    yield f"two threads are {ratio(*in_turns(one, two))} x faster than one"
 
 
 def sizes() -> Iterator[str]:
@@ -159,9 +146,9 @@ def sizes() -> Iterator[str]:
         world = build_world(sized(cornell_box(), width, height))
         steps.append(warmed(world, UNBIASED, Schedule())[1])
         pixels.append(width * height)
-    small, large = interleaved(*steps)
-    ratio = (large / pixels[1]) / (small / pixels[0])
-    yield f"a pixel at 1920x1080 takes {ratio:.2f} x one at 256x256"
+    small, large = in_turns(*steps)
+    each = [seconds * pixels[0] / pixels[1] for seconds in large]
+    yield f"a pixel at 1920x1080 takes {ratio(each, small)} x one at 256x256"
 
 
 def motion() -> Iterator[str]:
@@ -176,9 +163,9 @@ def motion() -> Iterator[str]:
         for moves in (False, True):
             label = f"{name}, in motion" if moves else f"{name}, at rest"
             steps[label] = one_more(animation, moves)
-    times = interleaved(*steps.values())
+    times = in_turns(*steps.values())
     for label, seconds in zip(steps, times, strict=True):
-        yield f"{label:25} {seconds / times[0]:5.2f} x the time of a frame"
+        yield f"{label:25} {ratio(seconds, times[0])} x the time of a frame"
 
 
 def one_more(animation: Animation, moves: bool) -> Callable[[], Frame]:
@@ -214,20 +201,25 @@ def paths() -> Iterator[str]:
     for frames in runs.values():
         for _ in range(3):
             next(frames)
-    times = interleaved(*(partial(next, frames) for frames in runs.values()))
+    times = in_turns(*(partial(next, frames) for frames in runs.values()))
     for label, seconds in zip(runs, times, strict=True):
-        yield f"{label:25} {seconds / times[0]:5.2f} x the time of ReSTIR GI"
+        yield f"{label:25} {ratio(seconds, times[0])} x the time of ReSTIR GI"
 
 
 def memory() -> Iterator[str]:
     # In processes of their own: the peak of a process never falls.
     peak = {}
-    for width, height in ((64, 36), (1920, 1080)):
-        command = [sys.executable, __file__, "--peak", str(width), str(height)]
+    for width, height in ((64, 36), (1920, 1080), (3840, 2160)):
+        command = [sys.executable, "-m", MODULE, "--peak", str(width), str(height)]
         answer = subprocess.run(command, check=True, capture_output=True, text=True)
         peak[width * height] = int(answer.stdout)
-    (few, low), (many, high) = peak.items()
-    yield f"peak memory {(high - low) / (many - few):.0f} bytes a pixel at 1920x1080"
+    (few, low), *others = peak.items()
+    for many, high in others:
+        each = (high - low) / (many - few)
+        yield (
+            f"peak memory {high / 2**30:.2f} GiB, {each:.0f} bytes of each of {many}"
+            " pixels"
+        )
 
 
 def print_peak(width: int, height: int) -> None:
