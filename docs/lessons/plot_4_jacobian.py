@@ -3,9 +3,9 @@ r"""
 ===============================
 
 ReSTIR GI reuses *points*. A pixel's ray leaves its visible point :math:`x_q` and meets
-a surface at :math:`x_s`; another pixel, whose visible point is :math:`x_r`, looks at the
-same :math:`x_s`. But what was drawn was a *direction*, and a patch of surface does not
-fill the same solid angle for both:
+a surface at :math:`x_s`; another pixel, whose visible point is :math:`x_r`, looks at
+the same :math:`x_s`. But what was drawn was a *direction*, and a patch of surface does
+not fill the same solid angle for both:
 
 .. math:: \mathrm{d}\omega = \frac{|\cos\varphi|}{d^2}\, \mathrm{d}A
    \quad\Longrightarrow\quad

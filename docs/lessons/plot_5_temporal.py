@@ -10,8 +10,8 @@ comes as one candidate of weight :math:`\hat p(y)\,W M`, and the new sample as a
    :pyobject: temporal_pass
 
 Two things keep it honest. :math:`M` is capped, or the past would outweigh every new
-sample and the picture would no longer follow the light; and the running sum :math:`w` is
-made anew from :math:`W` and the capped :math:`M`, never kept:
+sample and the picture would no longer follow the light; and the running sum :math:`w`
+is made anew from :math:`W` and the capped :math:`M`, never kept:
 
 .. literalinclude:: /../reference/resampling/reservoir.py
    :pyobject: cap_confidence
@@ -54,8 +54,8 @@ def traced(samples):
 truth = traced(1500)
 
 # %%
-# Temporal reuse alone, with four limits of M. In frame 20 the lamp becomes four times as
-# bright. How far is the mean of the picture, and its error at single pixels?
+# Temporal reuse alone, with four limits of M. In frame 20 the lamp becomes four times
+# as bright. How far is the mean of the picture, and its error at single pixels?
 
 bright = replace(
     box,
@@ -72,7 +72,10 @@ def run(cap, seed):
     frames = render_frames(world, settings, 1, seed, Schedule(), switched)
     colors = [next(frames).color for _ in range(FRAMES)]
     level = np.where(np.arange(FRAMES) < FRAMES // 2, 1.0, 4.0)
-    off = [np.sqrt(np.mean((c / s - truth) ** 2)) for c, s in zip(colors, level)]
+    off = [
+        np.sqrt(np.mean((c / s - truth) ** 2))
+        for c, s in zip(colors, level, strict=True)
+    ]
     return np.array([[c.mean() for c in colors], off])
 
 
@@ -91,9 +94,10 @@ plt.show()
 # %%
 # Before the switch the error falls with each frame until M meets its cap, and without a
 # cap it keeps falling. After it, whoever remembers most is wrong for longest: the
-# reservoirs hold the radiance of a lamp that is no longer there. That lag is a bias too.
-# The paper's cap is 30, and *sample validation* looks again, now and then, whether what
-# is stored still holds; the unbiased form finds the radiance of what it keeps anew.
+# reservoirs hold the radiance of a lamp that is no longer there. That lag is a bias
+# too. The paper's cap is 30, and *sample validation* looks again, now and then,
+# whether what is stored still holds; the unbiased form finds the radiance of what it
+# keeps anew.
 #
 # .. admonition:: Exercise
 #

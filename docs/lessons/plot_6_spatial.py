@@ -2,17 +2,17 @@ r"""
 6. Reuse between pixels, and bias
 =================================
 
-Neighbours see nearly the same scene, and each has a reservoir of its own. Merging theirs
-into mine multiplies the samples once more:
+Neighbours see nearly the same scene, and each has a reservoir of its own. Merging
+theirs into mine multiplies the samples once more:
 
 .. literalinclude:: /../reference/passes/spatial.py
    :pyobject: spatial_pass
 
 Now the question is who *could* have made the sample that is kept. Dividing the sum of
-weights by the sum of all :math:`M_k` takes it for granted that every neighbour could. But
-a neighbour below whose horizon the sample lies, or who does not see it, never makes it:
-its :math:`M_k` counts candidates that were no candidates for this sample, and the result
-is too dark. Unbiased is
+weights by the sum of all :math:`M_k` takes it for granted that every neighbour could.
+But a neighbour below whose horizon the sample lies, or who does not see it, never
+makes it: its :math:`M_k` counts candidates that were no candidates for this sample,
+and the result is too dark. Unbiased is
 
 .. math:: W = \frac{\sum_k w_k}{\hat p(y)\, Z}, \qquad
           Z = \sum_{k \,:\, y \in D_k} M_k ,
@@ -40,9 +40,9 @@ from reference.world import build_world
 
 # %%
 # The Cornell box: behind the edges of the blocks one pixel sees what the next does not.
-# Both forms get the same random numbers, so that the noise of their difference is small,
-# and what is left is bias. Beside them the same initial samples without any reuse, which
-# have no bias and all the noise.
+# Both forms get the same random numbers, so that the noise of their difference is
+# small, and what is left is bias. Beside them the same initial samples without any
+# reuse, which have no bias and all the noise.
 
 SIDE, RUNS = 48, 24
 scene = find_scene("cornell-box")

@@ -4,8 +4,8 @@ r"""
 
 Pixels are neighbours only where the camera looks. The second and third points of a path
 lie anywhere, and whoever wants to reuse samples *there* needs to find points nearby in
-the world. A grid does it: space is cut into cells, and the cell's coordinates are hashed
-to a place in a table of fixed size.
+the world. A grid does it: space is cut into cells, and the cell's coordinates are
+hashed to a place in a table of fixed size.
 
 How wide a cell is hangs on its distance to the eye, so that it covers some 16 pixels:
 
@@ -89,9 +89,9 @@ for buckets in (2, 8, 64, 512):
     )
 
 # %%
-# Two cells of one bucket *and* one checksum would be mixed up by a backend that compares
-# no more. In the papers' cells of light that costs a sample of another place; whoever
-# counts on it being rare should know how rare. Here cells are compared whole.
+# Two cells of one bucket *and* one checksum would be mixed up by a backend that
+# compares no more. In the papers' cells of light that costs a sample of another place;
+# whoever counts on it being rare should know how rare. Here cells are compared whole.
 #
 # .. admonition:: Exercise
 #

@@ -97,7 +97,8 @@ assert after < before / 3
 # Where do such differences come from? *Gradient-domain ReSTIR* resamples them: a
 # reservoir holds a base path and, by a shift mapping, its offset path at the neighbour,
 # with :math:`|f_1 - f_2|` as its target. Two functions that agree where they are large
-# show what it is worth: samples of either are wasted there, samples of the pair are not.
+# show what it is worth: samples of either are wasted there, samples of the pair are
+# not.
 
 figure = toy(Plan(size=16, runs=2, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)

@@ -1,4 +1,4 @@
-"""The lessons' exercises: wrong as they stand, right with the answer, and one line apart.
+"""The exercises of the lessons: wrong as they stand, right with their answers.
 
 The pages themselves run when the documentation is built.
 """
@@ -34,7 +34,7 @@ def answer(step):
 
 @pytest.mark.parametrize("step", STEPS)
 def test_an_exercise_is_wrong_as_it_stands(step):
-    with pytest.raises(AssertionError, match="instead of|share the key|wrong by"):
+    with pytest.raises(AssertionError, match=r"instead of|share the key|wrong by"):
         exercise(step).check()
 
 
