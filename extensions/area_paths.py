@@ -67,7 +67,7 @@ class AreaPaths:
         ----------
         value : Placed
             There.
-        jacobian : (N,) float64
+        jacobian : (N,) float64, sr/sr
             Of the whole shift; densities at the joint change by their part of it.
 
         Returns
@@ -114,7 +114,9 @@ def draw_area_paths(
         Rows of the image.
     place : four (N,) float64
         Lanes 0 and 1: where in the pixel.
-    bounces, criterion, number, uniforms
+    number : (N,) int64
+        Of the paths.
+    bounces, criterion, uniforms
         As of `draw_paths`.
 
     Returns

@@ -78,7 +78,7 @@ class Paths:
         ----------
         value : (N, 3) float64
             There.
-        jacobian : (N,) float64
+        jacobian : (N,) float64, sr/sr
             Of the shift.
 
         Returns

@@ -81,7 +81,7 @@ class PairedPaths:
         ----------
         value : PairValue
             There.
-        jacobian : (N,) float64
+        jacobian : (N,) float64, sr/sr
             Of the outer shift.
 
         Returns
@@ -124,7 +124,7 @@ def share_of_base(p_base: Scalars, p_offset: Scalars, jacobian: Scalars) -> Scal
     p_base, p_offset : (N,)
         Densities of the paths in their pixels; or, where these are not known, targets
         that their densities come close to.
-    jacobian : (N,)
+    jacobian : (N,), sr/sr
         Of the inner shift, 0 where it does not exist.
 
     Returns

@@ -63,7 +63,7 @@ class LightPoints:
         ----------
         value : (N, 3) float64
             There.
-        jacobian : (N,) float64
+        jacobian : (N,) float64, sr/sr
             Of the shift: 1.
 
         Returns

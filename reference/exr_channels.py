@@ -26,6 +26,11 @@ def channels_of_layers(layers: Mapping[str, NDArray[Any]]) -> Channels:
     dict of str to (H, W) float32
         Contiguous copies: of a strided view the library writes the wrong numbers, and
         says nothing.
+
+    Raises
+    ------
+    ValueError
+        Two layers would write one channel.
     """
     channels: Channels = {}
     for name, layer in layers.items():

@@ -69,6 +69,11 @@ def to_image(rows: Floats, width: int, height: int) -> NDArray[np.float32]:
     -------
     (height, width, C) float32
         C = 1 for scalars.
+
+    Raises
+    ------
+    ValueError
+        There are fewer or more rows.
     """
     if len(rows) != width * height:
         raise ValueError(f"{len(rows)} rows are no {width}x{height} frame")
@@ -95,14 +100,13 @@ def to_rows(layer: Floats) -> Floats:
 def luminance_weights() -> tuple[float, float, float]:
     """Share of R, G and B in luminance Y: the middle row of RGB to XYZ, Rec. 709.
 
-    Notes
-    -----
-    The first call imports colour-science, which takes about a second.
+    Returns
+    -------
+    float, float, float
+        Their sum is 1.
     """
-    from colour.models import RGB_COLOURSPACE_sRGB
-
-    red, green, blue = RGB_COLOURSPACE_sRGB.matrix_RGB_to_XYZ[1]
-    return float(red), float(green), float(blue)
+    # Those of colour-science, which a test compares: importing it takes a second.
+    return 0.2126, 0.7152, 0.0722
 
 
 def luminance(rgb: Floats) -> Floats:

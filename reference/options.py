@@ -31,6 +31,8 @@ def with_values(defaults: Settings, assignments: Iterable[str]) -> Settings:
 
     Raises
     ------
+    TypeError
+        The settings are no dataclass.
     UsageError
         No such field, or not one of its values; the message lists what is known.
     """

@@ -52,6 +52,11 @@ def size(text: str) -> Size:
     -------
     (int, int), pixels
         1 to 16384 each.
+
+    Raises
+    ------
+    ArgumentTypeError
+        It is no such pair.
     """
     match = re.fullmatch(r"(\d{1,9})[xX](\d{1,9})", text, re.ASCII)
     sides = tuple(int(side) for side in match.groups()) if match else (0, 0)
@@ -74,6 +79,11 @@ def four_times(text: str) -> int:
     -------
     int
         A multiple of 4, from 8 to 4096.
+
+    Raises
+    ------
+    ArgumentTypeError
+        It is not.
     """
     side = whole(8, 4096)(text)
     if side % 4:
@@ -93,6 +103,11 @@ def seconds(text: str) -> float:
     -------
     float, s
         0 or more.
+
+    Raises
+    ------
+    ArgumentTypeError
+        It is no such number.
     """
     try:
         value = float(text)

@@ -49,6 +49,11 @@ def render(job: Job) -> Rendering:
     Layers
         The colour, and the layers asked for.  Direct and indirect light follow the
         very paths of the picture, so that they add up to ``full``.
+
+    Raises
+    ------
+    UsageError
+        A standard error of one sample is asked for.
     """
     if "standard_error" in job.aovs and job.counts["spp"] < 2:
         raise UsageError("--aov standard_error needs an --spp of at least 2")

@@ -24,7 +24,7 @@ def made_it(
     ----------
     viewer : (N,) int
         Rows of visible points, or −1.
-    position : (N, 3)
+    position : (N, 3), m
         Of the samples asked about.
     makers : sequence of (N,) int
         Who made each sample of the stream, or −1.

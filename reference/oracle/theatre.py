@@ -91,7 +91,7 @@ class SceneTheatre:
         ----------
         viewer : (N,) int
             Rows.
-        position, normal : (N, 3)
+        position, normal : (N, 3), m and 1
             Sample points.
 
         Returns

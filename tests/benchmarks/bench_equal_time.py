@@ -1,6 +1,6 @@
 """Mean squared error against the path tracer's in equal time, as in Figure 13.
 
-    python tests/benchmarks/bench_equal_time.py [SCENE] [SIZE] [RUNS] [KEY=VALUE ...]
+    python -m tests.benchmarks.bench_equal_time [SCENE] [SIZE] [RUNS] [KEY=VALUE ...]
 
 A frame of ReSTIR GI takes the time of n path-traced samples a pixel, whose error is
 the error of one over n.  The picture is the 32nd frame, and the time is that of one

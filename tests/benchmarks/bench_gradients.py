@@ -3,7 +3,7 @@
 As ``restir figures gradients gradient-images``, of any file: the article's scene is
 Veach Ajar.
 
-    python tests/benchmarks/bench_gradients.py scene.xml --size 128 --runs 6 --out DIR
+    python -m tests.benchmarks.bench_gradients scene.xml --size 128 --runs 6 --out DIR
 """
 
 import argparse

@@ -12,76 +12,20 @@ subtracted.
 
 import argparse
 import json
-import os
 import platform
 import statistics
 import subprocess
 import sys
 import time
-from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
-from reference.passes.gbuffer import visible_points
-from reference.restir_gi import next_frame
-from reference.scene.camera import pixel_centers
-from reference.scene.catalogue.registry import find_scene
-from reference.scene.loaders.load import load_scene
-from reference.scene.scene import Scene
-from reference.scene.validation import validate
-from reference.schedule import Schedule
-from reference.settings import UNBIASED
 from reference.version import project_version
-from reference.world import build_world
-from tests.benchmarks.bench_cost import bumpy_box
+from tests.benchmarks.mitsuba_side import LAUNCH, opened
+from tests.benchmarks.our_side import THREADS, Runner
 
 FRAMES, WARM, SEEDS, ROUNDS = 8, 24, 3, 5
-THREADS = os.cpu_count() or 1
-LAUNCH = 16
-"""Samples a pixel in a launch of Mitsuba's."""
-
 SCENES = ("cornell-box", "bumpy-box", "grazing-light", "door-ajar", "veach-ajar")
-
-
-def real_scene() -> Path:
-    return Path(os.environ["RESTIR_SCENES"]) / "veach-ajar" / "simple" / "scene.xml"
-
-
-def ours(name: str, size: int) -> Scene:
-    if name == "veach-ajar":
-        scene = load_scene(real_scene())
-    else:
-        scene = bumpy_box() if name == "bumpy-box" else find_scene(name)
-    return validate(
-        replace(scene, camera=replace(scene.camera, width=size, height=size))
-    )
-
-
-def theirs(name: str, size: int, bounces: int):
-    from tests.benchmarks.mitsuba_side import Indirect, from_file, translated
-
-    if name == "veach-ajar":
-        return Indirect(from_file(real_scene(), size, size), bounces)
-    return Indirect(translated(ours(name, size)), bounces)
-
-
-class Runner:
-    """Frames of ReSTIR GI, one after the other."""
-
-    def __init__(self, name: str, size: int, bounces: int, seed: int) -> None:
-        self.world = build_world(ours(name, size))
-        self.visible = visible_points(self.world, *pixel_centers(size, size))
-        self.bounces, self.seed, self.last = bounces, seed, None
-
-    def step(self) -> np.ndarray:
-        """Indirect light of the next frame."""
-        schedule = Schedule(threads=THREADS)
-        self.last = next_frame(
-            self.world, UNBIASED, self.bounces, self.seed, schedule, self.visible,
-            self.last,
-        )  # fmt: skip
-        return self.last.color
 
 
 def squares(a: np.ndarray, truth: np.ndarray) -> float:
@@ -92,7 +36,7 @@ def squares(a: np.ndarray, truth: np.ndarray) -> float:
 
 def errors(name: str, size: int, bounces: int, samples: int):
     """Error of a frame after FRAMES and after WARM, and of one sample of theirs."""
-    mitsuba = theirs(name, size, bounces)
+    mitsuba = opened(name, size, bounces)
     launches = np.array(
         [mitsuba.estimate(LAUNCH, 1000 + k) for k in range(max(8, samples // LAUNCH))]
     )
@@ -125,7 +69,7 @@ def timed(function, *arguments) -> float:
 
 def steady(name: str, size: int, bounces: int) -> tuple[float, float]:
     """Seconds of a frame of ours, and of a sample of theirs; medians of turns."""
-    mitsuba, runner = theirs(name, size, bounces), Runner(name, size, bounces, 0)
+    mitsuba, runner = opened(name, size, bounces), Runner(name, size, bounces, 0)
     for _ in range(WARM):
         runner.step()
     mitsuba.estimate(LAUNCH, 0)
@@ -137,26 +81,25 @@ def steady(name: str, size: int, bounces: int) -> tuple[float, float]:
     return a, b
 
 
-def started(*arguments: object) -> float:
-    """Seconds of a process of its own."""
-    command = [
-        sys.executable,
-        "-m",
-        "tests.benchmarks.bench_mitsuba",
-        *map(str, arguments),
-    ]
-    return timed(lambda: subprocess.run(command, check=True))
+def started(module: str, *arguments: object) -> float:
+    """Seconds of a process of its own, less those that it says were for translation."""
+    words = [sys.executable, "-m", f"tests.benchmarks.{module}", *map(str, arguments)]
+    start = time.perf_counter()
+    done = subprocess.run(words, check=True, capture_output=True, text=True)
+    spent = time.perf_counter() - start
+    return spent - float(done.stdout or 0)
 
 
 def cold(name: str, size: int, bounces: int, samples: float) -> tuple[float, float]:
-    """Seconds from nothing to the error after FRAMES, ours and theirs; medians of 3."""
+    """Seconds from nothing to the error after FRAMES, ours and theirs; medians."""
     launches = max(1, round(samples / LAUNCH))
+    about = name, size, bounces
     turns = [
         (
-            started("--ours", name, size, bounces),
-            started("--theirs", name, size, bounces, launches),
+            started("our_side", *about, FRAMES + 1),
+            started("mitsuba_side", *about, launches),
         )
-        for _ in range(3)
+        for _ in range(ROUNDS)
     ]
     a, b = (statistics.median(column) for column in zip(*turns, strict=True))
     return a, b
@@ -186,16 +129,6 @@ def compared(name: str, size: int, bounces: int, samples: int) -> dict[str, obje
 
 
 def main() -> None:
-    if sys.argv[1:2] == ["--ours"]:
-        name, size, bounces = sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
-        runner = Runner(name, size, bounces, 0)
-        for _ in range(FRAMES + 1):
-            runner.step()
-        return
-    if sys.argv[1:2] == ["--theirs"]:
-        name, (size, bounces, launches) = sys.argv[2], map(int, sys.argv[3:6])
-        theirs(name, size, bounces).many(launches * LAUNCH, 0, LAUNCH)
-        return
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("scenes", nargs="*", default=SCENES)
     parser.add_argument("--size", type=int, default=256)

@@ -1,6 +1,6 @@
 """What each option of ReSTIR GI costs and gains: bias, error and time beside the plain.
 
-    python tests/benchmarks/bench_options.py [SCENE] [RUNS] [SIZE] [OPTION ...]
+    python -m tests.benchmarks.bench_options [SCENE] [RUNS] [SIZE] [OPTION ...]
 
 Prints a line an option: bias of the image mean with its standard error, mean squared
 error over that of the unbiased form without options, and time of a frame over its.

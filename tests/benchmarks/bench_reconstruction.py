@@ -1,6 +1,6 @@
 """How the time of least squares grows with the image.
 
-python tests/benchmarks/bench_reconstruction.py
+python -m tests.benchmarks.bench_reconstruction
 """
 
 import time

@@ -1,25 +1,49 @@
 """Mitsuba's side of the comparison: our scenes in its words, and indirect light alone.
 
-Nothing here is imported by tests; it needs Mitsuba's LLVM variant, and with it a shared
-library of LLVM.
+    python -m tests.benchmarks.mitsuba_side SCENE SIZE BOUNCES LAUNCHES
+
+renders so many launches in a process of its own, and prints how many seconds of that
+went into translating the scene, which a user of Mitsuba would have in a file.  It needs
+Mitsuba's LLVM variant, and with it a shared library of LLVM (16 or newer; the variable
+DRJIT_LIBLLVM_PATH names it where there are several).
 """
 
+import sys
 import tempfile
+import time
 from pathlib import Path
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from reference.scene.geometry import world_corners
-from reference.scene.materials.kinds import Lambertian
-from reference.scene.scene import Scene
-
 mi.set_variant("llvm_ad_rgb")
 
+LAUNCH = 16
+"""Samples a pixel in a launch."""
 
-def translated(scene: Scene) -> mi.Scene:
+
+def opened(name: str, size: int, bounces: int) -> "Indirect":
+    """A scene, ready to be rendered."""
+    if name == "veach-ajar":
+        from tests.benchmarks.our_side import real_scene
+
+        return Indirect(from_file(real_scene(), size, size), bounces)
+    with tempfile.TemporaryDirectory() as folder:
+        start = time.perf_counter()
+        parts = translated(name, size, Path(folder))
+        TRANSLATION.append(time.perf_counter() - start)
+        return Indirect(mi.load_dict(parts), bounces)
+
+
+TRANSLATION: list[float] = []
+
+
+def translated(name: str, size: int, folder: Path) -> dict:
     """A scene of triangles, Lambertian surfaces, area lights and suns."""
+    from tests.benchmarks.our_side import scene_of
+
+    scene = scene_of(name, size)
     camera = scene.camera
     parts = {
         "type": "scene",
@@ -43,13 +67,15 @@ def translated(scene: Scene) -> mi.Scene:
             "direction": list(sun.direction),
             "irradiance": {"type": "rgb", "value": list(sun.irradiance)},
         }
-    with tempfile.TemporaryDirectory() as folder:
-        for number, mesh in enumerate(scene.meshes):
-            parts[f"mesh{number}"] = _shape(mesh, Path(folder) / f"{number}.ply")
-        return mi.load_dict(parts)
+    for number, mesh in enumerate(scene.meshes):
+        parts[f"mesh{number}"] = _shape(mesh, folder / f"{number}.ply")
+    return parts
 
 
 def _shape(mesh, path):
+    from reference.scene.geometry import world_corners
+    from reference.scene.materials.kinds import Lambertian
+
     assert isinstance(mesh.material, Lambertian), mesh.name
     corners = world_corners(mesh)
     built = mi.Mesh(mesh.name, 3 * len(corners), len(corners))
@@ -121,9 +147,10 @@ class Indirect:
         dr.sync_thread()
         return np.array(mean).T
 
-    def many(self, samples: int, seed: int, at_once: int) -> np.ndarray:
-        """The same in several launches."""
-        rounds = max(1, round(samples / at_once))
-        return np.mean(
-            [self.estimate(at_once, seed + 7919 * k) for k in range(rounds)], axis=0
-        )
+
+if __name__ == "__main__":
+    name, (size, bounces, launches) = sys.argv[1], map(int, sys.argv[2:])
+    indirect = opened(name, size, bounces)
+    for launch in range(launches):
+        indirect.estimate(LAUNCH, launch)
+    print(sum(TRANSLATION))

@@ -63,7 +63,7 @@ class WrittenVisibility:
         ----------
         points : SurfacePoints or Viewpoints
             N points, whose ``primitive`` is the viewer's number.
-        x_to, n_to : (N, 3)
+        x_to, n_to : (N, 3), m and 1
             Points looked at, and normals, which are not used.
         active : (N,) bool
             Who looks.
@@ -157,7 +157,7 @@ def surface_of(position: Vec3s, normal: Vec3s, albedo: Vec3s) -> SurfacePoints:
 
     Parameters
     ----------
-    position, normal, albedo : (N, 3)
+    position, normal, albedo : (N, 3), m, 1 and 1
         Buffers.
 
     Returns

@@ -85,7 +85,7 @@ class Sphere:
         ----------
         viewer : (N,) int
             Rows.
-        position, normal : (N, 3)
+        position, normal : (N, 3), m and 1
             Sample points.
 
         Returns

@@ -75,6 +75,11 @@ def open_certificate(
     -------
     Certificate
         Without the candidates at B or above, which the bound refutes.
+
+    Raises
+    ------
+    ValueError
+        Not 0 < truth <= bound.
     """
     if not 0 < truth <= bound:
         raise ValueError("a relative bias needs 0 < truth <= bound")

@@ -65,6 +65,11 @@ def count_sums(scores: Integers, size: int) -> Floats:
     (largest sum + 1,) float64
         Sum C(n, k).  Exact up to 2⁵³; beyond, each is a sum of non-negative numbers
         with a relative error below 2 n eps.
+
+    Raises
+    ------
+    ValueError
+        More than `MOST` scores.
     """
     if len(scores) > MOST:
         raise ValueError(f"more than {MOST} values: their choices exceed a float64")

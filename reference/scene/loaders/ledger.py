@@ -66,6 +66,11 @@ class Ledger:
         ----------
         problem : str
             What is wrong, in which element, and what would be right.
+
+        Raises
+        ------
+        UsageError
+            Always.
         """
         raise UsageError(f"{self.path}: {problem}")
 
