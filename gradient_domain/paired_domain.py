@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from extensions.area_paths import AreaPaths, Placed
-from reference.arrays import Indices, Scalars, Vec3s, divide_or_zero, saturate, total
+from reference.arrays import Indices, Scalars, Vec3s, divide_or_zero, plus, saturate
 from reference.resampling.target import luminance
 
 WHOLE, PLUS, MINUS = 0, 1, -1
@@ -139,7 +139,7 @@ def share_of_base(p_base: Scalars, p_offset: Scalars, jacobian: Scalars) -> Scal
     """
     with np.errstate(over="ignore"):
         other = saturate(p_offset * jacobian)
-    shared = divide_or_zero(p_base, total(p_base, other))
+    shared = divide_or_zero(p_base, plus(p_base, other))
     # Alone there is nothing to divide by: p / p would make floats of whole numbers.
     return np.where(jacobian > 0, shared, (p_base > 0) + 0 * jacobian)
 

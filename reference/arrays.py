@@ -187,7 +187,7 @@ def saturate(x: Scalars) -> Scalars:
     return finite
 
 
-def total(a: Scalars, b: Scalars) -> Scalars:
+def plus(a: Scalars, b: Scalars) -> Scalars:
     """Sum of numbers that are not negative, at most the largest of the dtype.
 
     Parameters

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import Masks, Scalars, Vec3s, divide_or_zero, total
+from reference.arrays import Masks, Scalars, Vec3s, divide_or_zero, plus
 from reference.scene.materials.table import pdf
 from reference.scene.surface import SurfacePoints
 from reference.world import World
@@ -66,5 +66,5 @@ def balance(mine: Scalars, other: Scalars) -> Scalars:
     (N,) float
         0 to 1.  The two weights of one sample sum to 1.
     """
-    share: Scalars = np.where(mine > 0, divide_or_zero(mine, total(mine, other)), 1.0)
+    share: Scalars = np.where(mine > 0, divide_or_zero(mine, plus(mine, other)), 1.0)
     return share

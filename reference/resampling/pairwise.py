@@ -18,7 +18,7 @@ normalization of 1.
 
 import numpy as np
 
-from reference.arrays import Scalars, divide_or_zero, total
+from reference.arrays import Scalars, divide_or_zero, plus
 from reference.resampling.mis import one_over_m
 
 
@@ -58,8 +58,8 @@ def pairwise_donor(
     p̂ W |∂T/∂y| in place of M; the sum of weights is then not divided.  One ray: whether
     the receiver sees the sample.
     """
-    every = total(S, M_c) if defensive else S
-    return divide_or_zero(M_k * _share(S, p_k, M_c, p_c), every)
+    total = plus(S, M_c) if defensive else S
+    return divide_or_zero(M_k * _share(S, p_k, M_c, p_c), total)
 
 
 def pairwise_canonical(
@@ -104,7 +104,7 @@ def pairwise_canonical(
     S = one_over_m(M_k)
     shares = [M * _share(M_c, p_c, S, p) for M, p in zip(M_k, p_k, strict=True)]
     if defensive:
-        return divide_or_zero(total(one_over_m(shares), M_c), total(S, M_c))
+        return divide_or_zero(plus(one_over_m(shares), M_c), plus(S, M_c))
     return np.where(S > 0, divide_or_zero(one_over_m(shares), S), one)
 
 
@@ -112,4 +112,4 @@ def _share(M_a: Scalars, p_a: Scalars, M_b: Scalars, p_b: Scalars) -> Scalars:
     # Targets in units of the larger one: M p may overflow, and the sum underflow.
     unit = np.maximum(p_a, p_b)
     a, b = M_a * divide_or_zero(p_a, unit), M_b * divide_or_zero(p_b, unit)
-    return divide_or_zero(a, total(a, b))
+    return divide_or_zero(a, plus(a, b))

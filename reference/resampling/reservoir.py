@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import Masks, Scalars, Vec3s, divide_or_zero, saturate, total
+from reference.arrays import Masks, Scalars, Vec3s, divide_or_zero, saturate
 from reference.records import where
 from reference.resampling.suffix import Suffix
 
@@ -99,10 +99,12 @@ def merge(a: Candidates, b: Candidates, u: Scalars) -> Candidates:
     -----
     [Ouyang21, Alg. 1, lines 6 to 10].
     """
-    w, M = total(a.w, b.w), total(a.M, b.M)
     take_b = choose_second(a.w, b.w, u)
     y, p_hat = where(take_b, b.y, a.y), np.where(take_b, b.p_hat, a.p_hat)
-    return Candidates(y=y, p_hat=p_hat, w=w, M=M)
+    with np.errstate(over="ignore"):
+        w = a.w + b.w
+        M = a.M + b.M
+    return Candidates(y=y, p_hat=p_hat, w=saturate(w), M=saturate(M))
 
 
 def choose_second(w_a: Scalars, w_b: Scalars, u: Scalars) -> Masks:
@@ -121,7 +123,8 @@ def choose_second(w_a: Scalars, w_b: Scalars, u: Scalars) -> Masks:
         Strict, so that a row of weight 0 is never taken; and a positive weight
         always is, against 0, even where u · w rounds to w.
     """
-    taken: Masks = (u * total(w_a, w_b) < w_b) | ((w_a == 0) & (w_b > 0))
+    with np.errstate(over="ignore", invalid="ignore"):
+        taken: Masks = (u * (w_a + w_b) < w_b) | ((w_a == 0) & (w_b > 0))
     return taken.astype(bool, copy=False)
 
 
@@ -174,8 +177,8 @@ def initial_candidates(y: Any, p_hat: Scalars, pdf: Scalars) -> Candidates:
     [Ouyang21, Eq. 5].
     """
     with np.errstate(over="ignore"):
-        w = saturate(divide_or_zero(p_hat, pdf))
-    return Candidates(y=y, p_hat=p_hat, w=w, M=np.ones_like(w))
+        w = divide_or_zero(p_hat, pdf)
+    return Candidates(y=y, p_hat=p_hat, w=saturate(w), M=np.ones_like(w))
 
 
 def reused_candidates(
@@ -206,7 +209,8 @@ def reused_candidates(
         w = p_hat * r.W * r.M
         if jacobian is not None:
             w = w * jacobian
-    return Candidates(y=r.y, p_hat=p_hat, w=saturate(w), M=r.M)
+    w = saturate(w)
+    return Candidates(y=r.y, p_hat=p_hat, w=w, M=r.M)
 
 
 def cap_confidence(r: Reservoirs, cap: float) -> Reservoirs:

@@ -89,11 +89,12 @@ def target(
         return luminance(reflected(table, receiver, y))
     # Neither needs a unit vector: the cosine over a distance, or its sign.
     toward = y.position - receiver.position
-    with np.errstate(over="ignore"):
-        cosine = saturate(lit_cosine(table, receiver, toward))
-        cosine = np.where(dot(y.normal, toward) < 0, cosine, 0.0)
-        distance = saturate(np.pi * np.sqrt(dot(toward, toward)))
-    if kind == "outgoing":
-        return np.where(cosine > 0, luminance(y.radiance), 0.0)
-    scale = divide_or_zero(cosine, distance)
+    with np.errstate(over="ignore", invalid="ignore"):
+        cosine = np.where(
+            dot(y.normal, toward) < 0, lit_cosine(table, receiver, toward), 0.0
+        )
+        if kind == "outgoing":
+            return np.where(cosine > 0, luminance(y.radiance), 0.0)
+        scale = divide_or_zero(cosine, np.pi * np.sqrt(dot(toward, toward)))
+    scale = saturate(scale)
     return luminance(receiver.color * y.radiance) * scale

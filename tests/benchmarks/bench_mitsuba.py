@@ -92,12 +92,11 @@ def started(module: str, *arguments: object) -> float:
 
 def cold(name: str, size: int, bounces: int, samples: float) -> tuple[float, float]:
     """Seconds from nothing to the error after FRAMES, ours and theirs; medians."""
-    launches = max(1, round(samples / LAUNCH))
     about = name, size, bounces
     turns = [
         (
             started("our_side", *about, FRAMES + 1),
-            started("mitsuba_side", *about, launches),
+            started("mitsuba_side", *about, max(1, round(samples))),
         )
         for _ in range(ROUNDS)
     ]

@@ -1,8 +1,8 @@
 """Mitsuba's side of the comparison: our scenes in its words, and indirect light alone.
 
-    python -m tests.benchmarks.mitsuba_side SCENE SIZE BOUNCES LAUNCHES
+    python -m tests.benchmarks.mitsuba_side SCENE SIZE BOUNCES SAMPLES
 
-renders so many launches in a process of its own, and prints how many seconds of that
+renders so many samples in a process of its own, and prints how many seconds of that
 went into translating the scene, which a user of Mitsuba would have in a file.  It needs
 Mitsuba's LLVM variant, and with it a shared library of LLVM (16 or newer; the variable
 DRJIT_LIBLLVM_PATH names it where there are several).
@@ -20,7 +20,7 @@ import numpy as np
 mi.set_variant("llvm_ad_rgb")
 
 LAUNCH = 16
-"""Samples a pixel in a launch."""
+"""Samples a pixel in a launch, at most."""
 
 
 def opened(name: str, size: int, bounces: int) -> "Indirect":
@@ -149,8 +149,8 @@ class Indirect:
 
 
 if __name__ == "__main__":
-    name, (size, bounces, launches) = sys.argv[1], map(int, sys.argv[2:])
+    name, (size, bounces, samples) = sys.argv[1], map(int, sys.argv[2:])
     indirect = opened(name, size, bounces)
-    for launch in range(launches):
-        indirect.estimate(LAUNCH, launch)
+    for done in range(0, samples, LAUNCH):
+        indirect.estimate(min(LAUNCH, samples - done), done)
     print(sum(TRANSLATION))

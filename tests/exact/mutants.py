@@ -121,8 +121,8 @@ MUTANTS = [
     Mutant(
         "M of a merged reservoir is 1",
         "reservoir",
-        "M=a.M + b.M",
-        "M=a.M + 1",
+        "M = a.M + b.M",
+        "M = a.M + 1",
         ("spatial_pass",),
     ),
     Mutant(
@@ -315,8 +315,8 @@ MUTANTS = [
     Mutant(
         "balance heuristic without M",
         "mis",
-        "terms = [M * p for",
-        "terms = [p for",
+        "saturate(M * p)",
+        "saturate(p)",
         ("balance_pass",),
     ),
     Mutant(
@@ -351,8 +351,8 @@ MUTANTS = [
     Mutant(
         "the canonical sample gets no share of its own",
         "pairwise",
-        "divide_or_zero(one_over_m(shares) + M_c, S + M_c)",
-        "divide_or_zero(one_over_m(shares), S + M_c)",
+        "divide_or_zero(plus(one_over_m(shares), M_c), plus(S, M_c))",
+        "divide_or_zero(one_over_m(shares), plus(S, M_c))",
         ("defensive_pass",),
     ),
     Mutant(

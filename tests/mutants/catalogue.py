@@ -996,8 +996,8 @@ REUSE = [
         "M of a merged reservoir is one more",
         ("TR-17", "SR-10"),
         RESERVOIR,
-        "M=a.M + b.M",
-        "M=a.M + 1",
+        "M = a.M + b.M",
+        "M = a.M + 1",
         ("merged-confidence-plus-one",),
     ),
     Mutant(

@@ -164,8 +164,8 @@ HELD_OUT: tuple[Mutant, ...] = (
         "M grows only where the sample is taken",
         ("SR-25",),
         RESERVOIR,
-        "M=a.M + b.M",
-        "M=a.M + b.M * take_b",
+        "M = a.M + b.M",
+        "M = a.M + b.M * take_b",
     ),
     Mutant(
         "W is refreshed only where the sample changes",

@@ -197,7 +197,7 @@ BIASES = [
         "defensive donors keep the canonical share",
         (),
         PAIRWISE,
-        "total = S + M_c if defensive else S",
+        "total = plus(S, M_c) if defensive else S",
         "total = S",
         ("reuse-defensive-without-canonical",),
     ),

@@ -1,0 +1,45 @@
+"""The terminal in the README: the verdict on a backend that divides by the Jacobian.
+
+    python -m tests.benchmarks.verdict [OUT.svg]
+
+The passes are the project's own in single precision, with one mistake.
+"""
+
+import re
+import sys
+from io import StringIO
+from pathlib import Path
+
+from rich._export_format import CONSOLE_SVG_FORMAT
+from rich.console import Console
+
+from reference.oracle.checking import judge
+from reference.oracle.parts import whole_contract
+from reference.oracle.report.plain import as_plain
+from reference.oracle.report.table import table
+from tests.mutants.catalogue import JACOBIANS
+from tests.mutants.harness import Planted
+
+PICTURE = Path(__file__).parents[2] / "docs" / "_static" / "verdict.svg"
+NAME = "./my-shaders {directory}"
+
+
+MISTAKE = next(
+    m for m in JACOBIANS if m.name == "the weight is divided by the Jacobian"
+)
+
+
+def main() -> None:
+    verdict = judge(Planted(MISTAKE), 600.0, statistics=False)
+    plain = as_plain(verdict, NAME, whole_contract())
+    console = Console(record=True, width=100, file=StringIO(), highlight=False)
+    console.print(f"$ restir check '{NAME}' --out report", markup=False)
+    console.print(table(plain))
+    # Without the fonts that its template would fetch.
+    form = re.sub(r"@font-face \{\{.*?\}\}\n", "", CONSOLE_SVG_FORMAT, flags=re.DOTALL)
+    out = Path(sys.argv[1]) if len(sys.argv) > 1 else PICTURE
+    out.write_text(console.export_svg(title="restir check", code_format=form), "utf-8")
+
+
+if __name__ == "__main__":
+    main()
