@@ -23,8 +23,10 @@ import numpy as np
 from reference.version import project_version
 from tests.benchmarks.mitsuba_side import LAUNCH, opened
 from tests.benchmarks.our_side import THREADS, Runner
+from tests.benchmarks.turns import in_turns
 
-FRAMES, WARM, SEEDS, ROUNDS = 8, 24, 3, 5
+FRAMES, WARM, SEEDS, TURNS, COLD_TURNS = 8, 24, 6, 9, 5
+GROUPS = 8  # of launches, each of which estimates the variance of a sample
 SCENES = ("cornell-box", "bumpy-box", "grazing-light", "door-ajar", "veach-ajar")
 
 
@@ -35,15 +37,16 @@ def squares(a: np.ndarray, truth: np.ndarray) -> float:
 
 
 def errors(name: str, size: int, bounces: int, samples: int):
-    """Error of a frame after FRAMES and after WARM, and of one sample of theirs."""
+    """Error of frames FRAMES and WARM of each seed, and of one sample of theirs."""
     mitsuba = opened(name, size, bounces)
-    launches = np.array(
-        [mitsuba.estimate(LAUNCH, 1000 + k) for k in range(max(8, samples // LAUNCH))]
-    )
+    count = max(GROUPS * 4, samples // LAUNCH)
+    launches = np.array([mitsuba.estimate(LAUNCH, 1000 + k) for k in range(count)])
     truth = launches.mean(axis=0)
-    variance = launches.var(axis=0, ddof=1)
-    one = squares(variance * LAUNCH, truth)
-    off = squares(variance / len(launches), truth)
+    one = [
+        squares(group.var(axis=0, ddof=1) * LAUNCH, truth)
+        for group in np.array_split(launches, GROUPS)
+    ]
+    off = squares(launches.var(axis=0, ddof=1) / count, truth)
     cold, warm, means = [], [], []
     for seed in range(SEEDS):
         runner = Runner(name, size, bounces, seed)
@@ -53,32 +56,19 @@ def errors(name: str, size: int, bounces: int, samples: int):
             if number in (FRAMES, WARM):
                 error = squares((color - truth) ** 2, truth) - off
                 (cold if number == FRAMES else warm).append(error)
-    return {
-        "ours, cold": statistics.mean(cold),
-        "ours": statistics.mean(warm),
-        "theirs, a sample": one,
-        "mean, ours over theirs": float(np.mean(means) / truth.mean()),
-    }
+    return cold, warm, one, float(np.mean(means) / truth.mean())
 
 
-def timed(function, *arguments) -> float:
-    start = time.perf_counter()
-    function(*arguments)
-    return time.perf_counter() - start
-
-
-def steady(name: str, size: int, bounces: int) -> tuple[float, float]:
-    """Seconds of a frame of ours, and of a sample of theirs; medians of turns."""
+def steady(name: str, size: int, bounces: int) -> tuple[list[float], list[float]]:
+    """Seconds of frames of ours, and of a sample of theirs, in turns."""
     mitsuba, runner = opened(name, size, bounces), Runner(name, size, bounces, 0)
     for _ in range(WARM):
         runner.step()
     mitsuba.estimate(LAUNCH, 0)
-    turns = [
-        (timed(runner.step), timed(mitsuba.estimate, LAUNCH, k + 1) / LAUNCH)
-        for k in range(ROUNDS)
-    ]
-    a, b = (statistics.median(column) for column in zip(*turns, strict=True))
-    return a, b
+    frames, launches = in_turns(
+        runner.step, lambda: mitsuba.estimate(LAUNCH, 1), turns=TURNS
+    )
+    return frames, [seconds / LAUNCH for seconds in launches]
 
 
 def started(module: str, *arguments: object) -> float:
@@ -90,40 +80,56 @@ def started(module: str, *arguments: object) -> float:
     return spent - float(done.stdout or 0)
 
 
-def cold(name: str, size: int, bounces: int, samples: float) -> tuple[float, float]:
-    """Seconds from nothing to the error after FRAMES, ours and theirs; medians."""
+def cold(name: str, size: int, bounces: int, samples: float) -> list[list[float]]:
+    """Seconds from nothing to the error after FRAMES, ours and theirs, in turns."""
     about = name, size, bounces
     turns = [
         (
             started("our_side", *about, FRAMES + 1),
             started("mitsuba_side", *about, max(1, round(samples))),
         )
-        for _ in range(ROUNDS)
+        for _ in range(COLD_TURNS)
     ]
-    a, b = (statistics.median(column) for column in zip(*turns, strict=True))
-    return a, b
+    return [list(column) for column in zip(*turns, strict=True)]
+
+
+def ahead(one: list[float], warm: list[float], times: list[float]) -> list[float]:
+    """Samples to our error times the ratio of seconds: value, and 95 % by bootstrap.
+
+    Resampled are our seeds, groups of their launches, and turns.
+    """
+    rng = np.random.default_rng(0)
+
+    def drawn(values: list[float]) -> np.ndarray:
+        return np.array(values)[rng.integers(len(values), size=(4000, len(values)))]
+
+    draws = drawn(one).mean(axis=1) / drawn(warm).mean(axis=1)
+    draws = np.maximum(draws, 1.0) * np.median(drawn(times), axis=1)
+    value = max(1.0, np.mean(one) / np.mean(warm)) * statistics.median(times)
+    return [float(value), *map(float, np.quantile(draws, [0.025, 0.975]))]
 
 
 def compared(name: str, size: int, bounces: int, samples: int) -> dict[str, object]:
-    error = errors(name, size, bounces, samples)
-    frame, sample = steady(name, size, bounces)
-    needed = max(1.0, error["theirs, a sample"] / error["ours"])
-    needed_cold = max(1.0, error["theirs, a sample"] / error["ours, cold"])
-    a, b = cold(name, size, bounces, needed_cold)
+    cold_errors, warm, one, mean = errors(name, size, bounces, samples)
+    ours, theirs = steady(name, size, bounces)
+    needed = max(1.0, statistics.mean(one) / statistics.mean(cold_errors))
+    from_nothing = cold(name, size, bounces, needed)
+    turns = [b / a for a, b in zip(*from_nothing, strict=True)]
+    ratios = [b / a for a, b in zip(ours, theirs, strict=True)]
     return {
         "scene": name,
         "bounces": bounces,
-        "relMSE": error["ours"],
-        "frame, s": frame,
-        "Mitsuba, samples": needed,
-        "Mitsuba, s": needed * sample,
-        "steady ratio": needed * sample / frame,
-        "cold relMSE": error["ours, cold"],
-        "cold, s": a,
-        "cold Mitsuba, s": b,
-        "cold ratio": b / a,
-        "M paths/s": size * size / sample / 1e6,
-        "mean, ours over theirs": error["mean, ours over theirs"],
+        "relMSE": statistics.mean(warm),
+        "frame, s": statistics.median(ours),
+        "Mitsuba, samples": statistics.mean(one) / statistics.mean(warm),
+        "Mitsuba, M paths/s": size * size / statistics.median(theirs) / 1e6,
+        "ahead": ahead(one, warm, ratios),
+        "cold relMSE": statistics.mean(cold_errors),
+        "cold, s": statistics.median(from_nothing[0]),
+        "cold Mitsuba, samples": needed,
+        "cold Mitsuba, s": statistics.median(from_nothing[1]),
+        "cold ahead": [statistics.median(turns), min(turns), max(turns)],
+        "mean, ours over theirs": mean,
     }
 
 
