@@ -47,6 +47,7 @@ sphinx_gallery_conf = {
     "remove_config_comments": True,
     "show_memory": False,
     "within_subsection_order": "FileNameSortKey",
+    "write_computation_times": False,  # its page fetches scripts from elsewhere
 }
 
 html_theme = "furo"

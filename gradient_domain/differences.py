@@ -37,6 +37,10 @@ def differences(rows: Scalars, width: int) -> Differences:
     -------
     Differences
         N rows.
+
+    Notes
+    -----
+    [Wang25, Eq. 1], of pixels that are known.
     """
     image = rows.reshape(-1, width, rows.shape[1])
     x, y = np.zeros_like(image), np.zeros_like(image)

@@ -73,6 +73,10 @@ def follow(
     -------
     SurfacePoints
         N rows; misses where no ray was traced.
+
+    Notes
+    -----
+    [Ouyang21, Eq. 2].
     """
     hits = world.caster.from_surface(points, direction, active, kind)
     return surface_points(world.geometry, hits, points.position, direction)
@@ -115,6 +119,10 @@ def reflected_radiance(
     -------
     (N, 3) float64, W/(m² sr)
         Without emission of x itself.
+
+    Notes
+    -----
+    [Ouyang21, Eq. 3].
     """
     radiance = zero_vectors(len(points))
     walk = _Walk(
@@ -211,6 +219,10 @@ def camera_radiance(
     -------
     (N, 3) float64, W/(m² sr)
         Unbiased.
+
+    Notes
+    -----
+    The rendering equation [Kajiya86, Eq. 1; Ouyang21, Eq. 1].
     """
     if light == "indirect":
         if bounces == 0:

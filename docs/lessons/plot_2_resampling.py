@@ -89,6 +89,7 @@ for name, target in TARGETS.items():
 plt.xlabel("candidates M")
 plt.ylabel("relative error of one kept sample")
 plt.legend()
+plt.tight_layout()
 plt.show()
 
 # %%

@@ -80,7 +80,7 @@ def run(cap, seed):
 
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(10, 3.6))
-for cap in (1.0, 8.0, 30.0, np.inf):
+for cap in (1.0, 4.0, 12.0, np.inf):
     mean, off = np.mean([run(cap, seed) for seed in range(RUNS)], axis=0)
     left.plot(mean / truth.mean(), label=f"cap {cap:g}")
     right.semilogy(off / truth.mean(), label=f"cap {cap:g}")
@@ -89,6 +89,7 @@ right.set_ylabel("error of a pixel, relative")
 for one in (left, right):
     one.set_xlabel("frame")
     one.legend()
+figure.tight_layout()
 plt.show()
 
 # %%

@@ -81,7 +81,7 @@ def blocks(rows):
 
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3.6))
-left.imshow(by_z.mean(axis=0).reshape(SIDE, SIDE), cmap="gray")
+left.imshow(np.sqrt(by_z.mean(axis=0)).reshape(SIDE, SIDE), cmap="gray")
 left.set_title("1/Z, mean of the runs")
 shown = right.imshow(
     blocks((plain - by_z).mean(axis=0)) / alone.mean(),

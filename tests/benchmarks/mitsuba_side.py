@@ -17,14 +17,13 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-mi.set_variant("llvm_ad_rgb")
-
 LAUNCH = 16
 """Samples a pixel in a launch, at most."""
 
 
 def opened(name: str, size: int, bounces: int) -> "Indirect":
     """A scene, ready to be rendered."""
+    mi.set_variant("llvm_ad_rgb")
     if name == "veach-ajar":
         from tests.benchmarks.our_side import real_scene
 
@@ -100,7 +99,7 @@ def _shape(mesh, path):
     return shape
 
 
-def from_file(path: Path, width: int, height: int) -> mi.Scene:
+def from_file(path: Path, width: int, height: int):
     scene = mi.load_file(str(path))
     film = mi.traverse(scene.sensors()[0])
     film["film.size"] = [width, height]
@@ -116,7 +115,7 @@ class Indirect:
     path integrator's, without the light that the ray meets at once: that is direct.
     """
 
-    def __init__(self, scene: mi.Scene, bounces: int) -> None:
+    def __init__(self, scene, bounces: int) -> None:
         self.scene, self.sensor = scene, scene.sensors()[0]
         options = {"max_depth": bounces + 1, "rr_depth": 1000, "hide_emitters": True}
         self.inner = mi.load_dict({"type": "path", **options})

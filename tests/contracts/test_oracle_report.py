@@ -262,7 +262,7 @@ def test_rows_that_are_no_pixels_have_no_place(wrong):
 def test_a_failure_without_a_judgement_has_no_rows_and_no_diagnosis(wrong):
     found = of_pass(wrong[1], "shade")
     assert found["fault"].startswith("shade crashed")
-    assert (found["cases"], found["rows"]) == (2, 0)
+    assert (found["cases"], found["rows"]) == (3, 0)
     assert found["worst"] is None
     assert found["diagnosis"] == []
     assert found["excess"] == {}

@@ -176,6 +176,8 @@ KERNELS = {
     arrays.length: (arrays.length, (A,)),
     frames.normal_frames: (frames.normal_frames, (OMEGA,)),
     arrays.normalize: (arrays.normalize, (A,)),
+    arrays.plus: (arrays.plus, (COS, ALPHA)),
+    arrays.triangle_normal: (arrays.triangle_normal, (A, B)),
     arrays.saturate: (arrays.saturate, (A[:, 0],)),
     arrays.sqrt: (arrays.sqrt, (COS,)),
     frames.to_world: (frames.to_world, (A, OMEGA)),

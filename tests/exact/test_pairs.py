@@ -71,7 +71,7 @@ MUTANTS = [
     Mutant(
         "the canonical share is not taken from the donors",
         "pairwise",
-        "total = S + M_c if defensive else S",
+        "total = plus(S, M_c) if defensive else S",
         "total = S",
         DEFENSIVE,
     ),
