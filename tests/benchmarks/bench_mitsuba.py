@@ -25,7 +25,7 @@ from tests.benchmarks.mitsuba_side import LAUNCH, opened
 from tests.benchmarks.our_side import THREADS, Runner
 from tests.benchmarks.turns import in_turns
 
-FRAMES, WARM, SEEDS, TURNS, COLD_TURNS = 8, 24, 6, 9, 5
+FRAMES, WARM, SEEDS, TURNS, COLD_TURNS = 8, 24, 4, 9, 3
 GROUPS = 8  # of launches, each of which estimates the variance of a sample
 SCENES = ("cornell-box", "bumpy-box", "grazing-light", "door-ajar", "veach-ajar")
 
