@@ -129,6 +129,16 @@ class Draws:
         leaning: Vec3s = cosine * normal + flat * across
         return leaning
 
+    def about_z(self) -> Vec3s:
+        """Unit vectors at some angle to the z axis.
+
+        Returns
+        -------
+        (rows, 3) float64
+            Whose third component is the cosine.
+        """
+        return self.leaning(np.tile([0.0, 0.0, 1.0], (self.rows, 1)))
+
     def in_type(self, values: Scalars) -> Scalars:
         """Numbers rounded to the type.
 

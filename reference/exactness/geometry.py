@@ -1,6 +1,5 @@
 """Kernels of places, directions and angles."""
 
-from math import pi
 from typing import Any
 
 import numpy as np
@@ -130,10 +129,7 @@ NORMAL = Kernel(
 
 
 def _draw_normal(draws: Draws) -> dict[str, Scalars]:
-    cosine = draws("cosine")
-    phi = draws.rng.uniform(0, 2 * pi, draws.rows)
-    flat = np.sqrt(1 - np.minimum(cosine**2, 1))
-    return {"n": np.stack([flat * np.cos(phi), flat * np.sin(phi), cosine], axis=1)}
+    return {"n": draws.about_z()}
 
 
 def _run_tangent(given: Inputs) -> Vec3s:

@@ -1,7 +1,5 @@
 """Kernels of random directions and points."""
 
-from math import pi
-
 import numpy as np
 
 from reference.arrays import Scalars, Vec3s
@@ -96,11 +94,9 @@ TRIANGLE = Kernel(
 
 
 def _draw_visible(draws: Draws) -> dict[str, Scalars]:
-    cosine = np.minimum(np.abs(draws("cosine")), 1.0)
-    cosine = np.maximum(cosine, float(draws.info.smallest_subnormal))
-    phi = draws.rng.uniform(0, 2 * pi, draws.rows)
-    flat = np.sqrt(1 - cosine**2)
-    wo = np.stack([flat * np.cos(phi), flat * np.sin(phi), cosine], axis=1)
+    wo = draws.about_z()
+    least = float(draws.info.smallest_subnormal)
+    wo[:, 2] = np.maximum(np.abs(wo[:, 2]), least)
     return {"wo": wo, "alpha": draws("roughness"), **_draw_two(draws)}
 
 

@@ -40,8 +40,7 @@ HALF = Kernel(
 
 
 def _draw_normal(draws: Draws) -> dict[str, Scalars]:
-    up = np.tile([0.0, 0.0, 1.0], (draws.rows, 1))
-    return {"n": draws.leaning(up)}
+    return {"n": draws.about_z()}
 
 
 def _run_octahedral(given: Inputs) -> Vec3s:
