@@ -1,6 +1,7 @@
 """What all tests share: profiles of Hypothesis, golden files, scenes from outside."""
 
 import os
+import signal
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,11 @@ settings.register_profile(
     "search", max_examples=2000, print_blob=True, derandomize=False, **NO_CLOCK
 )
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
+
+# In a background job of a shell Ctrl-C is ignored, and so it would be by every process
+# that a test starts, some of them to interrupt it.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_addoption(parser):

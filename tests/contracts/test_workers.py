@@ -8,7 +8,6 @@ import subprocess
 import sys
 import time
 from contextlib import contextmanager
-from functools import partial
 from itertools import count, islice
 
 import numpy as np
@@ -230,9 +229,7 @@ def test_an_interrupted_sweep_goes_on(tmp_path, number):
     command = [sys.executable, "-m", "reference", "tradeoff", *about]
     command += ["--processes", "2", "--out", str(tmp_path)]
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE, "text": True}
-    # Whoever runs the tests in the background of a shell has SIGINT ignored.
-    heeds = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)
-    run = subprocess.Popen(command, start_new_session=True, preexec_fn=heeds, **quiet)
+    run = subprocess.Popen(command, start_new_session=True, **quiet)
     while len(list(tmp_path.glob("runs/*/*.npz"))) < 3:
         assert run.poll() is None
         time.sleep(0.02)
