@@ -19,7 +19,7 @@ PLACES = {"float32": 9, "float64": 17}
 
 
 # A case is asked of many backends, and its exact numbers stay the same.
-@lru_cache(maxsize=32)
+@lru_cache(maxsize=64)
 def exact_outputs(case: Case) -> dict[str, Scalars]:
     """What the contract asks for, in 50 digits, rounded once.
 
