@@ -200,6 +200,10 @@ def target(value: PairValue) -> Scalars:
     -------
     (N,)
         Of magnitudes by channel, so that channels of both signs do not cancel.
+
+    Notes
+    -----
+    [Wang25, Eqs. 19, 25 and 26].
     """
     return luminance(part(value))
 

@@ -5,9 +5,9 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats import quantile_test
 
 from reference.arrays import Vec3s
+from reference.medians import median_interval
 from reference.restir_gi import render_frames
 from reference.scene.animation import Animation
 from reference.scene.plan import EVERYTHING, Plan, everything, parts, plan_of
@@ -48,16 +48,10 @@ class Effect:
     def saved(self) -> tuple[float, float, float]:
         """Share of the time that is saved: median of the frames, and its 95 % interval.
 
-        That of the sign test, whatever the law of times; of fewer than 6 frames no two
-        hold the median at 95 %, and the interval is that of all.
+        See :func:`reference.medians.median_interval`.
         """
-        interval = quantile_test(self.ratios, p=0.5).confidence_interval(0.95)
-        ends = min(self.ratios), max(self.ratios)
-        low, high = (
-            known if np.isfinite(known) else end
-            for known, end in zip(interval, ends, strict=True)
-        )
-        return 1 - float(np.median(self.ratios)), 1 - float(high), 1 - float(low)
+        median, low, high = median_interval(self.ratios)
+        return 1 - median, 1 - high, 1 - low
 
 
 def prepared_for_all(animation: Animation) -> Animation:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from reference.arrays import Scalars
 from reference.exactness.draws import Draws, weights
 from reference.exactness.kernel import Inputs, Kernel, Row
-from reference.exactness.numbers import Exact
+from reference.exactness.numbers import Exact, exact
 from reference.light_shares import balance
 from reference.resampling.jacobian_limits import clamp_jacobian, within_limit
 from reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
@@ -150,10 +150,11 @@ def _clamp(row: Row) -> Any:
     J = row["J"]
     if J.value == 0:
         return J
-    low = (J * 0 + 1) / int(LIMIT)
+    limit = exact(LIMIT, J.type)
+    low = 1 / limit
     if J.value < low.value:
         return low
-    return J if J.value <= LIMIT else J * 0 + int(LIMIT)
+    return J if J.value <= LIMIT else limit
 
 
 CLAMP = Kernel(
@@ -168,8 +169,9 @@ def _run_within(given: Inputs) -> NDArray[Any]:
 
 def _within(row: Row) -> Any:
     J = row["J"]
-    low = (J * 0 + 1) / int(LIMIT)
-    return bool(J.value > 0) and int(LIMIT) >= J and low <= J
+    limit = exact(LIMIT, J.type)
+    low = 1 / limit
+    return bool(J.value > 0) and low <= J <= limit
 
 
 WITHIN = Kernel(

@@ -72,7 +72,7 @@ def _run_direction(given: Inputs) -> Vec3s:
 
 def _direction(row: Row) -> Vector:
     v = minus(row["y"], row["x"])
-    one_over = (v[0] * 0 + 1) / inner(v, v).sqrt()
+    one_over = 1 / inner(v, v).sqrt()
     return v[0] * one_over, v[1] * one_over, v[2] * one_over
 
 
@@ -139,7 +139,7 @@ def _run_tangent(given: Inputs) -> Vec3s:
 def _tangent(row: Row) -> Vector:
     x, y, z = row["n"]
     sign = -1 if z.value < 0 else 1
-    a = (z * 0 - 1) / (z + sign)
+    a = -1 / (z + sign)
     return (x * x * a) * sign + 1, (x * y * a) * sign, x * -sign
 
 

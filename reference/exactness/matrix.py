@@ -10,9 +10,7 @@ from reference.exactness.draws import Draws
 from reference.exactness.extremes import EXTREMES, Extreme
 from reference.exactness.judge import Judged, judge
 from reference.exactness.kernel import Inputs, Kernel
-from reference.exactness.numbers import (
-    type_of,
-)
+from reference.exactness.numbers import type_of
 
 TYPES: tuple[Any, ...] = (np.float16, np.float32, np.float64)
 
@@ -45,11 +43,6 @@ class Cell:
         """No warning, all finite, no error that rounding does not make."""
         return not self.fault and bool((self.judged.share <= 1).all())
 
-    @property
-    def worst(self) -> int:
-        """Row with the largest share."""
-        return int(self.judged.share.argmax())
-
 
 def reads(kernel: Kernel, extreme: Extreme) -> bool:
     """Whether a kernel can meet an extreme.
@@ -71,9 +64,7 @@ def reads(kernel: Kernel, extreme: Extreme) -> bool:
     return not extreme.drives or bool(draws.read & set(extreme.drives))
 
 
-def cell(
-    kernel: Kernel, extreme: Extreme, dtype: Any, rows: int, seed: int = 0
-) -> Cell:
+def cell(kernel: Kernel, extreme: Extreme, dtype: Any, rows: int) -> Cell:
     """Draw, run and judge one cell.
 
     Parameters
@@ -85,9 +76,7 @@ def cell(
     dtype : float16, float32 or float64
         In which.
     rows : int
-        How many.
-    seed : int
-        Of the rows.
+        How many; the same ones whenever it is asked.
 
     Returns
     -------
@@ -95,7 +84,7 @@ def cell(
         With its inputs.
     """
     name = np.dtype(dtype).name
-    key = [seed, *f"{kernel.name}/{extreme.name}/{name}".encode()]
+    key = list(f"{kernel.name}/{extreme.name}/{name}".encode())
     draws = Draws(np.random.default_rng(key), rows, np.finfo(dtype), extreme)
     inputs = {k: draws.in_type(v) for k, v in kernel.draw(draws).items()}
     return judged_cell(kernel, extreme.name, inputs)
@@ -135,7 +124,6 @@ def matrix(
     kernels: tuple[Kernel, ...],
     rows: int,
     tell: Callable[[int, int], None] = lambda done, total: None,
-    seed: int = 0,
 ) -> list[Cell]:
     """All cells.
 
@@ -147,8 +135,6 @@ def matrix(
         In each cell.
     tell : callable
         Told how many cells are done, of how many.
-    seed : int
-        Of the rows.
 
     Returns
     -------
@@ -159,6 +145,6 @@ def matrix(
     cells = []
     for done, (kernel, extreme, dtype) in enumerate(asked):
         tell(done, len(asked))
-        cells.append(cell(kernel, extreme, dtype, rows, seed))
+        cells.append(cell(kernel, extreme, dtype, rows))
     tell(len(asked), len(asked))
     return cells

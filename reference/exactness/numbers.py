@@ -19,9 +19,9 @@ EXACT.prec = 2400
 ZERO = EXACT.mpf(0)
 INFINITE = EXACT.mpf("inf")
 
-LIBRARY = 8
-"""Half units in the last place within which NumPy's sine and cosine stay: its own tests
-hold them to four units in single precision, and to fewer in double."""
+LIBRARY = 2
+"""Units by which NumPy's sine and cosine are off at most: its own tests hold them to
+two in the last place in single precision, one in half.  Below 1 a place is a unit."""
 
 
 class UndecidedError(Exception):
@@ -121,6 +121,9 @@ class Exact:
             return Exact(value, INFINITE, self.type)
         error = (self.error + abs(value) * other.error) / least
         return self._rounded(value, error, True)
+
+    def __rtruediv__(self, other: int) -> "Exact":
+        return self._like(other) / self
 
     def __abs__(self) -> "Exact":
         return Exact(abs(self.value), self.error, self.type)

@@ -33,17 +33,7 @@ def kernels() -> tuple[Kernel, ...]:
     """
     names = announced_names(GROUP)
     theirs = (announced(GROUP, name, Kernel, "kernel") for name in names)
-    found = tuple(kernel for kernel in theirs if kernel is not None)
-    return (
-        *TARGETS,
-        *GEOMETRY,
-        *WEIGHTS,
-        *DIVISORS,
-        *SAMPLING,
-        *MATERIALS,
-        *STORAGE,
-        *found,
-    )
+    return (*OWN, *(kernel for kernel in theirs if kernel is not None))
 
 
 def limits_of(pass_name: str) -> dict[str, Mapping[str, str]]:

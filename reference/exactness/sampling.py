@@ -62,7 +62,7 @@ def _draw_cosine(draws: Draws) -> dict[str, Scalars]:
 UNIFORM_PDF = Kernel(
     "uniform density", "direction", _draw_cosine,
     lambda given: pdf_uniform_hemisphere(given["cosine"]).astype(given["cosine"].dtype),
-    lambda row: (row["cosine"] * 0 + 1) / literal(2 * EXACT.pi, row["cosine"].type)
+    lambda row: 1 / literal(2 * EXACT.pi, row["cosine"].type)
     if row["cosine"].value >= 0
     else row["cosine"] * 0,
     {"edge-on": "1/2π at 0, 0 below", "in a corner": "1/2π at 0, 0 below"},

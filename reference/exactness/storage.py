@@ -52,8 +52,8 @@ def _octahedral(row: Row) -> Vector:
     n = row["n"]
     size = inner(n, n).sqrt()
     near = exact(WORST_ANGLE, n[0].type).value
-    unit = (c / size for c in n)
-    return tuple(Exact(c.value, c.error + near, c.type) for c in unit)  # type: ignore[return-value]
+    x, y, z = (Exact(c.value, c.error + near, c.type) for c in (v / size for v in n))
+    return x, y, z
 
 
 OCTAHEDRAL = Kernel(

@@ -130,7 +130,7 @@ def _reflected(row: Row) -> Vector:
     toward, along, lit = _toward(row)
     if not lit:
         return along * 0, along * 0, along * 0
-    one_over = (along * 0 + 1) / inner(toward, toward).sqrt()
+    one_over = 1 / inner(toward, toward).sqrt()
     omega = toward[0] * one_over, toward[1] * one_over, toward[2] * one_over
     cosine = inner(row["visible_normal"], omega) / literal(EXACT.pi, along.type)
     a, light = row["albedo"], row["radiance"]

@@ -5,6 +5,7 @@ from typing import Any
 from reference.arrays import Masks, Scalars
 from reference.exactness.draws import Draws, weights
 from reference.exactness.kernel import Inputs, Kernel, Row
+from reference.exactness.numbers import exact
 from reference.resampling.reservoir import (
     Candidates,
     Reservoirs,
@@ -16,8 +17,7 @@ from reference.resampling.reservoir import (
     reused_candidates,
 )
 
-DONORS = 8
-LIMIT, CAP = 10.0, 30.0
+CAP = 30.0
 
 _LIMITS = "weights at their limits"
 _TOO_LARGE = "what is too large for the type becomes its largest number"
@@ -39,8 +39,7 @@ INITIAL = Kernel(
 
 
 def _draw_reused(draws: Draws) -> dict[str, Scalars]:
-    weights = {name: draws("weight") for name in ("p_hat", "W", "J")}
-    return {**weights, "M": draws("confidence")}
+    return {**weights("p_hat", "W", "J")(draws), "M": draws("confidence")}
 
 
 def _run_reused(given: Inputs) -> Scalars:
@@ -107,7 +106,7 @@ def _run_cap(given: Inputs) -> Scalars:
 CAPPED = Kernel(
     "confidence, capped", "spatial", lambda draws: {"M": draws("confidence")},
     _run_cap,
-    lambda row: row["M"] if row["M"].value <= CAP else row["M"] * 0 + int(CAP),
+    lambda row: row["M"] if row["M"].value <= CAP else exact(CAP, row["M"].type),
     {"confidence": "exact"},
 )  # fmt: skip
 

@@ -70,7 +70,7 @@ def worst_rows() -> tuple[Worst, ...]:
     Returns
     -------
     tuple of Worst
-        One for each kernel and type.
+        For each kernel and type one of each extreme that the search has met.
     """
     return tuple(Worst(**row) for row in json.loads(PATH.read_text("utf-8")))
 

@@ -122,6 +122,10 @@ def choose_second(w_a: Scalars, w_b: Scalars, u: Scalars) -> Masks:
     (N,) bool
         Strict, so that a row of weight 0 is never taken; and a positive weight
         always is, against 0, even where u · w rounds to w.
+
+    Notes
+    -----
+    [Ouyang21, Eq. 4].
     """
     with np.errstate(over="ignore", invalid="ignore"):
         taken: Masks = (u * (w_a + w_b) < w_b) | ((w_a == 0) & (w_b > 0))

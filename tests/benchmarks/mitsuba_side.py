@@ -31,11 +31,8 @@ def opened(name: str, size: int, bounces: int) -> "Indirect":
     with tempfile.TemporaryDirectory() as folder:
         start = time.perf_counter()
         parts = translated(name, size, Path(folder))
-        TRANSLATION.append(time.perf_counter() - start)
-        return Indirect(mi.load_dict(parts), bounces)
-
-
-TRANSLATION: list[float] = []
+        translation = time.perf_counter() - start
+        return Indirect(mi.load_dict(parts), bounces, translation)
 
 
 def translated(name: str, size: int, folder: Path) -> dict:
@@ -115,7 +112,8 @@ class Indirect:
     path integrator's, without the light that the ray meets at once: that is direct.
     """
 
-    def __init__(self, scene, bounces: int) -> None:
+    def __init__(self, scene, bounces: int, translation: float = 0.0) -> None:
+        self.translation = translation
         self.scene, self.sensor = scene, scene.sensors()[0]
         options = {"max_depth": bounces + 1, "rr_depth": 1000, "hide_emitters": True}
         self.inner = mi.load_dict({"type": "path", **options})
@@ -152,4 +150,4 @@ if __name__ == "__main__":
     indirect = opened(name, size, bounces)
     for done in range(0, samples, LAUNCH):
         indirect.estimate(min(LAUNCH, samples - done), done)
-    print(sum(TRANSLATION))
+    print(indirect.translation)

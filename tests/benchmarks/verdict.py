@@ -10,7 +10,6 @@ import sys
 from io import StringIO
 from pathlib import Path
 
-from rich._export_format import CONSOLE_SVG_FORMAT
 from rich.console import Console
 
 from reference.oracle.checking import judge
@@ -35,10 +34,11 @@ def main() -> None:
     console = Console(record=True, width=100, file=StringIO(), highlight=False)
     console.print(f"$ restir check '{NAME}' --out report", markup=False)
     console.print(table(plain))
-    # Without the fonts that its template would fetch.
-    form = re.sub(r"@font-face \{\{.*?\}\}\n", "", CONSOLE_SVG_FORMAT, flags=re.DOTALL)
+    picture = console.export_svg(title="restir check")
+    # Without the fonts that it would fetch.
+    picture = re.sub(r"@font-face \{.*?\}\n", "", picture, flags=re.DOTALL)
     out = Path(sys.argv[1]) if len(sys.argv) > 1 else PICTURE
-    out.write_text(console.export_svg(title="restir check", code_format=form), "utf-8")
+    out.write_text(picture, "utf-8")
 
 
 if __name__ == "__main__":

@@ -71,6 +71,19 @@ GAP = 8
 """Rows between runs in one frame: more than the radius of the search for neighbours."""
 
 
+def tall(
+    world: World, visible: list[VisiblePoints], gap: int = GAP
+) -> tuple[World, VisiblePoints]:
+    """Frames one below the other in a tall one, with rows between that see nothing."""
+    width, height = world.camera.width, world.camera.height
+    camera = replace(world.camera, height=(height + gap) * len(visible))
+    nothing = take(visible[0], np.zeros(gap * width, int))
+    surface = replace(nothing.surface, primitive=np.full(gap * width, -1, np.int32))
+    nothing = replace(nothing, surface=surface, depth=np.zeros(gap * width))
+    seen = concatenate([part for v in visible for part in (v, nothing)])
+    return replace(world, scene=replace(world.scene, camera=camera)), seen
+
+
 def runs_at_once(
     world: World,
     settings: Settings,
@@ -81,26 +94,21 @@ def runs_at_once(
 ) -> list[tuple[Array, Array]]:
     """As `run`, of several runs that stand one below the other in one tall frame.
 
-    Random numbers belong to a pixel, so that the runs are independent; between them are
-    rows that see nothing, across which no neighbour is found.  Small frames spend half
-    of their time on calls: a tall one does not.
+    Random numbers belong to a pixel, so that the runs are independent; no neighbour is
+    found across the gap.  Small frames spend half of their time on calls: a tall one
+    does not.
     """
-    assert settings.radius * world.camera.width + 1 < GAP
-    assert settings.min_radius + 1 < GAP
+    assert max(settings.radius * world.camera.width, settings.min_radius) + 1 < GAP
+    all_of_them, seen = tall(world, visible)
+    whole = run(all_of_them, settings, frames, seed, seen, bounces)
+    color, initial = (apart(rows, world, len(visible)) for rows in whole)
+    return list(zip(color, initial, strict=True))
+
+
+def apart(rows: Array, world: World, runs: int) -> Array:
+    """Frames of a tall one, (runs, N, 3)."""
     width, height = world.camera.width, world.camera.height
-    rows, gap = width * height, width * GAP
-    camera = replace(world.camera, height=(height + GAP) * len(visible))
-    tall = replace(world, scene=replace(world.scene, camera=camera))
-    nothing = take(visible[0], np.zeros(gap, int))
-    surface = replace(nothing.surface, primitive=np.full(gap, -1, np.int32))
-    nothing = replace(nothing, surface=surface, depth=np.zeros(gap))
-    seen = concatenate([part for v in visible for part in (v, nothing)])
-
-    def apart(color: Array) -> Array:
-        return color.reshape(len(visible), rows + gap, 3)[:, :rows]
-
-    color, initial = run(tall, settings, frames, seed, seen, bounces)
-    return list(zip(apart(color), apart(initial), strict=True))
+    return rows.reshape(runs, -1, 3)[:, : width * height]
 
 
 def frame_colors(

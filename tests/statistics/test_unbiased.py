@@ -20,14 +20,18 @@ from reference.scene.catalogue.registry import find_scene
 from reference.settings import BIASED, UNBIASED, Settings
 from tests.statistics.replicates import (
     BATCHES,
+    GAP,
     Means,
+    apart,
     g_buffer,
     initially_sampled,
     largest_t,
     means,
     path_traced,
+    run,
     runs_at_once,
     small_world,
+    tall,
     threshold,
 )
 
@@ -73,20 +77,30 @@ def what_reuse_changes(plan: Plan, settings: Settings, runs: int) -> Means:
     return means([a - b for a, b in pairs], SIZE)
 
 
-def test_runs_in_one_frame_do_not_know_each_other():
-    """What another run sees, and does, changes no bit of this one."""
+def beside_each_other(gap):
+    """Three runs in one tall frame, twice: only what the last one sees differs."""
     world = small_world(find_scene("cornell-box"), 24, 20)
     rng = np.random.default_rng(1)
-    one, other, third = (g_buffer(world, rng) for _ in range(3))
-    beside = [
-        runs_at_once(world, UNBIASED, 3, 5, [other, one, last])
-        for last in (other, third)
-    ]
-    for a, b in zip(beside[0][:2], beside[1][:2], strict=True):
-        assert np.array_equal(a[0], b[0])
-        assert np.array_equal(a[1], b[1])
-    assert not np.array_equal(beside[0][2][0], beside[1][2][0])
-    assert not np.array_equal(beside[0][0][0], beside[0][2][0])
+    one, two, *lasts = (g_buffer(world, rng) for _ in range(4))
+    for last in lasts:
+        whole, seen = tall(world, [one, two, last], gap)
+        color, initial = run(whole, UNBIASED, 3, 5, seen)
+        yield apart(color, world, 3), apart(initial, world, 3)
+
+
+def test_runs_in_one_frame_do_not_know_each_other():
+    """What another run sees, and does, changes no bit of this one."""
+    (color, initial), (other_color, other_initial) = beside_each_other(GAP)
+    assert np.array_equal(color[:2], other_color[:2])
+    assert np.array_equal(initial[:2], other_initial[:2])
+    assert not np.array_equal(color[2], other_color[2])
+    assert not np.array_equal(color[0], color[1])
+
+
+def test_control_without_rows_between_them_they_do():
+    (color, initial), (other_color, other_initial) = beside_each_other(0)
+    assert np.array_equal(initial[:2], other_initial[:2])
+    assert not np.array_equal(color[1], other_color[1])
 
 
 @pytest.mark.slow
