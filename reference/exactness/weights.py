@@ -78,7 +78,8 @@ def _choice(row: Row) -> Any:
 CHOICE = Kernel(
     "which of two is kept", "merge", _draw_pair, _run_choice, _choice,
     {
-        _LIMITS: "never a weight of 0; a positive one always, beside 0",
+        _LIMITS: "never a weight of 0; a positive one always, beside 0; either where"
+        " w_a + w_b is too large for the type",
         "random numbers": "u = 0 keeps the second where it has weight; u < 1 never"
         " keeps it where it has none",
     },
