@@ -76,6 +76,7 @@ def build_parser() -> argparse.ArgumentParser:
         demo,
         figures,
         golden,
+        inspect,
         plan,
         reference,
         render,
@@ -94,7 +95,7 @@ def build_parser() -> argparse.ArgumentParser:
     )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     modules = (scenes, render, reference, compare, demo, golden, check, figures)
-    for module in (*modules, plan, tradeoff):
+    for module in (*modules, plan, tradeoff, inspect):
         summary = (module.__doc__ or "").partition("\n")[0].partition(": ")[2]
         child = commands.add_parser(
             module.NAME,

@@ -7,7 +7,10 @@ them: each frame adds one candidate, and the picture shows the work of many. The
 comes as one candidate of weight :math:`\hat p(y)\,W M`, and the new sample as another.
 
 .. literalinclude:: /../reference/passes/temporal.py
-   :pyobject: temporal_pass
+   :pyobject: temporal_competition
+
+.. literalinclude:: /../reference/passes/resample.py
+   :pyobject: resample
 
 Two things keep it honest. :math:`M` is capped, or the past would outweigh every new
 sample and the picture would no longer follow the light; and the running sum :math:`w`

@@ -6,7 +6,13 @@ Neighbours see nearly the same scene, and each has a reservoir of its own. Mergi
 theirs into mine multiplies the samples once more:
 
 .. literalinclude:: /../reference/passes/spatial.py
-   :pyobject: spatial_pass
+   :pyobject: spatial_competitions
+
+.. literalinclude:: /../reference/passes/spatial.py
+   :pyobject: _compete
+
+.. literalinclude:: /../reference/passes/resample.py
+   :pyobject: resample
 
 Now the question is who *could* have made the sample that is kept. Dividing the sum of
 weights by the sum of all :math:`M_k` takes it for granted that every neighbour could.

@@ -180,6 +180,28 @@ def add_out(parser: Parser) -> None:
     )
 
 
+def schedule(arguments: argparse.Namespace, pixels: int) -> Schedule:
+    """Bands and threads.
+
+    Parameters
+    ----------
+    arguments : Namespace
+        With those of `add_schedule`.
+    pixels : int
+        Of the picture.
+
+    Returns
+    -------
+    Schedule
+        By default of several bands a thread, so that no thread waits long for
+        another.
+    """
+    threads = arguments.threads or processors()
+    parts = BANDS_A_THREAD * threads if threads > 1 else 1
+    band = arguments.band or max(256, min(BAND, -(-pixels // parts)))
+    return Schedule(band, threads)
+
+
 def job(
     arguments: argparse.Namespace,
     world: World,
@@ -208,13 +230,8 @@ def job(
     Returns
     -------
     Job
-        By default of several bands a thread, so that no thread waits long for
-        another.
+        Of what the arguments say.
     """
-    threads = arguments.threads or processors()
-    pixels = world.camera.width * world.camera.height
-    parts = BANDS_A_THREAD * threads if threads > 1 else 1
-    band = arguments.band or max(256, min(BAND, -(-pixels // parts)))
     return Job(
         world=world,
         light=arguments.light,
@@ -223,7 +240,7 @@ def job(
         counts=counts,
         settings=settings,
         aovs=aovs,
-        schedule=Schedule(band, threads),
+        schedule=schedule(arguments, world.camera.width * world.camera.height),
         animation=animation,
         frame=arguments.frame,
     )

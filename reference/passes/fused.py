@@ -4,21 +4,21 @@ from reference.arrays import Masks
 from reference.passes.history import History, past_entry
 from reference.passes.initial import InitialSamples
 from reference.passes.receivers import Receivers
-from reference.passes.resample import Resampled, resample
+from reference.passes.resample import Competition
 from reference.passes.spatial import OWN, Neighborhood, neighbors
 from reference.passes.temporal import new_entry
 from reference.rng import Uniforms
 
 
-def fused_pass(
+def fused_competition(
     receivers: Receivers,
     initial: InitialSamples,
     around: Neighborhood | None,
     history: History | None,
     uniforms: Uniforms,
     drawn: Masks | None = None,
-) -> Resampled:
-    """Resample the new sample with the pixel's history and with its neighbours'.
+) -> Competition:
+    """Who takes part: the new sample, the pixel's history, and its neighbours'.
 
     Parameters
     ----------
@@ -31,15 +31,15 @@ def fused_pass(
     history : History or None
         Reservoirs of the last frame; ``None`` after a reset.
     uniforms : Uniforms
-        K rows, as for :func:`reference.passes.spatial.spatial_pass`; dimension 63
-        decides on the new sample.
+        K rows, as for :func:`reference.passes.spatial.spatial_competitions`; dimension
+        63 decides on the new sample.
     drawn : (K,) bool or None
         Whether the pixel has drawn a sample at all; ``None`` for all.
 
     Returns
     -------
-    Resampled
-        M at most ``settings.temporal_cap``.
+    Competition
+        The past, where there is one; the new sample; the neighbours.
 
     Notes
     -----
@@ -57,4 +57,5 @@ def fused_pass(
         for entry, u in neighbors(receivers, around, uniforms, tries, place):
             entries.append(entry)
             decisions.append(u)
-    return resample(receivers, entries, decisions, canonical, settings.temporal_cap)
+    cap = settings.temporal_cap
+    return Competition(receivers, entries, decisions, canonical, cap)

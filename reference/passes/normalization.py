@@ -51,6 +51,28 @@ def normalization(
         return one_over_m(M_k)
     if mis in ("pairwise", "defensive"):
         return np.ones_like(chosen.w)
+    holds, p = who_holds(receivers, entries, chosen, y)
+    if mis == "1/Z":
+        return one_over_z(M_k, holds)
+    made_by = np.stack(p)[chosen.y, np.arange(len(chosen.w))]
+    return balance_heuristic(M_k, p, made_by)
+
+
+def who_holds(
+    receivers: Receivers, entries: list[Entry], chosen: Candidates, y: Samples
+) -> tuple[list[Masks], list[Scalars]]:
+    """Whose domains hold the samples that were kept.
+
+    Parameters
+    ----------
+    receivers, entries, chosen, y
+        As for `normalization`.
+
+    Returns
+    -------
+    list of (K,) bool, list of (K,) float64
+        For each entry whether it could have made the sample, and :func:`target_from`.
+    """
     kept = chosen.w > 0
     everyone = np.ones(len(kept), bool)
     holds, p = [], []
@@ -64,10 +86,7 @@ def normalization(
         p_k = target_from(receivers, entry.origin, y, kept, made)
         holds.append(p_k > 0)
         p.append(p_k)
-    if mis == "1/Z":
-        return one_over_z(M_k, holds)
-    made_by = np.stack(p)[chosen.y, np.arange(len(kept))]
-    return balance_heuristic(M_k, p, made_by)
+    return holds, p
 
 
 def target_from(

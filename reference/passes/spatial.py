@@ -1,5 +1,6 @@
 """Algorithm 4: pixels resample what their neighbours keep."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,8 +10,8 @@ from reference.passes.entries import Donors, Entry, other_entry, own_entry
 from reference.passes.history import History, past_entry
 from reference.passes.neighbors import NONE, find_neighbors
 from reference.passes.receivers import Receivers
-from reference.passes.resample import Resampled, resample
-from reference.records import concatenate, keep, take
+from reference.passes.resample import Competition
+from reference.records import keep
 from reference.resampling.reservoir import Reservoirs
 from reference.rng import Uniforms
 
@@ -41,14 +42,14 @@ class Neighborhood:
     home: Indices | None = None
 
 
-def spatial_pass(
+def spatial_competitions(
     receivers: Receivers,
     own: Reservoirs,
     around: Neighborhood | None,
     history: History | None,
     uniforms: Uniforms,
-) -> Resampled:
-    """Resample the temporal reservoirs of similar pixels nearby.
+) -> Iterator[tuple[Indices, Competition]]:
+    """Who takes part in spatial resampling.
 
     Parameters
     ----------
@@ -65,49 +66,49 @@ def spatial_pass(
         lane 3: whether its spatial reservoir is.  Dimension 63, lane 0: whether the
         pixel's own temporal reservoir is.
 
-    Returns
-    -------
-    Resampled
-        K rows; M at most ``settings.spatial_cap``.
+    Yields
+    ------
+    (J,) int, Competition
+        Which of the receivers, and who takes part there: those of many samples, which
+        try few neighbours, apart from those of few; each pixel once.
 
     Notes
     -----
-    [Ouyang21, Alg. 4 and section 5]: pixels whose M is below half of its limit try
-    more neighbours.
+    [Ouyang21, Alg. 4 and section 5]: pixels whose M is below half of
+    its limit try more neighbours.
     """
     settings = receivers.settings
     few: Masks = np.zeros(len(receivers.points), bool)
     if history:
         few = settings.spatial_cap / 2.0 <= history.reservoirs.M
 
-    def of(mask: Masks, tries: int) -> Resampled:
+    def of(mask: Masks, tries: int) -> tuple[Indices, Competition]:
+        rows = np.flatnonzero(mask)
         if mask.all():
-            return _resample(receivers, own, around, history, uniforms, tries)
-        return _resample(
+            return rows, _compete(receivers, own, around, history, uniforms, tries)
+        return rows, _compete(
             replace(receivers, points=keep(receivers.points, mask)),
             keep(own, mask),
             replace(around, rows=around.rows[mask]) if around else None,
             history.keep(mask) if history else None,
-            uniforms.rows(np.flatnonzero(mask)),
+            uniforms.rows(rows),
             tries,
         )
 
-    if not few.any():
-        return of(~few, settings.iterations_many)
-    if few.all():
-        return of(few, settings.iterations_few)
-    parts = [of(~few, settings.iterations_many), of(few, settings.iterations_few)]
-    return take(concatenate(parts), np.argsort(np.argsort(few, kind="stable")))
+    if not few.any() or not few.all():
+        yield of(~few, settings.iterations_many)
+    if few.any():
+        yield of(few, settings.iterations_few)
 
 
-def _resample(
+def _compete(
     receivers: Receivers,
     own: Reservoirs,
     around: Neighborhood | None,
     history: History | None,
     uniforms: Uniforms,
     tries: int,
-) -> Resampled:
+) -> Competition:
     entries = [past_entry(receivers, history, 0)] if history else []
     # The pixel's own temporal reservoir always takes part: without it the supports of
     # the others need not cover the pixel's domain.
@@ -120,7 +121,7 @@ def _resample(
         entries.append(entry)
         decisions.append(u)
     cap = receivers.settings.spatial_cap
-    return resample(receivers, entries, decisions, canonical, cap)
+    return Competition(receivers, entries, decisions, canonical, cap)
 
 
 def _little(receivers: Receivers, history: History | None) -> Masks | None:
@@ -148,7 +149,7 @@ def neighbors(
     around : Neighborhood or None
         Whose neighbours take part; ``None`` for nobody's.
     uniforms : Uniforms
-        K rows, as for `spatial_pass`.
+        K rows, as for `spatial_competitions`.
     tries : int
         Neighbours that are looked for.
     place : int

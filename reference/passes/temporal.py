@@ -9,19 +9,19 @@ from reference.passes.entries import Entry
 from reference.passes.history import History, past_entry
 from reference.passes.initial import InitialSamples
 from reference.passes.receivers import Receivers
-from reference.passes.resample import Resampled, resample
+from reference.passes.resample import Competition
 from reference.resampling.reservoir import initial_candidates
 from reference.rng import Uniforms
 
 
-def temporal_pass(
+def temporal_competition(
     receivers: Receivers,
     initial: InitialSamples,
     history: History | None,
     uniforms: Uniforms,
     drawn: Masks | None = None,
-) -> Resampled:
-    """Resample the new sample together with the temporal reservoir of the last frame.
+) -> Competition:
+    """Who takes part in temporal resampling.
 
     Parameters
     ----------
@@ -38,8 +38,10 @@ def temporal_pass(
 
     Returns
     -------
-    Resampled
-        M at most ``settings.temporal_cap``.
+    Competition
+        The past, where there is one, and then the new sample; M of what
+        :func:`reference.passes.resample.resample` makes of it is at most
+        ``settings.temporal_cap``.
 
     Notes
     -----
@@ -55,7 +57,7 @@ def temporal_pass(
     # Lines 5 and 6.
     decisions = [uniforms.draw(0)[0]] * len(entries)
     cap = receivers.settings.temporal_cap
-    return resample(receivers, entries, decisions, canonical, cap)
+    return Competition(receivers, entries, decisions, canonical, cap)
 
 
 def new_entry(

@@ -20,8 +20,8 @@ from reference.passes.history import History, past_entry
 from reference.passes.initial import InitialSamples
 from reference.passes.passage import Passage
 from reference.passes.receivers import Receivers, sees
-from reference.passes.resample import resample
-from reference.passes.temporal import temporal_pass
+from reference.passes.resample import Competition, resample
+from reference.passes.temporal import temporal_competition
 from reference.records import take
 from reference.resampling.reservoir import Reservoirs, Samples
 from reference.resampling.suffix import Suffix
@@ -183,7 +183,9 @@ def contributions(frames, i, j, settings):
     history = History(donors, np.arange(n), as_they_stand=False)
     receivers = Receivers(now.world, points, settings)
     uniforms = TabledUniforms(np.broadcast_to(u, (1, 4, n)))
-    kept = temporal_pass(receivers, initial, history, uniforms).reservoirs
+    kept = resample(
+        temporal_competition(receivers, initial, history, uniforms)
+    ).reservoirs
     assert_allclose(probability.sum(), 1, rtol=1e-13)
     assert (kept.M == PAST + 1).all()
     found = [
@@ -251,7 +253,8 @@ def stream_contributions(frames, i, j, k, settings):
         own_entry(receivers, mine, 1),
         other_entry(receivers, around, every, 2),
     ]
-    kept = resample(receivers, entries, [u_own, u_own, u_theirs], 1, 1e9).reservoirs
+    who = Competition(receivers, entries, [u_own, u_own, u_theirs], 1, 1e9)
+    kept = resample(who).reservoirs
     assert_allclose(probability.sum(), 1, rtol=1e-13)
     number = kept.y.suffix.number
     return np.array(

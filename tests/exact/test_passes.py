@@ -26,8 +26,9 @@ from reference.passes.gbuffer import visible_points
 from reference.passes.history import History
 from reference.passes.initial import InitialSamples
 from reference.passes.receivers import Receivers, sees
-from reference.passes.spatial import Neighborhood, spatial_pass
-from reference.passes.temporal import temporal_pass
+from reference.passes.resample import resample, resample_each
+from reference.passes.spatial import Neighborhood, spatial_competitions
+from reference.passes.temporal import temporal_competition
 from reference.records import take
 from reference.resampling import pairwise as production
 from reference.resampling.reservoir import Reservoirs, Samples
@@ -310,7 +311,8 @@ def contributions(stage, settings, as_they_stand=True):
     history = History(Donors(stage.world, visible, before), rows, as_they_stand)
     around = Neighborhood(Donors(stage.world, visible, r), np.arange(lines * PIXELS))
     receivers = Receivers(stage.world, visible.surface, settings)
-    kept = spatial_pass(receivers, r, around, history, u).reservoirs
+    competitions = spatial_competitions(receivers, r, around, history, u)
+    kept = resample_each(competitions).reservoirs
     assert_allclose(probability.sum(axis=0), 1, rtol=1e-13)
     found = np.zeros((PIXELS, NOTHING))
     cells, weights = cells_of(kept.y).reshape(-1, PIXELS), kept.W.reshape(-1, PIXELS)
@@ -478,7 +480,9 @@ def temporal_chain(stage, i, kind, cap, frames=3):
             donors = Donors(stage.world, VisiblePoints(points, np.ones(count)), history)
             past = History(donors, slice(0, count), as_they_stand=True)
         receivers = Receivers(stage.world, points, settings)
-        history = temporal_pass(receivers, drawn, past, uniforms).reservoirs
+        history = resample(
+            temporal_competition(receivers, drawn, past, uniforms)
+        ).reservoirs
         # Impossible sides of a decision go no further.
         alive = np.flatnonzero(probability > 0)
         history, probability = take(history, alive), probability[alive]

@@ -19,8 +19,9 @@ from scipy import stats
 from reference.passes.gbuffer import visible_points
 from reference.passes.initial import initial_samples
 from reference.passes.receivers import Receivers
+from reference.passes.resample import resample
 from reference.passes.shade import shade
-from reference.passes.temporal import temporal_pass
+from reference.passes.temporal import temporal_competition
 from reference.path_tracer import camera_radiance
 from reference.records import concatenate, take
 from reference.restir_gi import next_frame
@@ -197,7 +198,7 @@ def initially_sampled(
         source, glossy_samples = settings.source, settings.glossy_samples
         fresh = initial_samples(world, points, source, glossy_samples, bounces, *three)
         receivers = Receivers(world, points, settings)
-        kept = temporal_pass(receivers, fresh, None, last).reservoirs
+        kept = resample(temporal_competition(receivers, fresh, None, last)).reservoirs
         return shade(world, points, kept) + fresh.unshared
 
     return in_batches(world, samples, color, jitter)

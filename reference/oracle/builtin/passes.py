@@ -23,9 +23,9 @@ from reference.passes.history import History, past_entry
 from reference.passes.initial import InitialSamples
 from reference.passes.neighbors import find_neighbors
 from reference.passes.receivers import Receivers
-from reference.passes.resample import resample
+from reference.passes.resample import Competition, resample
 from reference.passes.shade import shade
-from reference.passes.temporal import new_entry, temporal_pass
+from reference.passes.temporal import new_entry, temporal_competition
 from reference.resampling.reservoir import (
     Reservoirs,
     finalize,
@@ -58,7 +58,7 @@ def _temporal(
     history = History(past, slice(0, len(u)), as_they_stand=True)
     new = InitialSamples(samples_of(buffers, "new_"), new_pdf, new_pdf)
     table = TabledUniforms(np.broadcast_to(u, (1, 4, len(u))))
-    kept = temporal_pass(receivers, new, history, table)
+    kept = resample(temporal_competition(receivers, new, history, table))
     return reservoirs_out(precision, kept.reservoirs)
 
 
@@ -95,7 +95,7 @@ def _moved(
         past_entry(receivers, history, 0),
         new_entry(receivers, new, 1, None),
     ]
-    kept = resample(receivers, entries, [u, u], 1, cap)
+    kept = resample(Competition(receivers, entries, [u, u], 1, cap))
     return reservoirs_out(precision, kept.reservoirs)
 
 
@@ -144,7 +144,7 @@ def _spatial(
     for k in range(count):
         entries.append(other_entry(receivers, temporal, neighbors[:, k], 2 + k))
     decisions = [u_own, u_own, *(u_neighbors[:, k] for k in range(count))]
-    kept = resample(receivers, entries, decisions, 1, cap)
+    kept = resample(Competition(receivers, entries, decisions, 1, cap))
     return reservoirs_out(precision, kept.reservoirs)
 
 

@@ -1,0 +1,149 @@
+"""``restir inspect``: look into the reservoirs of a run."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from reference.commands import arguments as options
+from reference.commands.console import emit, progress, show
+from reference.commands.memory import refuse_what_does_not_fit
+from reference.commands.targets import check_file
+from reference.commands.values import MOST_SAMPLES, whole
+from reference.display import auto_exposure
+from reference.errors import UsageError
+from reference.exr import read_exr
+from reference.files import write_file
+from reference.images import Image
+from reference.inspector.page import page
+from reference.inspector.recorded import recorded
+from reference.inspector.runs import as_it_is, job_of, method_of, standing
+
+NAME = "inspect"
+ROOM = 48 << 20  # bytes of frames that are kept where nobody says how many
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Describe the arguments.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        Of this command.
+    """
+    parser.add_argument(
+        "runs",
+        nargs="+",
+        type=Path,
+        metavar="RUN.exr",
+        help="picture of restir render, which is made again from its header; a second"
+        " one to compare it with; or any other picture with layers as --aov names them",
+    )
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="PAGE.html", help="the page"
+    )
+    parser.add_argument(
+        "--last",
+        type=whole(1, MOST_SAMPLES),
+        metavar="F",
+        help=f"frames that the page holds (default: those that fit {ROOM >> 20} MiB)",
+    )
+    parser.add_argument(
+        "--scene",
+        metavar="SCENE",
+        help="file that the pictures were rendered from, where it is not built in",
+    )
+    parser.add_argument(
+        "--lenient",
+        action="store_true",
+        help="the scene file was read with --lenient",
+    )
+    options.add_schedule(parser)
+    options.add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> None:
+    """Make the runs again, and write the page.
+
+    Parameters
+    ----------
+    arguments : Namespace
+        Parsed.
+
+    Raises
+    ------
+    UsageError
+        A file cannot be read, the pictures are not of one size, or the page cannot be
+        written.
+    """
+    paths, out = arguments.runs, arguments.out
+    if len(paths) > 2:
+        raise UsageError(f"one run or two, not {len(paths)}")
+    check_file(out, ".html")
+    images = [read_exr(path) for path in paths]
+    sizes = {(image.width, image.height) for image in images}
+    if len(sizes) > 1:
+        a, b = (f"{image.width}x{image.height}" for image in images)
+        raise UsageError(f"{paths[0]} is {a} and {paths[1]} {b}: sizes must agree")
+    refuse_what_does_not_fit(images[0].width, images[0].height)
+    labels = ["A: ", "B: "] if len(paths) > 1 else [""]
+    runs = [
+        _run(arguments, path, image, label)
+        for path, image, label in zip(paths, images, labels, strict=True)
+    ]
+    title = " and ".join(path.name for path in paths)
+    text = page(title, runs, auto_exposure(images[0].color))
+    write_file(out, text.encode(errors="backslashreplace"))
+    _report(arguments, runs)
+
+
+def _run(
+    arguments: argparse.Namespace, path: Path, image: Image, label: str
+) -> dict[str, Any]:
+    about = {
+        "label": label,
+        "name": str(path),
+        "words": dict(image.metadata),
+        "width": image.width,
+        "height": image.height,
+    }
+    method = method_of(image)
+    if method is None:
+        return about | {
+            "standing": f"Shown as the file has it: {', '.join(image.layers)}. How it"
+            " came about is not known, so there are no candidates.",
+            "replayed": False,
+            "frames": [as_it_is(image)],
+        }
+    schedule = options.schedule(arguments, image.width * image.height)
+    job = job_of(path, image, arguments.scene, arguments.lenient, schedule)
+    with progress(str(path)) as tick:
+        found = recorded(method, job, arguments.last, ROOM, tick)
+    return about | {
+        "standing": standing(image, found.layers),
+        "replayed": True,
+        "frames": found.frames,
+    }
+
+
+def _report(arguments: argparse.Namespace, runs: list[dict[str, Any]]) -> None:
+    out = arguments.out
+    if arguments.json:
+        emit(
+            {
+                "out": str(out),
+                "runs": [
+                    {
+                        "run": run["name"],
+                        "replayed": run["replayed"],
+                        "standing": run["standing"],
+                        "frames": [frame["number"] for frame in run["frames"]],
+                    }
+                    for run in runs
+                ],
+            }
+        )
+        return
+    show(f"{out} shows what a browser can look into")
+    for run in runs:
+        numbers = [frame["number"] for frame in run["frames"]]
+        show(f"{run['name']}: frames {numbers[0]} to {numbers[-1]}. {run['standing']}")

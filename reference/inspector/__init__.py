@@ -1,0 +1,1 @@
+"""Looking into a run: one page with its reservoirs, and all that competed for them."""

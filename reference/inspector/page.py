@@ -1,0 +1,104 @@
+"""The page: one file that needs nothing else, with all numbers in it."""
+
+import json
+import zlib
+from base64 import b64encode
+from typing import Any
+
+import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from reference.errors import UsageError
+
+MOST = 256 << 20
+"""Bytes of numbers: a browser still opens the page."""
+
+SCRIPTS = ("data.js", "picture.js", "room.js", "tables.js", "main.js")
+
+
+def page(title: str, runs: list[dict[str, Any]], exposure: float) -> str:
+    """Write the page.
+
+    Parameters
+    ----------
+    title : str
+        Of the page.
+    runs : list of dict
+        One or two of one size: ``label``, ``name``, ``words``, ``standing``,
+        ``replayed``, ``width``, ``height`` and ``frames``.
+    exposure : float
+        Factor on the light that is shown.
+
+    Returns
+    -------
+    str
+        HTML.
+
+    Raises
+    ------
+    UsageError
+        There are more numbers than a browser can be expected to hold.
+    """
+    shown = ("width", "height", "frames")
+    manifest, block = packed(
+        {"runs": [{key: run[key] for key in shown} for run in runs]}
+    )
+    if len(block) > MOST:
+        raise UsageError(
+            f"the page would hold {len(block) >> 20} MiB of numbers, and {MOST >> 20}"
+            " is the most: keep fewer frames with --last, or render a smaller picture"
+        )
+    manifest["exposure"] = exposure
+    text = json.dumps(manifest, allow_nan=False).replace("<", "\\u003c")
+    templates = Environment(
+        loader=PackageLoader("reference.inspector", "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return templates.get_template("inspector.html").render(
+        title=title,
+        runs=runs,
+        manifest=Markup(text),
+        block=b64encode(zlib.compress(block)).decode(),
+        scripts=SCRIPTS,
+    )
+
+
+def packed(value: Any) -> tuple[Any, bytes]:
+    """Nested structure, and the numbers of its arrays in one block.
+
+    Parameters
+    ----------
+    value : dict, list, array, or anything of JSON
+        Nested at will; an array that is met twice is kept once.
+
+    Returns
+    -------
+    structure, bytes
+        Arrays became ``{"kind", "offset", "length"}``, in units of bytes and numbers.
+    """
+    places: dict[int, Any] = {}
+    block = bytearray()
+
+    def put(value: Any) -> Any:
+        if isinstance(value, dict):
+            return {key: put(item) for key, item in value.items()}
+        if isinstance(value, list):
+            return [put(item) for item in value]
+        if not isinstance(value, np.ndarray):
+            return value
+        if id(value) not in places:
+            block.extend(bytes(-len(block) % 8))
+            place = {
+                "kind": value.dtype.name,
+                "offset": len(block),
+                "length": value.size,
+            }
+            block.extend(np.ascontiguousarray(value).tobytes())
+            places[id(value)] = place
+        return places[id(value)]
+
+    return put(value), bytes(block)

@@ -1,0 +1,192 @@
+"""A picture's file as a run to look into: made again where its header tells how."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from reference.errors import UsageError
+from reference.images import Image, to_image
+from reference.inspector.recorded import Plain
+from reference.methods import Job, Layers, Method, method_named
+from reference.methods.restir_gi import RestirSettings
+from reference.options import with_values
+from reference.scene.animation import Animation
+from reference.scene.catalogue.registry import CATALOGUE
+from reference.scene.named import Named, find_scene_or_file, frames_of
+from reference.schedule import Schedule
+from reference.world import build_world
+
+LAYERS = {
+    "M": "M",
+    "W": "W",
+    "radiance": "radiance",
+    "sample_position": "position",
+    "sample_normal": "normal",
+}
+"""Layers of reservoirs in a picture's file, and what the page calls them."""
+
+
+def method_of(image: Image) -> Method | None:
+    """Method by which a picture was made, if its run can be made again.
+
+    Parameters
+    ----------
+    image : Image
+        With the words of its header.
+
+    Returns
+    -------
+    Method or None
+        ``None`` unless it is one of those of ReSTIR GI.
+    """
+    name = image.metadata.get("method")
+    try:
+        method = method_named(name) if name else None
+    except UsageError:
+        return None
+    known = method is not None and isinstance(method.settings, RestirSettings)
+    return method if known else None
+
+
+def job_of(
+    path: Path, image: Image, scene: str | None, lenient: bool, schedule: Schedule
+) -> Job:
+    """The job that a picture's header tells.
+
+    Parameters
+    ----------
+    path : Path
+        Of the picture, for messages.
+    image : Image
+        Of one of the methods of ReSTIR GI.
+    scene : str or None
+        Built-in, or a file; ``None`` for what the header names.
+    lenient : bool
+        How a scene's file was read.
+    schedule : Schedule
+        Bands and threads.
+
+    Returns
+    -------
+    Job
+        Its picture is that of the file, if version and scene are the same.
+
+    Raises
+    ------
+    UsageError
+        The header lacks something, or the scene is not to be had.
+    """
+    words, method = image.metadata, method_of(image)
+    assert method is not None
+    prefix = "settings."
+    try:
+        values = [
+            f"{key.removeprefix(prefix)}={text}"
+            for key, text in words.items()
+            if key.startswith(prefix)
+        ]
+        counts = {name: int(words[name]) for name in method.counts}
+        bounces, seed, frame = (int(words[k]) for k in ("bounces", "seed", "frame"))
+        light = words["light"]
+        settings = with_values(method.settings, values)
+    except KeyError as error:
+        raise UsageError(f"{path}: the header lacks {error.args[0]!r}") from error
+    except (ValueError, UsageError) as error:
+        raise UsageError(
+            f"{path}: the header is not understood by this version: {error}"
+        ) from error
+    size = (image.width, image.height)
+    animation = _animation(path, words, scene, lenient, size, frame)
+    return Job(
+        world=build_world(animation(0)),
+        light=light,  # type: ignore[arg-type]
+        bounces=bounces,
+        seed=seed,
+        counts=counts,
+        settings=settings,
+        aovs=tuple(name for name in image.layers if name != "color"),
+        schedule=schedule,
+        animation=animation,
+        frame=frame,
+    )
+
+
+def _animation(
+    path: Path,
+    words: Mapping[str, str],
+    scene: str | None,
+    lenient: bool,
+    size: tuple[int, int],
+    frame: int,
+) -> Animation:
+    named = words.get("scene", "")
+    if scene is None and named not in CATALOGUE:
+        raise UsageError(
+            f"{path}: rendered from {named!r}, which is no built-in scene; name its"
+            " file with --scene"
+        )
+    name = scene or named
+    found = find_scene_or_file(name, lenient)
+    if found.name != named:
+        raise UsageError(f"{path}: rendered from {named!r}, not from {found.name!r}")
+    return frames_of(Named(name, lenient, *size, frame), found)
+
+
+def standing(image: Image, layers: Layers) -> str:
+    """Whether a run that was made again is the one that the file holds.
+
+    Parameters
+    ----------
+    image : Image
+        The file.
+    layers : mapping of str to array
+        Of the run.
+
+    Returns
+    -------
+    str
+        A sentence.
+    """
+    other, most = np.zeros((image.height, image.width), bool), 0.0
+    for name, rows in layers.items():
+        again, kept = to_image(rows, image.width, image.height), image.layers[name]
+        other |= ~((again == kept) | (np.isnan(again) & np.isnan(kept))).all(axis=-1)
+        with np.errstate(invalid="ignore"):
+            most = max(most, float(np.nan_to_num(np.abs(again - kept)).max()))
+    if not other.any():
+        return "Made again: every layer is that of the file, bit for bit."
+    version = image.metadata.get("version", "unknown")
+    return (
+        f"Made again, but {other.sum()} of {other.size} pixels are not those of the"
+        f" file, by up to {most:.3g}: it is of version {version}, or was made with"
+        " --no-plan, or from another scene of this name."
+    )
+
+
+def as_it_is(image: Image) -> Plain:
+    """A frame of a picture whose run is not to be had: its layers.
+
+    Parameters
+    ----------
+    image : Image
+        Of any method, or of a renderer elsewhere.
+
+    Returns
+    -------
+    dict
+        As :func:`reference.inspector.recorded.plain_frame`, with what there is.
+    """
+    found: dict[str, Any] = {
+        short: np.ascontiguousarray(image.layers[name], np.float32).ravel()
+        for name, short in LAYERS.items()
+        if name in image.layers
+    }
+    count = image.metadata.get("frames", "1")
+    return {
+        "number": int(count) - 1 if count.isdecimal() else 0,
+        "color": np.ascontiguousarray(image.color).ravel(),
+        "reservoirs": [{"name": "spatial", **found}] if found else [],
+        "passes": [],
+    }
