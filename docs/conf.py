@@ -2,16 +2,21 @@
 
 import re
 import shutil
+import subprocess
+import sys
 from importlib.metadata import version as installed_version
 from pathlib import Path
 
 from docutils import nodes
 from docutils.parsers.rst.states import Inliner
+from sphinx.application import Sphinx
 
 project = "restir-gi-oracle"
 author = "the restir-gi-oracle authors"
 project_copyright = f"2026, {author}"
 version = release = installed_version(project)
+
+RESTIR = (sys.executable, "-m", "reference")
 
 extensions = [
     "myst_parser",
@@ -22,7 +27,14 @@ extensions = [
     "numpydoc",
     "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["_build", "_templates", "gallery", "lessons/*.rst", "lessons/*.py"]
+exclude_patterns = [
+    "_build",
+    "_extra",
+    "_templates",
+    "gallery",
+    "lessons/*.rst",
+    "lessons/*.py",
+]
 templates_path = ["_templates"]
 
 # Pages are Markdown with formulas, definition lists and headings to link to.
@@ -53,6 +65,29 @@ sphinx_gallery_conf = {
 html_theme = "furo"
 html_title = project
 html_static_path = ["_static"]
+
+# Pages that commands write; the folder is looked for before the build begins.
+EXTRA = Path(__file__).parent / "_extra"
+EXTRA.mkdir(exist_ok=True)
+html_extra_path = [EXTRA.name]
+
+
+def inspect_two_runs(app: Sphinx) -> None:
+    """Make the inspector's page that the documentation leads to."""
+    runs = [EXTRA / f"{kind}.exr" for kind in ("unbiased", "biased")]
+    size = ("--size", "32x32", "--frames", "6")
+    for run in runs:
+        method = ("--method", f"restir-gi-{run.stem}", "--out", str(run))
+        subprocess.run([*RESTIR, "render", "cornell-box", *size, *method], check=True)
+    out = EXTRA / "inspector.html"
+    subprocess.run([*RESTIR, "inspect", *runs, "--out", out], check=True)
+    for run in runs:
+        run.unlink()
+
+
+def setup(app: Sphinx) -> None:
+    """Join the build."""
+    app.connect("builder-inited", inspect_two_runs)
 
 
 def keep_bar(

@@ -109,3 +109,7 @@ plt.show()
 #
 # .. literalinclude:: /lessons/exercises/exercise_6.py
 #    :pyobject: divisor
+#
+# Look for it in single pixels: in the `inspector <../inspector.html>`__, whose two runs
+# choose with the same random numbers, `n` goes to a pixel where they part. What was it
+# divided by, and which neighbour could not have made the sample?

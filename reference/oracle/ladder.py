@@ -1,8 +1,8 @@
 """The ladder: every rung in turn, the cheap ones first."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 
 from reference.oracle.backends.backend import Backend
 from reference.oracle.contract.fields import Passes, Precision
@@ -45,7 +45,7 @@ def ladder(passes: Passes, backend: Backend) -> Iterator[Rung]:
     """
     precision = backend.precision
 
-    def asked(rung: str, title: str, probes: Callable[[], list[Probe]]) -> Rung:
+    def asked(rung: str, title: str, probes: Callable[[], Sequence[Probe]]) -> Rung:
         def take() -> Step:
             return Step(rung, title, ask_all(passes, backend, probes()))
 
@@ -156,7 +156,11 @@ def golden_rungs(
         yield rung, "golden", take
 
 
-def scene_probes(scene: str, precision: Precision, seed: int = SEED) -> list[Probe]:
+# The same frame for every backend.
+@lru_cache(maxsize=16)
+def scene_probes(
+    scene: str, precision: Precision, seed: int = SEED
+) -> tuple[Probe, ...]:
     """Replays of all passes in a frame of a scene.
 
     Parameters
@@ -170,11 +174,11 @@ def scene_probes(scene: str, precision: Precision, seed: int = SEED) -> list[Pro
 
     Returns
     -------
-    list of Probe
+    tuple of Probe
         Of rung L3.
     """
     at = stage(find_scene(scene), SIZE, seed)
-    return [replayed("L3", case) for case in frame_cases(at, precision)]
+    return tuple(replayed("L3", case) for case in frame_cases(at, precision))
 
 
 def _spheres(passes: Passes, backend: Backend) -> Step:

@@ -1,6 +1,6 @@
 """Steps of the ladder, and asking a backend."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -54,7 +54,7 @@ class Step:
 Rung = tuple[str, str, Callable[[], Step]]
 
 
-def ask_all(passes: Passes, backend: Backend, probes: list[Probe]) -> list[Answer]:
+def ask_all(passes: Passes, backend: Backend, probes: Sequence[Probe]) -> list[Answer]:
     """Ask a backend.
 
     Parameters
@@ -63,7 +63,7 @@ def ask_all(passes: Passes, backend: Backend, probes: list[Probe]) -> list[Answe
         The contract.
     backend : Backend
         Runs cases.
-    probes : list of Probe
+    probes : sequence of Probe
         Questions.
 
     Returns

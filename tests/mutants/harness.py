@@ -6,13 +6,11 @@ while the backend runs, and its outputs are judged by unedited code again.
 
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import nullcontext
 from dataclasses import dataclass, field
-from functools import cache
 from itertools import chain
 from time import perf_counter
 from typing import Any
-from unittest.mock import patch
 
 from reference.oracle import ladder as oracle
 from reference.oracle.builtin.backend import BuiltIn
@@ -150,15 +148,14 @@ def kill(
     backend = Planted(mutant)
     steps = _steps(backend, rungs, statistical)
     chosen = (step for step in steps if _taken(step[1], titles))
-    with _probes_made_once():
-        verdict = climb(
-            CONTRACT,
-            backend.precision,
-            chosen,
-            float("inf"),
-            perf_counter,
-            lambda title: None,
-        )
+    verdict = climb(
+        CONTRACT,
+        backend.precision,
+        chosen,
+        float("inf"),
+        perf_counter,
+        lambda title: None,
+    )
     return _told(mutant, verdict, rungs)
 
 
@@ -195,15 +192,3 @@ def _statistical(backend: Planted, seconds: float) -> Iterator[Any]:
     yield from oracle.statistical_rungs(
         CONTRACT, backend, lambda: start + seconds - perf_counter()
     )
-
-
-CACHED = {
-    name: cache(getattr(oracle, name))
-    for name in ("kernel_probes", "lattice_probes", "scene_probes")
-}
-
-
-@contextmanager
-def _probes_made_once() -> Iterator[None]:
-    with patch.multiple(oracle, **CACHED):
-        yield

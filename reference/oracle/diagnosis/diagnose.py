@@ -79,7 +79,8 @@ def diagnose(
         the first leaves none.
     """
     judge = judge_of(pass_name)
-    given = [a for a in answers if a.outputs is not None]
+    # Short cases that failed refute most hypotheses, and soonest.
+    given = sorted((a for a in answers if a.outputs is not None), key=_effort)
 
     def explained_by(rules: Rules) -> bool:
         return all(
@@ -91,3 +92,8 @@ def diagnose(
         return Diagnosis(pass_name, ())
     able = (h for h in known_mistakes() if pass_name in h.passes)
     return Diagnosis(pass_name, tuple(h for h in able if explained_by(h.rules)))
+
+
+def _effort(answer: Answer) -> tuple[bool, int]:
+    passed = answer.finding is None or answer.finding.passed
+    return passed, sum(a.nbytes for a in answer.probe.case.inputs.values())

@@ -1,5 +1,6 @@
 """L0: formulas one by one, on ordinary rows and at the extremes."""
 
+from functools import lru_cache
 from itertools import product
 
 import numpy as np
@@ -22,7 +23,9 @@ from reference.oracle.rungs.worst import worst_cases
 ROWS = 2048
 
 
-def kernel_probes(precision: Precision, seed: int = 2026) -> list[Probe]:
+# The same cases for every backend, so that their exact numbers are calculated once.
+@lru_cache(maxsize=4)
+def kernel_probes(precision: Precision, seed: int = 2026) -> tuple[Probe, ...]:
     """One probe for each kernel, and more where it has extremes.
 
     Parameters
@@ -34,7 +37,7 @@ def kernel_probes(precision: Precision, seed: int = 2026) -> list[Probe]:
 
     Returns
     -------
-    list of Probe
+    tuple of Probe
         Of rung L0.  All but ``random``, which is integer, are held against exact
         numbers, which are calculated when an answer is examined.
     """
@@ -56,11 +59,11 @@ def kernel_probes(precision: Precision, seed: int = 2026) -> list[Probe]:
         similar_extremes(precision),
         *worst_cases(precision),
     ]
-    return [
+    return (
         replayed("L0", words),
         *(Probe("L0", case, examined_exactly) for case in cases),
         Probe("L0", _jacobian_extremes(precision), _total),
-    ]
+    )
 
 
 def _unit(v: Vec3s) -> Vec3s:
