@@ -117,7 +117,13 @@ def _run(
     schedule = options.schedule(arguments, image.width * image.height)
     job = job_of(path, image, arguments.scene, arguments.lenient, schedule)
     with progress(str(path)) as tick:
-        found = recorded(method, job, arguments.last, ROOM, tick)
+        found = recorded(
+            method,
+            job,
+            arguments.last,
+            ROOM,
+            lambda p: tick(p.done, p.total, p.unit),
+        )
     return about | {
         "standing": standing(image, found.layers),
         "replayed": True,

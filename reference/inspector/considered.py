@@ -15,7 +15,6 @@ from reference.passes.normalization import normalization, who_holds
 from reference.passes.resample import Competition, resample
 from reference.passes.stream import kept_samples, stream
 from reference.records import scatter, take
-from reference.resampling.reservoir import Samples
 
 NOT_ASKED = 2
 """Besides no, 0, and yes, 1."""
@@ -118,42 +117,44 @@ def _of(
     y = kept_samples(entries, chosen.y)
     total = normalization(receivers, entries, chosen, y)
     kept = resample(c)
+    full = kept.reservoirs.W > 0
     could = np.full((len(rows), len(entries)), NOT_ASKED)
     if c.shifted and receivers.settings.mis in ("1/Z", "balance"):
-        could = np.stack(who_holds(receivers, entries, chosen, y)[0], axis=1).astype(
-            int
-        )
-    samples = [_samples(entries, place) for place in range(len(entries))]
-    sources = [origins.source(c, place, rows) for place in range(len(entries))]
-    each = list(zip(c.entries, samples, strict=True))
-    ways = [shifted(receivers, entry, y_k) for entry, y_k in each]
-    fate = np.stack(
-        [fates(*pair, *way) for pair, way in zip(each, ways, strict=True)], axis=1
-    )
+        holds, _ = who_holds(receivers, entries, chosen, y)
+        could = np.stack(holds, axis=1).astype(int)
+    each = [_candidates(c, place, entry) for place, entry in enumerate(entries)]
+    whole = {key: np.stack([one[key] for one in each], axis=1) for key in each[0]}
     # With visibility asked of the kept sample alone, that is where it is lost.
-    lost = (chosen.w > 0) & (total > 0) & (kept.reservoirs.W <= 0)
-    fate[lost, chosen.y[lost]] = Fate.HIDDEN
-    numbers = np.stack([source.numbers for source in sources])
-    made_by = numbers[chosen.y, np.arange(len(rows))]
+    lost = (chosen.w > 0) & (total > 0) & ~full
+    whole["fate"][lost, chosen.y[lost]] = Fate.HIDDEN
+    sources = [origins.source(c, place, rows) for place in range(len(entries))]
+    numbers = np.stack([source.numbers for source in sources], axis=1)
+    made_by = numbers[np.arange(len(rows)), chosen.y]
     return sources, {
+        **whole,
         "source": np.stack([source.rows for source in sources], axis=1),
-        "M": np.stack([e.candidate.M for e in c.entries], axis=1),
-        "W": np.stack([_weight(e) for e in c.entries], axis=1),
-        "p_hat": np.stack([e.candidate.p_hat for e in c.entries], axis=1),
-        "jacobian": np.stack([J for J, _ in ways], axis=1),
-        "w": np.stack([e.candidate.w for e in entries], axis=1),
-        "position": np.stack([y_k.position for y_k in samples], axis=1),
-        "fate": fate,
         "could": could,
         "kept": np.asarray(chosen.y, int),
         "w_sum": chosen.w,
         "total": total,
-        "number": np.where(kept.reservoirs.W > 0, made_by, NONE),
+        "number": np.where(full, made_by, NONE),
     }
 
 
-def _samples(entries: list[Entry], place: int) -> Samples:
-    return kept_samples(entries, np.full(len(entries[place].candidate.M), place))
+def _candidates(c: Competition, place: int, weighted: Entry) -> dict[str, Any]:
+    """Those of one place, of which the weights in pairs change w alone."""
+    entry = c.entries[place]
+    y = kept_samples(c.entries, np.full(len(entry.candidate.M), place))
+    J, possible = shifted(c.receivers, entry, y)
+    return {
+        "M": entry.candidate.M,
+        "W": _weight(entry),
+        "p_hat": entry.candidate.p_hat,
+        "jacobian": J,
+        "w": weighted.candidate.w,
+        "position": y.position,
+        "fate": fates(entry, y, J, possible),
+    }
 
 
 def _weight(entry: Entry) -> Scalars:

@@ -1,7 +1,7 @@
 """Frames as the page holds them: arrays, by the names of what they are."""
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -48,7 +48,11 @@ class Recorded:
 
 
 def recorded(
-    method: Method, job: Job, last: int | None, room: int, tick: Any
+    method: Method,
+    job: Job,
+    last: int | None,
+    room: int,
+    tick: Callable[[Progress], None],
 ) -> Recorded:
     """Run a job of ReSTIR GI, and record what happens.
 
@@ -84,11 +88,8 @@ def recorded(
                 kept.popleft()
             yield watched.frame
 
-    def told(step: Progress) -> None:
-        tick(step.done, step.total, step.unit)
-
     watching = replace(method, render=replace(FRAMED, frames=frames).render)
-    layers = drive(watching, job, told)
+    layers = drive(watching, job, tick)
     if not kept:
         raise UsageError(
             "the run holds no frames of indirect light; render with --light indirect or"
