@@ -8,7 +8,8 @@ import pytest
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 
 
-@pytest.fixture(scope="session")
+# Not of the session: while Playwright runs, no other test could start an event loop.
+@pytest.fixture(scope="module")
 def chromium():
     """The installed Chromium; skipped without one, unless all must be there."""
     found = next(filter(None, map(shutil.which, NAMES)), None)
