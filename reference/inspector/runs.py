@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from reference.inspector.recorded import Plain
 from reference.methods import Job, Layers, Method, method_named
 from reference.methods.restir_gi import RestirSettings
 from reference.options import with_values
+from reference.path_tracer import MAX_BOUNCES, Light
 from reference.scene.animation import Animation
 from reference.scene.catalogue.registry import CATALOGUE
 from reference.scene.named import Named, find_scene_or_file, frames_of
@@ -26,6 +27,10 @@ LAYERS = {
     "sample_normal": "normal",
 }
 """Layers of reservoirs in a picture's file, and what the page calls them."""
+
+
+MOST = 2**27 - 1
+"""Of counts, seeds and numbers of frames: random numbers are keyed by them."""
 
 
 def method_of(image: Image) -> Method | None:
@@ -80,17 +85,12 @@ def job_of(
     """
     words, method = image.metadata, method_of(image)
     assert method is not None
-    prefix = "settings."
     try:
-        values = [
-            f"{key.removeprefix(prefix)}={text}"
-            for key, text in words.items()
-            if key.startswith(prefix)
-        ]
-        counts = {name: int(words[name]) for name in method.counts}
-        bounces, seed, frame = (int(words[k]) for k in ("bounces", "seed", "frame"))
-        light = words["light"]
-        settings = with_values(method.settings, values)
+        counts = {name: _whole(words, name, 1, MOST) for name in method.counts}
+        bounces = _whole(words, "bounces", 0, MAX_BOUNCES)
+        seed, frame = (_whole(words, name, 0, MOST) for name in ("seed", "frame"))
+        light = _light(words["light"])
+        settings = with_values(method.settings, _assignments(words))
     except KeyError as error:
         raise UsageError(f"{path}: the header lacks {error.args[0]!r}") from error
     except (ValueError, UsageError) as error:
@@ -101,7 +101,7 @@ def job_of(
     animation = _animation(path, words, scene, lenient, size, frame)
     return Job(
         world=build_world(animation(0)),
-        light=light,  # type: ignore[arg-type]
+        light=light,
         bounces=bounces,
         seed=seed,
         counts=counts,
@@ -111,6 +111,30 @@ def job_of(
         animation=animation,
         frame=frame,
     )
+
+
+def _whole(words: Mapping[str, str], name: str, least: int, most: int) -> int:
+    number = int(words[name])
+    if not least <= number <= most:
+        raise ValueError(f"{name}={number} is out of range: {least} to {most}")
+    return number
+
+
+def _light(text: str) -> Light:
+    for light in get_args(Light):
+        if text == light:
+            known: Light = light
+            return known
+    raise ValueError(f"light={text}")
+
+
+def _assignments(words: Mapping[str, str]) -> list[str]:
+    prefix = "settings."
+    return [
+        f"{key.removeprefix(prefix)}={text}"
+        for key, text in words.items()
+        if key.startswith(prefix)
+    ]
 
 
 def _animation(

@@ -270,6 +270,9 @@ def test_a_scene_that_moves_is_made_again(capsys, tmp_path):
         ({"seed": None}, "the header lacks 'seed'"),
         ({"settings.mis": "best"}, "not understood by this version"),
         ({"frames": "many"}, "not understood by this version"),
+        ({"frames": "0"}, "frames=0 is out of range"),
+        ({"bounces": "31"}, "bounces=31 is out of range"),
+        ({"light": "dim"}, "not understood by this version"),
         ({"scene": "my-room"}, "name its file with --scene"),
         ({"bounces": "0"}, "no frames of indirect light"),
     ],
@@ -287,6 +290,24 @@ def test_a_header_that_does_not_do_is_refused(
     assert message in heard
     assert len(heard.splitlines()) == 1
     assert not out.exists()
+
+
+def test_a_scene_from_a_file_is_named_again(capsys, tmp_path):
+    scene, out = tmp_path / "tent.obj", tmp_path / "tent.exr"
+    scene.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 3 4\n")
+    how = ("--method", "restir-gi-biased", "--size", "8x8", "--frames", "2")
+    assert main(["render", str(scene), *how, "--lenient", "--out", str(out)]) == 0
+    capsys.readouterr()
+    page = ("--out", tmp_path / "page.html")
+    code, heard = inspect(capsys, out, *page)
+    assert code == 2
+    assert "name its file with --scene" in heard
+    code, told = inspect(capsys, out, "--scene", scene, "--lenient", *page)
+    assert code == 0
+    assert "bit for bit" in told["runs"][0]["standing"]
+    code, heard = inspect(capsys, out, "--scene", "cornell-box", *page)
+    assert code == 2
+    assert "rendered from 'tent', not from 'cornell-box'" in heard
 
 
 def test_pictures_of_two_sizes_are_refused(pictures, capsys, tmp_path):
