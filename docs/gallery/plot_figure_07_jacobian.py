@@ -32,11 +32,11 @@ import matplotlib.pyplot as plt
 from rich.console import Console
 
 from reference.figures.jacobian import jacobian
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.figures.table import table
 from reference.schedule import Schedule
 
-figure = jacobian(Plan(size=64, runs=4, schedule=Schedule()))
+figure = jacobian(Work(size=64, runs=4, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)
 plt.show()
 

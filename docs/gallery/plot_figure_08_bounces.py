@@ -29,11 +29,11 @@ import matplotlib.pyplot as plt
 from rich.console import Console
 
 from reference.figures.bounces import bounces
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.figures.table import table
 from reference.schedule import Schedule
 
-figure = bounces(Plan(size=96, runs=2, schedule=Schedule()))
+figure = bounces(Work(size=96, runs=2, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)
 plt.show()
 

@@ -29,11 +29,11 @@ import matplotlib.pyplot as plt
 from rich.console import Console
 
 from reference.figures.bias import bias
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.figures.table import table
 from reference.schedule import Schedule
 
-figure = bias(Plan(size=64, runs=6, schedule=Schedule()))
+figure = bias(Work(size=64, runs=6, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)
 plt.show()
 

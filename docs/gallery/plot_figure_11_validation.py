@@ -35,12 +35,12 @@ numbers have wider intervals, and those above are the ones to quote.
 import matplotlib.pyplot as plt
 from rich.console import Console
 
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.figures.table import table
 from reference.figures.validation import validation
 from reference.schedule import Schedule
 
-figure = validation(Plan(size=48, runs=4, schedule=Schedule()))
+figure = validation(Work(size=48, runs=4, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)
 plt.show()
 

@@ -45,11 +45,11 @@ import matplotlib.pyplot as plt
 from rich.console import Console
 
 from reference.figures.equal_time import equal_time
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.figures.table import table
 from reference.schedule import Schedule
 
-figure = equal_time(Plan(size=64, runs=2, schedule=Schedule()))
+figure = equal_time(Work(size=64, runs=2, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)
 plt.show()
 

@@ -31,12 +31,12 @@ numbers have wider intervals, and those above are the ones to quote.
 import matplotlib.pyplot as plt
 from rich.console import Console
 
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.figures.source import source
 from reference.figures.table import table
 from reference.schedule import Schedule
 
-figure = source(Plan(size=64, runs=8, schedule=Schedule()))
+figure = source(Work(size=64, runs=8, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)
 plt.show()
 

@@ -23,11 +23,11 @@ import matplotlib.pyplot as plt
 from rich.console import Console
 
 from hashgrid.figures.cells import cells
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.figures.table import table
 from reference.schedule import Schedule
 
-figure = cells(Plan(size=96, runs=2, schedule=Schedule()))
+figure = cells(Work(size=96, runs=2, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)
 plt.show()
 

@@ -17,11 +17,11 @@ import matplotlib.pyplot as plt
 from rich.console import Console
 
 from reference.figures.extremes import extremes
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.figures.table import table
 from reference.schedule import Schedule
 
-figure = extremes(Plan(size=16, runs=16, schedule=Schedule()))
+figure = extremes(Work(size=16, runs=16, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)
 plt.show()
 

@@ -16,14 +16,14 @@ from rich.console import Console
 
 from gradient_domain.figures.images import of_scenes
 from gradient_domain.figures.variants import scene_of
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.figures.table import table
 from reference.schedule import Schedule
 
 SIZE = 32
 
-plan = Plan(size=SIZE, runs=2, schedule=Schedule())
-figure = of_scenes([scene_of("cornell-box", SIZE)], plan)
+work = Work(size=SIZE, runs=2, schedule=Schedule())
+figure = of_scenes([scene_of("cornell-box", SIZE)], work)
 plt.figure().figimage(figure.pixels(), resize=True)
 plt.show()
 

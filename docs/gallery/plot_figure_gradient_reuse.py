@@ -19,11 +19,11 @@ import matplotlib.pyplot as plt
 from rich.console import Console
 
 from gradient_domain.figures.ablations import reuse
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.figures.table import table
 from reference.schedule import Schedule
 
-figure = reuse(Plan(size=32, runs=2, schedule=Schedule()), ["checker"])
+figure = reuse(Work(size=32, runs=2, schedule=Schedule()), ["checker"])
 plt.figure().figimage(figure.pixels(), resize=True)
 plt.show()
 

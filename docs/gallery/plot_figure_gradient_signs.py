@@ -18,11 +18,11 @@ import matplotlib.pyplot as plt
 from rich.console import Console
 
 from gradient_domain.figures.ablations import signs
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.figures.table import table
 from reference.schedule import Schedule
 
-figure = signs(Plan(size=32, runs=3, schedule=Schedule()), ["checker"])
+figure = signs(Work(size=32, runs=3, schedule=Schedule()), ["checker"])
 plt.figure().figimage(figure.pixels(), resize=True)
 plt.show()
 

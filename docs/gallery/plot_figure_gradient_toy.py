@@ -22,11 +22,11 @@ import matplotlib.pyplot as plt
 from rich.console import Console
 
 from gradient_domain.figures.toy import toy
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.figures.table import table
 from reference.schedule import Schedule
 
-figure = toy(Plan(size=16, runs=16, schedule=Schedule()))
+figure = toy(Work(size=16, runs=16, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)
 plt.show()
 

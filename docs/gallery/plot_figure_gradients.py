@@ -37,11 +37,11 @@ import matplotlib.pyplot as plt
 from rich.console import Console
 
 from gradient_domain.figures.gradients import gradients
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.figures.table import table
 from reference.schedule import Schedule
 
-figure = gradients(Plan(size=32, runs=3, schedule=Schedule()))
+figure = gradients(Work(size=32, runs=3, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)
 plt.show()
 

@@ -14,10 +14,10 @@ White: a kernel that cannot meet that extreme.
 import matplotlib.pyplot as plt
 
 from reference.figures.kernels import kernels_at_extremes
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.schedule import Schedule
 
-figure = kernels_at_extremes(Plan(size=16, runs=24, schedule=Schedule()))
+figure = kernels_at_extremes(Work(size=16, runs=24, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)
 plt.show()
 

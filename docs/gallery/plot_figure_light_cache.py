@@ -45,11 +45,11 @@ import matplotlib.pyplot as plt
 from rich.console import Console
 
 from hashgrid.figures.light_cache import light_cache
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.figures.table import table
 from reference.schedule import Schedule
 
-figure = light_cache(Plan(size=32, runs=2, schedule=Schedule()))
+figure = light_cache(Work(size=32, runs=2, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)
 plt.show()
 

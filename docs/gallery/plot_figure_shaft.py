@@ -37,11 +37,11 @@ import matplotlib.pyplot as plt
 from rich.console import Console
 
 from hashgrid.figures.shaft import shaft
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.figures.table import table
 from reference.schedule import Schedule
 
-figure = shaft(Plan(size=32, runs=2, schedule=Schedule()))
+figure = shaft(Work(size=32, runs=2, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)
 plt.show()
 

@@ -34,11 +34,11 @@ import matplotlib.pyplot as plt
 from rich.console import Console
 
 from extensions.figures.specular_floor import specular_floor
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.figures.table import table
 from reference.schedule import Schedule
 
-figure = specular_floor(Plan(size=48, runs=4, schedule=Schedule()))
+figure = specular_floor(Work(size=48, runs=4, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)
 plt.show()
 

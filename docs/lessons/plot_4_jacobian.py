@@ -22,7 +22,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from reference.figures.jacobian import jacobian
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.resampling.shift import reconnection_jacobian
 from reference.schedule import Schedule
 
@@ -76,7 +76,7 @@ plt.show()
 # divided by instead of multiplied with, as the paper's Algorithm 4 prints it, too
 # bright.
 
-figure = jacobian(Plan(size=48, runs=3, schedule=Schedule()))
+figure = jacobian(Work(size=48, runs=3, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)
 plt.show()
 

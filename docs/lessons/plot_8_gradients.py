@@ -29,7 +29,7 @@ import numpy as np
 from gradient_domain.differences import Differences, differences
 from gradient_domain.figures.toy import toy
 from gradient_domain.reconstruction import least_squares
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.path_tracer import camera_radiance
 from reference.restir_gi import render_frames
 from reference.rng import KeyedUniforms, Stream
@@ -100,7 +100,7 @@ assert after < before / 3
 # show what it is worth: samples of either are wasted there, samples of the pair are
 # not.
 
-figure = toy(Plan(size=16, runs=2, schedule=Schedule()))
+figure = toy(Work(size=16, runs=2, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)
 plt.show()
 

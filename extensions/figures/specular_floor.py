@@ -13,7 +13,7 @@ from reference.figures.bootstrap import mean_interval, ratio_interval
 from reference.figures.canvas import BIG, Tile, blank, draw_tiles, exposure_of, shown
 from reference.figures.contest import FRAMES, Contender, Contest, compete
 from reference.figures.paths import sized_world
-from reference.figures.record import Deviation, Interval, PaperFigure, Plan, Row
+from reference.figures.record import Deviation, Interval, PaperFigure, Row, Work
 from reference.figures.regions import floor_points
 from reference.figures.registry import Entry
 
@@ -27,12 +27,12 @@ PATHS = 4  # path-traced samples beside each frame
 PURE = "reconnection"
 
 
-def specular_floor(plan: Plan) -> PaperFigure:
+def specular_floor(work: Work) -> PaperFigure:
     """Error of ReSTIR PT by each of its shifts, of as many samples.
 
     Parameters
     ----------
-    plan : Plan
+    work : Work
         Size, runs and schedule.
 
     Returns
@@ -49,20 +49,20 @@ def specular_floor(plan: Plan) -> PaperFigure:
         )
         for kind in CRITERIA
     ]
-    world = sized_world(SCENE, plan.size)
-    contest = compete(world, contenders, BOUNCES, plan, PATHS)
-    _, _, floor = floor_points(world, plan)
+    world = sized_world(SCENE, work.size)
+    contest = compete(world, contenders, BOUNCES, work, PATHS)
+    _, _, floor = floor_points(world, work)
     return PaperFigure(
         NAME,
         "Shifts of whole paths on a polished floor, two bounces of indirect light",
-        _picture(contest, plan),
+        _picture(contest, work),
         tuple(
             _row(contest, kind, where, pixels)
             for where, pixels in (("whole picture", None), ("floor", floor))
             for kind in CRITERIA
         ),
         (
-            f"{SCENE}: frame {FRAMES} of {plan.runs} runs at {plan.size} x {plan.size},"
+            f"{SCENE}: frame {FRAMES} of {work.runs} runs at {work.size} x {work.size},"
             " one new tree of paths a pixel and frame for each shift, the same for all;"
             f" truth of {contest.truth.count} path-traced samples a pixel, whose own"
             " noise is taken off. Intervals: 95 %, bootstrap over runs.",
@@ -89,21 +89,21 @@ def _row(contest: Contest, kind: str, where: str, pixels: Masks | None) -> Row:
     }
 
 
-def _picture(contest: Contest, plan: Plan) -> "Figure":
-    exposure = exposure_of(contest.truth.mean, plan.size)
+def _picture(contest: Contest, work: Work) -> "Figure":
+    exposure = exposure_of(contest.truth.mean, work.size)
     tiles = []
     for kind in CRITERIA:
         times = _times(contest, kind, None)
         tiles.append(
             Tile(
-                shown(contest.runs[kind].colors[0], plan.size, exposure),
+                shown(contest.runs[kind].colors[0], work.size, exposure),
                 f"{kind}, frame {FRAMES}",
                 f"MSE {times.value:.1f} times smaller"
                 f" [{times.low:.1f}, {times.high:.1f}]",
             )
         )
     words = f"{contest.truth.count} samples"
-    tiles.append(Tile(shown(contest.truth.mean, plan.size, exposure), "truth", words))
+    tiles.append(Tile(shown(contest.truth.mean, work.size, exposure), "truth", words))
     picture = blank(len(tiles) * BIG, BIG + 0.45)
     draw_tiles(picture, [tiles])
     return picture

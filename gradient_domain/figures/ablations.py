@@ -15,7 +15,7 @@ from gradient_domain.settings import GradientSettings
 from reference.arrays import Masks
 from reference.figures.bootstrap import mean_interval
 from reference.figures.canvas import BIG, Tile, blank, draw_tiles
-from reference.figures.record import PaperFigure, Plan, Row
+from reference.figures.record import PaperFigure, Row, Work
 from reference.figures.registry import Entry
 from reference.passes.gbuffer import visible_points
 from reference.scene.camera import pixel_centers
@@ -43,12 +43,12 @@ SIGNS = {
 }
 
 
-def reuse(plan: Plan, scenes: Sequence[str] | None = None) -> PaperFigure:
+def reuse(work: Work, scenes: Sequence[str] | None = None) -> PaperFigure:
     """Error of differences, with pairs around that are edges, any, or none.
 
     Parameters
     ----------
-    plan : Plan
+    work : Work
         Size, runs and schedule.
     scenes : sequence of str, optional
         Names of the catalogue, those of `SCENES` if none are given.
@@ -63,17 +63,17 @@ def reuse(plan: Plan, scenes: Sequence[str] | None = None) -> PaperFigure:
         "Figures 6 and 10: whose samples pairs take over, and what it is good for",
         AROUND,
         "nobody",
-        plan,
+        work,
         scenes,
     )
 
 
-def signs(plan: Plan, scenes: Sequence[str] | None = None) -> PaperFigure:
+def signs(work: Work, scenes: Sequence[str] | None = None) -> PaperFigure:
     """Error of differences, with a reservoir for each sign, or for both.
 
     Parameters
     ----------
-    plan : Plan
+    work : Work
         Size, runs and schedule.
     scenes : sequence of str, optional
         Names of the catalogue, those of `SCENES` if none are given.
@@ -88,7 +88,7 @@ def signs(plan: Plan, scenes: Sequence[str] | None = None) -> PaperFigure:
         "Figure 9: positivization, within the sign, across signs, and without",
         SIGNS,
         "one reservoir",
-        plan,
+        work,
         scenes,
     )
 
@@ -98,15 +98,15 @@ def _ablation(
     title: str,
     variants: Mapping[str, Variant],
     than: str,
-    plan: Plan,
+    work: Work,
     scenes: Sequence[str] | None,
 ) -> PaperFigure:
     names = tuple(scenes or SCENES)
     rows: list[Row] = []
     grid: list[list[Tile]] = []
     for scene_name in names:
-        scene = scene_of(scene_name, plan.size)
-        rounds = by_rounds(scene, variants, plan, TRUTH, like="")
+        scene = scene_of(scene_name, work.size)
+        rounds = by_rounds(scene, variants, work, TRUTH, like="")
         across = _across(scene.shown)
         rows += [_row(rounds, variant, than, across) for variant in variants]
         grid.append(
@@ -123,7 +123,7 @@ def _ablation(
         _picture(grid, names),
         tuple(rows),
         (
-            f"Frame {FRAMES} of {plan.runs} runs at {plan.size} x {plan.size}: MSE of"
+            f"Frame {FRAMES} of {work.runs} runs at {work.size} x {work.size}: MSE of"
             " differences to the right and down, of edge pairs and of the others, the"
             f" spread of the runs. 'times smaller' than '{than}' in one frame, and 'in"
             " the same time'. Intervals: 95 %, bootstrap over runs.",

@@ -20,7 +20,7 @@ from gradient_domain.figures.variants import (
 from reference.arrays import Scalars
 from reference.figures.bootstrap import mean_interval, ratio_interval
 from reference.figures.canvas import BIG, Tile, blank, draw_tiles
-from reference.figures.record import Interval, PaperFigure, Plan, Row
+from reference.figures.record import Interval, PaperFigure, Row, Work
 from reference.figures.registry import Entry
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
@@ -32,12 +32,12 @@ TRUTH = 64  # path-traced samples a run
 VARIANTS = {**METHODS, ALONE: BY_ITSELF}
 
 
-def gradients(plan: Plan) -> PaperFigure:
+def gradients(work: Work) -> PaperFigure:
     """Error of differences by path tracing, after ReSTIR, and with it.
 
     Parameters
     ----------
-    plan : Plan
+    work : Work
         Size, runs and schedule.
 
     Returns
@@ -45,17 +45,17 @@ def gradients(plan: Plan) -> PaperFigure:
     PaperFigure
         A row a scene and method.
     """
-    return of_scenes([scene_of(name, plan.size) for name in SCENES], plan)
+    return of_scenes([scene_of(name, work.size) for name in SCENES], work)
 
 
-def of_scenes(scenes: list[Scene], plan: Plan) -> PaperFigure:
+def of_scenes(scenes: list[Scene], work: Work) -> PaperFigure:
     """The same of any scenes.
 
     Parameters
     ----------
     scenes : list of Scene
         Square pictures of one size.
-    plan : Plan
+    work : Work
         Size, runs and schedule.
 
     Returns
@@ -66,7 +66,7 @@ def of_scenes(scenes: list[Scene], plan: Plan) -> PaperFigure:
     rows: list[Row] = []
     grid: list[list[Tile]] = []
     for scene in scenes:
-        rounds = by_rounds(scene, VARIANTS, plan, TRUTH, like="")
+        rounds = by_rounds(scene, VARIANTS, work, TRUTH, like="")
         rows += [_row(rounds, name) for name in VARIANTS]
         grid.append(_tiles(rounds, first=not grid))
     return PaperFigure(
@@ -75,7 +75,7 @@ def of_scenes(scenes: list[Scene], plan: Plan) -> PaperFigure:
         _picture(grid, [scene.name for scene in scenes]),
         tuple(rows),
         (
-            f"Frame {FRAMES} of {plan.runs} runs at {plan.size} x {plan.size}, the"
+            f"Frame {FRAMES} of {work.runs} runs at {work.size} x {work.size}, the"
             " primal pass included in its time. MSE is that of differences to the"
             " right and down, the spread of the runs, relMSE relative to the light of"
             " their two pixels. 'times smaller' than after ReSTIR in one frame, and 'in"

@@ -22,7 +22,7 @@ from gradient_domain.images import Reconstruction, reconstructed
 from reference.arrays import Scalars, Vec3s
 from reference.figures.bootstrap import Numbers, mean_interval, ratio_interval
 from reference.figures.canvas import BIG, Tile, blank, draw_tiles, exposure_of, shown
-from reference.figures.record import PaperFigure, Plan, Row
+from reference.figures.record import PaperFigure, Row, Work
 from reference.figures.registry import Entry
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
@@ -55,12 +55,12 @@ PAPER = (
 )
 
 
-def images(plan: Plan) -> PaperFigure:
+def images(work: Work) -> PaperFigure:
     """Error of images of each method, of its pixels alone, and of mixtures.
 
     Parameters
     ----------
-    plan : Plan
+    work : Work
         Size, runs and schedule.
 
     Returns
@@ -68,17 +68,17 @@ def images(plan: Plan) -> PaperFigure:
     PaperFigure
         A row a scene, method and norm.
     """
-    return of_scenes([scene_of(name, plan.size) for name in SCENES], plan)
+    return of_scenes([scene_of(name, work.size) for name in SCENES], work)
 
 
-def of_scenes(scenes: list[Scene], plan: Plan) -> PaperFigure:
+def of_scenes(scenes: list[Scene], work: Work) -> PaperFigure:
     """The same of any scenes.
 
     Parameters
     ----------
     scenes : list of Scene
         Square pictures of one size.
-    plan : Plan
+    work : Work
         Size, runs and schedule.
 
     Returns
@@ -89,22 +89,22 @@ def of_scenes(scenes: list[Scene], plan: Plan) -> PaperFigure:
     rows: list[Row] = []
     grid: list[list[Tile]] = []
     for scene in scenes:
-        rounds = by_rounds(scene, VARIANTS, plan, TRUTH, like=ALONE)
+        rounds = by_rounds(scene, VARIANTS, work, TRUTH, like=ALONE)
         made = _images(rounds)
         rows += _rows(rounds, made)
-        grid.append(_tiles(rounds, made, plan, first=not grid))
+        grid.append(_tiles(rounds, made, work, first=not grid))
     return PaperFigure(
         NAME,
         "Figures 8 and 12: images in the time of one frame of Gradient with ReSTIR",
         _picture(grid, [scene.name for scene in scenes]),
         tuple(rows),
         (
-            f"Frame {FRAMES} of {plan.runs} runs at {plan.size} x {plan.size}; as many"
+            f"Frame {FRAMES} of {work.runs} runs at {work.size} x {work.size}; as many"
             " copies of each method as take about the time of one of Gradient with"
             " ReSTIR with nobody around, at least one, averaged before the image is"
             " made; mixtures take pixels of the"
             " one and differences of the other. Errors are against path tracing over"
-            f" the areas of pixels, {TRUTH * plan.runs} samples a pixel. 'MSE, Area"
+            f" the areas of pixels, {TRUTH * work.runs} samples a pixel. 'MSE, Area"
             " over it' and FLIP: how many times smaller than that of as many copies of"
             " Area ReSTIR, without differences. Intervals: 95 %, bootstrap over runs."
             " The time of reconstruction is not counted.",
@@ -162,12 +162,12 @@ def _rows(rounds: Rounds, made: Made) -> list[Row]:
     return rows
 
 
-def _tiles(rounds: Rounds, made: Made, plan: Plan, first: bool) -> list[Tile]:
-    exposure = exposure_of(rounds.truth.mean, plan.size)
+def _tiles(rounds: Rounds, made: Made, work: Work, first: bool) -> list[Tile]:
+    exposure = exposure_of(rounds.truth.mean, work.size)
     width = rounds.scene.world.camera.width
 
     def tile(rows: Vec3s, title: str, words: str) -> Tile:
-        pixels = shown(np.maximum(rows, 0.0), plan.size, exposure)
+        pixels = shown(np.maximum(rows, 0.0), work.size, exposure)
         return Tile(pixels, title if first else "", words)
 
     keys = [

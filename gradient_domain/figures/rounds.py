@@ -10,7 +10,7 @@ import numpy as np
 from reference.accumulate import path_samples
 from reference.arrays import Scalars
 from reference.figures.contest import PATH_SEED
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.moments import Moments, add_samples, no_samples
 from reference.scene.animation import Animation
 from reference.schedule import Schedule
@@ -142,7 +142,7 @@ class Rounds:
 
 
 def by_rounds(
-    scene: Scene, variants: Mapping[str, Variant], plan: Plan, paths: int, like: str
+    scene: Scene, variants: Mapping[str, Variant], work: Work, paths: int, like: str
 ) -> Rounds:
     """Run all variants by turns.
 
@@ -152,7 +152,7 @@ def by_rounds(
         What is rendered.
     variants : mapping of str to Variant
         By name.
-    plan : Plan
+    work : Work
         Runs, bands and threads.
     paths : int
         Path-traced samples a run.
@@ -167,12 +167,12 @@ def by_rounds(
     """
     copies = dict.fromkeys(variants, 1)
     if like:
-        trial = _trial(scene, variants, plan)
+        trial = _trial(scene, variants, work)
         copies = {k: max(1, round(trial[like] / t)) for k, t in trial.items()}
     truth, samples = no_samples(scene.world.camera.width * scene.world.camera.height), 0
     drawn = path_samples(
         scene.shown,
-        plan.schedule,
+        work.schedule,
         light="indirect",
         bounces=scene.bounces,
         seed=PATH_SEED,
@@ -180,11 +180,11 @@ def by_rounds(
     )
     estimates: dict[str, list[Scalars]] = {name: [] for name in variants}
     times: dict[str, list[float]] = {name: [] for name in variants}
-    for run in range(plan.runs):
-        plan.tick(run, plan.runs, "runs")
+    for run in range(work.runs):
+        work.tick(run, work.runs, "runs")
         running = {
             name: [
-                v.frames(scene, run * copies[name] + c, plan.schedule)
+                v.frames(scene, run * copies[name] + c, work.schedule)
                 for c in range(copies[name])
             ]
             for name, v in variants.items()
@@ -201,18 +201,18 @@ def by_rounds(
                     mean = np.mean([f.estimates for f in found], axis=0)
                     estimates[name].append(mean)
         samples += paths
-        truth = add_samples(truth, drawn.radiance, samples, plan.schedule)
-    plan.tick(plan.runs, plan.runs, "runs")
+        truth = add_samples(truth, drawn.radiance, samples, work.schedule)
+    work.tick(work.runs, work.runs, "runs")
     seconds = {name: float(np.median(spent)) for name, spent in times.items()}
     return Rounds(scene, estimates, copies, seconds, truth)
 
 
 def _trial(
-    scene: Scene, variants: Mapping[str, Variant], plan: Plan
+    scene: Scene, variants: Mapping[str, Variant], work: Work
 ) -> dict[str, float]:
     times: dict[str, list[float]] = {name: [] for name in variants}
     running = {
-        name: v.frames(scene, PATH_SEED, plan.schedule) for name, v in variants.items()
+        name: v.frames(scene, PATH_SEED, work.schedule) for name, v in variants.items()
     }
     for _ in range(TRIAL):
         for name, frames in running.items():

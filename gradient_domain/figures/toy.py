@@ -19,7 +19,7 @@ from gradient_domain.paired_domain import (
 from reference.arrays import Scalars
 from reference.figures.bootstrap import Numbers, mean_interval, ratio_interval
 from reference.figures.canvas import COLORS, SIDE, blank, tidy
-from reference.figures.record import Deviation, PaperFigure, Plan, Row
+from reference.figures.record import Deviation, PaperFigure, Row, Work
 from reference.figures.registry import Entry
 from reference.resampling.reservoir import (
     Candidates,
@@ -150,12 +150,12 @@ VARIANTS: dict[str, Callable[[Scalars, Scalars], tuple[Scalars, Numbers]]] = {
 }
 
 
-def toy(plan: Plan) -> PaperFigure:
+def toy(work: Work) -> PaperFigure:
     """Variance of the difference, and which samples are kept for it.
 
     Parameters
     ----------
-    plan : Plan
+    work : Work
         Runs, of 500 repeats each; a size does not matter.
 
     Returns
@@ -169,8 +169,8 @@ def toy(plan: Plan) -> PaperFigure:
     errors: dict[str, list[float]] = {name: [] for name in VARIANTS}
     found: dict[str, list[Numbers]] = {name: [] for name in VARIANTS}
     kept: dict[str, Scalars] = {}
-    for run in range(plan.runs):
-        plan.tick(run, plan.runs, "runs")
+    for run in range(work.runs):
+        work.tick(run, work.runs, "runs")
         rng = np.random.default_rng(run)
         shape = 2, CANDIDATES, REPEATS
         x, u = rng.uniform(-EDGE, EDGE, shape), rng.random(shape)
@@ -178,7 +178,7 @@ def toy(plan: Plan) -> PaperFigure:
             kept[name], estimates = make(x, u)
             found[name].append(estimates)
             errors[name].append(float(np.mean((estimates - truth) ** 2)))
-    plan.tick(plan.runs, plan.runs, "runs")
+    work.tick(work.runs, work.runs, "runs")
     first, *_ = VARIANTS
     rows: list[Row] = [
         {
@@ -197,7 +197,7 @@ def toy(plan: Plan) -> PaperFigure:
         _picture(grid, kept),
         tuple(rows),
         (
-            f"{plan.runs} runs of {REPEATS} repeats; {CANDIDATES} new samples of each"
+            f"{work.runs} runs of {REPEATS} repeats; {CANDIDATES} new samples of each"
             f" function a repeat, drawn evenly. The integral is {truth:.4f}. 'mean less"
             " truth' is in parts of it, with its standard error. Intervals: 95 %,"
             " bootstrap over runs. The article prints no number.",

@@ -22,7 +22,7 @@ from reference.figures.canvas import (
     tidy,
 )
 from reference.figures.paths import sized_world
-from reference.figures.record import PaperFigure, Plan, Row
+from reference.figures.record import PaperFigure, Row, Work
 from reference.figures.registry import Entry
 from reference.images import to_image
 from reference.rng import Stream, pcg4d, to_unit_interval
@@ -38,12 +38,12 @@ FRAMES = 6
 """Until the cells have something to lend."""
 
 
-def cells(plan: Plan) -> PaperFigure:
+def cells(work: Work) -> PaperFigure:
     """Cells that visible points lie in, and whose samples their paths take over.
 
     Parameters
     ----------
-    plan : Plan
+    work : Work
         Size, seed of the last run, and schedule.
 
     Returns
@@ -51,14 +51,14 @@ def cells(plan: Plan) -> PaperFigure:
     PaperFigure
         A row a scene, with the counts of its grid.
     """
-    found = {name: _last(name, plan) for name in SCENES}
+    found = {name: _last(name, work) for name in SCENES}
     return PaperFigure(
         NAME,
         "Cells of the grid: sizes, borders, and whose samples pixels take",
-        _picture(found, plan),
+        _picture(found, work),
         tuple(_row(name, frame) for name, frame in found.items()),
         (
-            f"Frame {FRAMES} of world-reservoirs at {plan.size} x {plan.size},"
+            f"Frame {FRAMES} of world-reservoirs at {work.size} x {work.size},"
             f" {BOUNCES} bounces: the grid holds the second and later points of all"
             " paths. A cell is some 16 pixels wide, rounded down to a power of two of"
             " a millimetre.",
@@ -72,10 +72,10 @@ def cells(plan: Plan) -> PaperFigure:
     )
 
 
-def _last(name: str, plan: Plan) -> LightFrame:
-    world = sized_world(name, plan.size)
+def _last(name: str, work: Work) -> LightFrame:
+    world = sized_world(name, work.size)
     made = render_light_frames(
-        world, METHOD.settings, BOUNCES, plan.runs, plan.schedule
+        world, METHOD.settings, BOUNCES, work.runs, work.schedule
     )
     *_, last = (next(made) for _ in range(FRAMES))
     return last
@@ -95,10 +95,10 @@ def _row(name: str, frame: LightFrame) -> Row:
     }
 
 
-def _picture(found: dict[str, LightFrame], plan: Plan) -> "Figure":
+def _picture(found: dict[str, LightFrame], work: Work) -> "Figure":
     picture = blank(4 * BIG, len(found) * (BIG + 0.3) + 2.6)
     above, below = split(picture, 2, 1, [len(found) * 1.3, 1.0])
-    rows = [_tiles(frame, plan, n == 0) for n, frame in enumerate(found.values())]
+    rows = [_tiles(frame, work, n == 0) for n, frame in enumerate(found.values())]
     draw_tiles(above, rows, tuple(found))
     left, right = below.subplots(1, 2)
     for color, (name, frame) in zip(COLORS, found.items(), strict=False):
@@ -113,7 +113,7 @@ def _picture(found: dict[str, LightFrame], plan: Plan) -> "Figure":
     return picture
 
 
-def _tiles(frame: LightFrame, plan: Plan, first: bool) -> list[Tile]:
+def _tiles(frame: LightFrame, work: Work, first: bool) -> list[Tile]:
     lattice, visible = frame.cache.lattice, frame.visible
     level = levels(lattice, visible.surface.position)
     seen = visible.surface.hit
@@ -134,7 +134,7 @@ def _tiles(frame: LightFrame, plan: Plan, first: bool) -> list[Tile]:
         ),
     ]
     return [
-        Tile(_image(rows, plan.size), title if first else "", caption)
+        Tile(_image(rows, work.size), title if first else "", caption)
         for title, rows, caption in pictures
     ]
 

@@ -15,7 +15,7 @@ from reference.arrays import Vec3s
 from reference.figures.bootstrap import mean_interval, ratio_interval
 from reference.figures.canvas import BIG, Tile, blank, draw_tiles, exposure_of, shown
 from reference.figures.paths import sized_world
-from reference.figures.record import Deviation, Interval, PaperFigure, Plan, Row
+from reference.figures.record import Deviation, Interval, PaperFigure, Row, Work
 from reference.figures.registry import Entry
 from reference.schedule import Schedule
 from reference.world import World
@@ -40,12 +40,12 @@ VARIANTS = {
 }
 
 
-def light_cache(plan: Plan) -> PaperFigure:
+def light_cache(work: Work) -> PaperFigure:
     """Error of light reservoirs, and of next-event estimation in the same time.
 
     Parameters
     ----------
-    plan : Plan
+    work : Work
         Size, runs and schedule.
 
     Returns
@@ -56,14 +56,14 @@ def light_cache(plan: Plan) -> PaperFigure:
     rows: list[Row] = []
     grid: list[list[Tile]] = []
     for scene, bounces in PLANS:
-        world = sized_world(scene, plan.size)
+        world = sized_world(scene, work.size)
         variants = {
-            name: partial(_colors, world, settings, bounces, plan.schedule)
+            name: partial(_colors, world, settings, bounces, work.schedule)
             for name, settings in VARIANTS.items()
         }
-        turns = by_turns(world, bounces, variants, plan)
+        turns = by_turns(world, bounces, variants, work)
         rows += [_row(turns, scene, bounces, name) for name in VARIANTS]
-        grid.append(_tiles(turns, plan, first=not grid))
+        grid.append(_tiles(turns, work, first=not grid))
     names = [f"{scene}, bounces: {bounces}" for scene, bounces in PLANS]
     return PaperFigure(
         NAME,
@@ -71,8 +71,8 @@ def light_cache(plan: Plan) -> PaperFigure:
         _picture(grid, names),
         tuple(rows),
         (
-            f"{COUNTED} frames after the first {WARM}, of {plan.runs} runs at"
-            f" {plan.size} x {plan.size}. MSE is the spread of frames of one number"
+            f"{COUNTED} frames after the first {WARM}, of {work.runs} runs at"
+            f" {work.size} x {work.size}. MSE is the spread of frames of one number"
             " over the runs. 'times smaller' is that of next-event estimation with one"
             " light a vertex, drawn by power and not weighted against chance, in the"
             " same time; 'than paths' that of the path tracer, which is. Intervals:"
@@ -110,9 +110,9 @@ def _row(turns: Turns, scene: str, bounces: int, name: str) -> Row:
     }
 
 
-def _tiles(turns: Turns, plan: Plan, first: bool) -> list[Tile]:
+def _tiles(turns: Turns, work: Work, first: bool) -> list[Tile]:
     truth, (run, *_) = turns.truth, turns.colors[PLAIN]
-    exposure = exposure_of(truth.mean, plan.size)
+    exposure = exposure_of(truth.mean, work.size)
     count = max(1, round(turns.seconds[UNBIASED] / turns.seconds[PLAIN]))
     plain = np.mean(run[:count], axis=0)
     times = _times(turns, UNBIASED)
@@ -124,7 +124,7 @@ def _tiles(turns: Turns, plan: Plan, first: bool) -> list[Tile]:
         ("truth", truth.mean, f"{truth.count} path-traced samples"),
     ]
     return [
-        Tile(shown(rows, plan.size, exposure), title if first else "", caption)
+        Tile(shown(rows, work.size, exposure), title if first else "", caption)
         for title, rows, caption in pictures
     ]
 

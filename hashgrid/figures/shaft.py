@@ -10,7 +10,7 @@ from reference.figures.bootstrap import mean_interval, ratio_interval
 from reference.figures.canvas import BIG, Tile, blank, draw_tiles, exposure_of, shown
 from reference.figures.contest import FRAMES, Contender, Contest, compete
 from reference.figures.paths import sized_world
-from reference.figures.record import Deviation, Interval, PaperFigure, Plan, Row
+from reference.figures.record import Deviation, Interval, PaperFigure, Row, Work
 from reference.figures.registry import Entry
 from reference.figures.spread import spreads
 from reference.methods.method import Method
@@ -38,12 +38,12 @@ VARIANTS: dict[str, Method] = {
 }
 
 
-def shaft(plan: Plan) -> PaperFigure:
+def shaft(work: Work) -> PaperFigure:
     """Error of paths that ask cells, and of screen-space reuse in the same time.
 
     Parameters
     ----------
-    plan : Plan
+    work : Work
         Size, runs and schedule.
 
     Returns
@@ -55,17 +55,17 @@ def shaft(plan: Plan) -> PaperFigure:
     grid: list[list[Tile]] = []
     contenders = [Contender(name, m, BOUNCES) for name, m in VARIANTS.items()]
     for scene in SCENES:
-        world = sized_world(scene, plan.size)
-        contest = compete(world, contenders, BOUNCES, plan, PATHS)
+        world = sized_world(scene, work.size)
+        contest = compete(world, contenders, BOUNCES, work, PATHS)
         rows += [_row(contest, scene, name) for name in VARIANTS]
-        grid.append(_tiles(contest, plan, first=not grid))
+        grid.append(_tiles(contest, work, first=not grid))
     return PaperFigure(
         NAME,
         "Light that comes by few ways, two bounces: reuse on the screen and in cells",
         _picture(grid),
         tuple(rows),
         (
-            f"Frame {FRAMES} of {plan.runs} runs at {plan.size} x {plan.size}. MSE is"
+            f"Frame {FRAMES} of {work.runs} runs at {work.size} x {work.size}. MSE is"
             " the spread of the runs, without the bias of the article's form. 'times"
             " smaller' is that of ReSTIR GI (1/Z) in the same time, 'in a frame' that"
             " of one frame. Intervals: 95 %, bootstrap over runs.",
@@ -97,19 +97,19 @@ def _row(contest: Contest, scene: str, name: str) -> Row:
     }
 
 
-def _tiles(contest: Contest, plan: Plan, first: bool) -> list[Tile]:
-    exposure = exposure_of(contest.truth.mean, plan.size)
+def _tiles(contest: Contest, work: Work, first: bool) -> list[Tile]:
+    exposure = exposure_of(contest.truth.mean, work.size)
     tiles = []
     for name in VARIANTS:
         times = _times(contest, name, _equal_time(contest, name))
         tiles.append(
             Tile(
-                shown(contest.runs[name].colors[0], plan.size, exposure),
+                shown(contest.runs[name].colors[0], work.size, exposure),
                 name if first else "",
                 f"{times.value:.1f} times smaller [{times.low:.1f}, {times.high:.1f}]",
             )
         )
-    truth = shown(contest.truth.mean, plan.size, exposure)
+    truth = shown(contest.truth.mean, work.size, exposure)
     words = f"{contest.truth.count} path-traced samples"
     return [*tiles, Tile(truth, "truth" if first else "", words)]
 

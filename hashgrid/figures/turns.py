@@ -14,7 +14,7 @@ from reference.arrays import Vec3s
 from reference.figures.batches import merge
 from reference.figures.bootstrap import Numbers
 from reference.figures.contest import PATH_SEED
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.figures.spread import spreads
 from reference.moments import Moments, add_samples, no_samples
 from reference.world import World
@@ -99,7 +99,7 @@ class Turns:
 
 
 def by_turns(
-    world: World, bounces: int, variants: Mapping[str, Renders], plan: Plan
+    world: World, bounces: int, variants: Mapping[str, Renders], work: Work
 ) -> Turns:
     """Run all variants by turns, with path tracing between their frames.
 
@@ -111,7 +111,7 @@ def by_turns(
         Of indirect light.
     variants : mapping of str to callable
         From the seed of a run to the colours of its frames.
-    plan : Plan
+    work : Work
         Runs, bands and threads.
 
     Returns
@@ -122,13 +122,13 @@ def by_turns(
     colors: dict[str, list[list[Vec3s]]] = {name: [] for name in variants}
     times: dict[str, list[float]] = {name: [] for name in variants}
     batches, path_times = [], []
-    for run in range(plan.runs):
-        plan.tick(run, plan.runs, "runs")
+    for run in range(work.runs):
+        work.tick(run, work.runs, "runs")
         running = {name: make(run) for name, make in variants.items()}
         kept: dict[str, list[Vec3s]] = {name: [] for name in variants}
         paths = path_samples(
             world,
-            plan.schedule,
+            work.schedule,
             light="indirect",
             bounces=bounces,
             seed=PATH_SEED + run,
@@ -145,11 +145,11 @@ def by_turns(
             if frame >= WARM:
                 start = time.perf_counter()
                 until = moments.count + PATHS
-                moments = add_samples(moments, paths.radiance, until, plan.schedule)
+                moments = add_samples(moments, paths.radiance, until, work.schedule)
                 path_times.append((time.perf_counter() - start) / PATHS)
         batches.append(moments)
         for name in variants:
             colors[name].append(kept[name])
-    plan.tick(plan.runs, plan.runs, "runs")
+    work.tick(work.runs, work.runs, "runs")
     seconds = {name: float(np.median(spent)) for name, spent in times.items()}
     return Turns(colors, seconds, batches, float(np.median(path_times)))

@@ -13,7 +13,7 @@ from reference.commands.targets import make_folder
 from reference.commands.values import whole
 from reference.errors import UsageError
 from reference.figures import registry
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.figures.table import as_plain, table
 from reference.files import write_file
 from reference.machine import machine
@@ -83,19 +83,19 @@ def run(arguments: argparse.Namespace) -> None:
         for name in arguments.figures or registry.figure_names()
     ]
     entries = list(dict.fromkeys(wanted))
-    plans = [_plan(arguments, entry) for entry in entries]
+    works = [_work(arguments, entry) for entry in entries]
     refuse_what_does_not_fit(arguments.size, arguments.size)
     make_folder(arguments.out)
     results: list[dict[str, Any]] = []
-    for entry, plan in zip(entries, plans, strict=True):
+    for entry, work in zip(entries, works, strict=True):
         with progress(f"figure {entry.name}") as tick:
-            figure = entry.make(replace(plan, tick=tick))
+            figure = entry.make(replace(work, tick=tick))
         picture = arguments.out / f"{entry.name}.png"
         numbers = {
             **as_plain(figure),
             "picture": picture.name,
-            "size": plan.size,
-            "runs": plan.runs,
+            "size": work.size,
+            "runs": work.runs,
             "machine": machine(),
         }
         write_file(picture, figure.png())
@@ -111,7 +111,7 @@ def run(arguments: argparse.Namespace) -> None:
         emit({"figures": results})
 
 
-def _plan(arguments: argparse.Namespace, entry: registry.Entry) -> Plan:
+def _work(arguments: argparse.Namespace, entry: registry.Entry) -> Work:
     runs = arguments.runs or entry.runs
     if runs < entry.least_runs:
         raise UsageError(
@@ -119,4 +119,4 @@ def _plan(arguments: argparse.Namespace, entry: registry.Entry) -> Plan:
         )
     pixels = arguments.size**2
     band = min(options.BAND, -(-pixels // arguments.threads))
-    return Plan(arguments.size, runs, Schedule(band, arguments.threads))
+    return Work(arguments.size, runs, Schedule(band, arguments.threads))

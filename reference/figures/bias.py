@@ -24,7 +24,7 @@ from reference.figures.contest import (
     compete,
 )
 from reference.figures.paths import sized_world
-from reference.figures.record import Deviation, PaperFigure, Plan, Row
+from reference.figures.record import Deviation, PaperFigure, Row, Work
 from reference.figures.tiles import (
     TILE,
     largest_of_half,
@@ -44,12 +44,12 @@ FACTOR = 10.0  # of the difference, as in the paper
 BLOCKS = 32  # a side, over which the difference is averaged to be seen
 
 
-def bias(plan: Plan) -> PaperFigure:
+def bias(work: Work) -> PaperFigure:
     """Unbiased and biased spatial reuse, and ten times their difference.
 
     Parameters
     ----------
-    plan : Plan
+    work : Work
         Size, schedule, and at least four runs.
 
     Returns
@@ -65,15 +65,15 @@ def bias(plan: Plan) -> PaperFigure:
     traced in both, so that nothing else is biased.
     """
     contenders = [_contender(UNBIASED_FORM, "1/Z"), _contender(BIASED_FORM, "1/M")]
-    contest = compete(sized_world(SCENE, plan.size), contenders, 1, plan, paths=2)
+    contest = compete(sized_world(SCENE, work.size), contenders, 1, work, paths=2)
     return PaperFigure(
         NAME,
         "Figure 9: bias of spatial reuse around thin legs on a glossy floor",
-        _picture(contest, plan),
-        tuple(_rows(contest, plan.size)),
+        _picture(contest, work),
+        tuple(_rows(contest, work.size)),
         (
-            f"{SCENE}, one bounce, {plan.size} x {plan.size}: mean of {FRAMES} frames"
-            f" of {plan.runs} runs; truth of {contest.truth.count} path-traced samples"
+            f"{SCENE}, one bounce, {work.size} x {work.size}: mean of {FRAMES} frames"
+            f" of {work.runs} runs; truth of {contest.truth.count} path-traced samples"
             " a pixel. Run i of both forms has the same initial samples, so that their"
             " difference has less noise than either.",
             f"The tile, of {TILE} x {TILE} pixels, is the one with the largest"
@@ -118,8 +118,8 @@ def _tiles(color: Vec3s, size: int) -> Numbers:
     return tile_luminance(color, size).ravel()
 
 
-def _picture(contest: Contest, plan: Plan) -> "Figure":
-    size = plan.size
+def _picture(contest: Contest, work: Work) -> "Figure":
+    size = work.size
     means = {name: np.mean(runs.colors, axis=0) for name, runs in contest.runs.items()}
     exposure = exposure_of(contest.truth.mean, size)
     block = max(1, size // BLOCKS)

@@ -19,7 +19,7 @@ from reference.figures.contest import (
     compete,
 )
 from reference.figures.paths import path_traced, sized_world
-from reference.figures.record import Deviation, PaperFigure, Plan, Row
+from reference.figures.record import Deviation, PaperFigure, Row, Work
 from reference.methods.restir_gi import UNBIASED
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
@@ -34,12 +34,12 @@ VARIANTS = {ONE: (1, 1.0), TWO: (2, 1.0), SOME: (2, ROULETTE)}
 INITIAL = ", initial samples"
 
 
-def bounces(plan: Plan) -> PaperFigure:
+def bounces(work: Work) -> PaperFigure:
     """Pictures with more and more light, and the time of each part of a frame.
 
     Parameters
     ----------
-    plan : Plan
+    work : Work
         Size, runs and schedule.
 
     Returns
@@ -57,16 +57,16 @@ def bounces(plan: Plan) -> PaperFigure:
         for name, variant in VARIANTS.items()
         for suffix, reuse in (("", True), (INITIAL, False))
     ]
-    contest = compete(sized_world(SCENE, plan.size), contenders, 2, plan)
+    contest = compete(sized_world(SCENE, work.size), contenders, 2, work)
     first = contest.runs[ONE + INITIAL].seconds
     return PaperFigure(
         NAME,
         "Figure 8: one and two bounces, and their cost",
-        _picture(contest, plan),
+        _picture(contest, work),
         tuple(_row(contest, name, first) for name in VARIANTS),
         (
-            f"{SCENE}, {plan.size} x {plan.size}, unbiased form: medians of the last"
-            f" frames of {plan.runs} runs of {FRAMES} frames. Two-bounce path tracing"
+            f"{SCENE}, {work.size} x {work.size}, unbiased form: medians of the last"
+            f" frames of {work.runs} runs of {FRAMES} frames. Two-bounce path tracing"
             f" takes {1000 * contest.path_seconds:.1f} ms a sample; its mean of"
             f" {contest.truth.count} samples a pixel is the truth.",
             "In the paper, on a GPU: initial samples 3.2 ms with one bounce and 4.2 ms"
@@ -94,13 +94,13 @@ def _row(contest: Contest, name: str, first: float) -> Row:
     }
 
 
-def _picture(contest: Contest, plan: Plan) -> "Figure":
-    direct = path_traced(contest.world, "direct", 0, DIRECT_SAMPLES, plan)
+def _picture(contest: Contest, work: Work) -> "Figure":
+    direct = path_traced(contest.world, "direct", 0, DIRECT_SAMPLES, work)
     light = {name: contest.runs[name].colors[0] for name in (ONE, TWO)}
-    full = exposure_of(direct + contest.truth.mean, plan.size)
-    alone = exposure_of(contest.truth.mean, plan.size)
+    full = exposure_of(direct + contest.truth.mean, work.size)
+    alone = exposure_of(contest.truth.mean, work.size)
     samples = max(1, round(contest.runs[TWO].seconds / contest.path_seconds))
-    paths = path_traced(contest.world, "indirect", 2, samples, plan)
+    paths = path_traced(contest.world, "indirect", 2, samples, work)
     rows = (
         (
             full,
@@ -116,7 +116,7 @@ def _picture(contest: Contest, plan: Plan) -> "Figure":
         ),
     )
     grid = [
-        [Tile(shown(rows, plan.size, exposure), name) for name, rows in pictures]
+        [Tile(shown(rows, work.size, exposure), name) for name, rows in pictures]
         for exposure, *pictures in rows
     ]
     picture = blank(3 * BIG, 2 * BIG + 0.6)

@@ -18,7 +18,7 @@ from reference.arrays import Masks, Vec3s
 from reference.demo.runs import CONVERGED, Runs
 from reference.figures.batches import merge
 from reference.figures.bootstrap import Numbers
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.methods import Job, Method, Rendering
 from reference.moments import Moments, add_samples, no_samples
 from reference.world import World
@@ -124,7 +124,7 @@ def compete(
     world: World,
     contenders: Sequence[Contender],
     bounces: int,
-    plan: Plan,
+    work: Work,
     paths: int = 1,
 ) -> Contest:
     """Run all contenders by turns, with path tracing between their frames.
@@ -137,7 +137,7 @@ def compete(
         Each runs `FRAMES` frames a run.
     bounces : int
         Bounces of path tracing.
-    plan : Plan
+    work : Work
         Runs, bands and threads.
     paths : int
         Path-traced samples a frame.
@@ -150,15 +150,15 @@ def compete(
     batches, path_times = [], []
     frame_times: dict[str, list[float]] = {c.name: [] for c in contenders}
     colors: dict[str, list[Vec3s]] = {c.name: [] for c in contenders}
-    for run in range(plan.runs):
-        plan.tick(run, plan.runs, "runs")
+    for run in range(work.runs):
+        work.tick(run, work.runs, "runs")
         running = [
-            _Running(c, c.method.render(_job(world, c, run, plan)), [])
+            _Running(c, c.method.render(_job(world, c, run, work)), [])
             for c in contenders
         ]
         samples = path_samples(
             world,
-            plan.schedule,
+            work.schedule,
             light="indirect",
             bounces=bounces,
             seed=PATH_SEED + run,
@@ -169,17 +169,17 @@ def compete(
                 one.advance()
             start = time.perf_counter()
             until = moments.count + paths
-            moments = add_samples(moments, samples.radiance, until, plan.schedule)
+            moments = add_samples(moments, samples.radiance, until, work.schedule)
             path_times.append((time.perf_counter() - start) / paths)
         batches.append(moments)
         for one in running:
             frame_times[one.contender.name] += one.times[-CONVERGED:]
             colors[one.contender.name].append(one.color())
-    plan.tick(plan.runs, plan.runs, "runs")
+    work.tick(work.runs, work.runs, "runs")
     runs = {
         c.name: Runs(
             c.method,
-            _job(world, c, 0, plan),
+            _job(world, c, 0, work),
             colors[c.name],
             float(np.median(frame_times[c.name])),
             Counter(),
@@ -190,7 +190,7 @@ def compete(
     return Contest(world, bounces, batches, merge(batches), seconds, runs)
 
 
-def _job(world: World, contender: Contender, seed: int, plan: Plan) -> Job:
+def _job(world: World, contender: Contender, seed: int, work: Work) -> Job:
     return Job(
         world=world,
         light="indirect",
@@ -199,5 +199,5 @@ def _job(world: World, contender: Contender, seed: int, plan: Plan) -> Job:
         counts={"frames": FRAMES, "spp": 1},
         settings=contender.method.settings,
         aovs=(),
-        schedule=plan.schedule,
+        schedule=work.schedule,
     )

@@ -23,7 +23,7 @@ from reference.figures.contest import (
     compete,
 )
 from reference.figures.paths import path_traced, sized_world
-from reference.figures.record import Deviation, Interval, PaperFigure, Plan, Row
+from reference.figures.record import Deviation, Interval, PaperFigure, Row, Work
 from reference.methods.restir_gi import BIASED, UNBIASED
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
@@ -50,12 +50,12 @@ CONTENDERS = (
 PAPER = {"biased": (14.6, 141.0), "unbiased": (9.3, 166.0)}  # section 6
 
 
-def equal_time(plan: Plan, scenes: tuple[str, ...] = SCENES) -> PaperFigure:
+def equal_time(work: Work, scenes: tuple[str, ...] = SCENES) -> PaperFigure:
     """Error of one frame of ReSTIR GI, and of path tracing that takes the same time.
 
     Parameters
     ----------
-    plan : Plan
+    work : Work
         Size, runs and schedule.
     scenes : tuple of str
         Of the catalogue.
@@ -72,10 +72,10 @@ def equal_time(plan: Plan, scenes: tuple[str, ...] = SCENES) -> PaperFigure:
     rows: list[Row] = []
     grid: list[list[Tile]] = []
     for name in scenes:
-        contest = compete(sized_world(name, plan.size), CONTENDERS, BOUNCES, plan)
+        contest = compete(sized_world(name, work.size), CONTENDERS, BOUNCES, work)
         ratios = {c.name: ratio(contest, c.name) for c in CONTENDERS}
         rows += [_row(contest, name, c.name, ratios[c.name]) for c in CONTENDERS]
-        grid.append(_tiles(contest, ratios, plan, first=not grid))
+        grid.append(_tiles(contest, ratios, work, first=not grid))
     picture = blank((len(CONTENDERS) + 2) * SIDE, len(scenes) * (SIDE + 0.2) + 2.6)
     above, below = split(picture, 2, 1, [len(scenes), 1.1])
     draw_tiles(above, grid, scenes)
@@ -86,7 +86,7 @@ def equal_time(plan: Plan, scenes: tuple[str, ...] = SCENES) -> PaperFigure:
         picture,
         tuple(rows),
         (
-            f"Frame {FRAMES} of {plan.runs} runs at {plan.size} x {plan.size}, against"
+            f"Frame {FRAMES} of {work.runs} runs at {work.size} x {work.size}, against"
             f" {contest.truth.count} path-traced samples a pixel, whose own noise is"
             " taken off. Path tracing has as many samples, also fractions of one, as"
             " fit into the time of a frame at the end of a run; times are medians, and"
@@ -131,13 +131,13 @@ def _row(contest: Contest, scene: str, name: str, times: Interval) -> Row:
 
 
 def _tiles(
-    contest: Contest, ratios: dict[str, Interval], plan: Plan, first: bool
+    contest: Contest, ratios: dict[str, Interval], work: Work, first: bool
 ) -> list[Tile]:
     truth = contest.truth
-    exposure = exposure_of(truth.mean, plan.size)
+    exposure = exposure_of(truth.mean, work.size)
     samples = contest.runs["unbiased"].seconds / contest.path_seconds
     whole = max(1, round(samples))
-    paths = path_traced(contest.world, "indirect", BOUNCES, whole, plan)
+    paths = path_traced(contest.world, "indirect", BOUNCES, whole, work)
     pictures = [
         ("path traced, equal time", paths, f"{whole} samples"),
         *(
@@ -147,7 +147,7 @@ def _tiles(
         ("truth", truth.mean, f"{truth.count} samples"),
     ]
     return [
-        Tile(shown(rows, plan.size, exposure), title if first else "", caption)
+        Tile(shown(rows, work.size, exposure), title if first else "", caption)
         for title, rows, caption in pictures
     ]
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from reference.arrays import Scalars, Vec3s, dot
 from reference.figures.canvas import COLORS, blank, tidy
-from reference.figures.record import PaperFigure, Plan, Row
+from reference.figures.record import PaperFigure, Row, Work
 from reference.oracle.rungs.exact_formulas import FORMULAS
 from reference.oracle.rungs.exact_numbers import DIGITS, Exact
 from reference.resampling.shift import reconnection_jacobian
@@ -46,12 +46,12 @@ class Geometry:
     normal: Vec3s
 
 
-def extremes(plan: Plan) -> PaperFigure:
+def extremes(work: Work) -> PaperFigure:
     """Errors over distance and angle, and far from the origin.
 
     Parameters
     ----------
-    plan : Plan
+    work : Work
         ``runs`` geometries in each cell.
 
     Returns
@@ -61,10 +61,10 @@ def extremes(plan: Plan) -> PaperFigure:
     """
     errors, shares, curves, rows = {}, {}, {}, list[Row]()
     for done, dtype in enumerate(TYPES):
-        plan.tick(done, len(TYPES), "types")
+        work.tick(done, len(TYPES), "types")
         name = np.dtype(dtype).name
-        errors[name], shares[name] = _over_distance_and_angle(dtype, plan.runs)
-        curves[name] = _far_from_the_origin(dtype, plan.runs)
+        errors[name], shares[name] = _over_distance_and_angle(dtype, work.runs)
+        curves[name] = _far_from_the_origin(dtype, work.runs)
         kernel, places = curves[name]
         rows.append(
             {
@@ -76,14 +76,14 @@ def extremes(plan: Plan) -> PaperFigure:
                 "at 2^20 m": float(places[-1]),
             }
         )
-    plan.tick(len(TYPES), len(TYPES), "types")
+    work.tick(len(TYPES), len(TYPES), "types")
     return PaperFigure(
         NAME,
         "The Jacobian at its extremes: error over distance, angle and offset",
         _picture(errors, shares, curves),
         tuple(rows),
         (
-            f"Largest of {plan.runs} geometries a cell. Error: |J - exact| / (eps"
+            f"Largest of {work.runs} geometries a cell. Error: |J - exact| / (eps"
             " exact), on the rounded inputs. Bound: (22 + 4 Σκ) eps, derived where the"
             " kernel is tested. Far from the origin the kernel is as exact as ever for"
             " the places that it is given, but these are no longer those of the scene:"

@@ -27,7 +27,7 @@ from reference.figures.contest import (
     compete,
 )
 from reference.figures.paths import sized_world
-from reference.figures.record import Deviation, PaperFigure, Plan
+from reference.figures.record import Deviation, PaperFigure, Work
 from reference.figures.regions import floor_points, zones
 from reference.figures.tiles import mean_and_error
 from reference.images import luminance
@@ -50,12 +50,12 @@ Zones = dict[tuple[float, float], Masks]
 Profile = dict[tuple[float, float], Deviation]
 
 
-def jacobian(plan: Plan) -> PaperFigure:
+def jacobian(work: Work) -> PaperFigure:
     """Light of the floor before a sunlit wall, by what becomes of the Jacobian.
 
     Parameters
     ----------
-    plan : Plan
+    work : Work
         Size, runs and schedule.
 
     Returns
@@ -69,8 +69,8 @@ def jacobian(plan: Plan) -> PaperFigure:
     """
     contenders = [_contender(use, use, "1/Z") for use in USES]
     contenders.append(_contender(BALANCED, "multiplied", "balance"))
-    contest = compete(sized_world(SCENE, plan.size), contenders, 1, plan, paths=2)
-    position, normal, floor = floor_points(contest.world, plan)
+    contest = compete(sized_world(SCENE, work.size), contenders, 1, work, paths=2)
+    position, normal, floor = floor_points(contest.world, work)
     before = floor & (np.abs(position[:, 0]) < HALF)
     places = zones(position[:, 2], before, EDGES)
     answer = sunlit_wall_indirect(position, normal)
@@ -80,7 +80,7 @@ def jacobian(plan: Plan) -> PaperFigure:
     }
     picture = blank(4 * SIDE, 2 * SIDE + 0.9)
     above, below = split(picture, 2, 1, [SIDE + 0.3, SIDE + 0.6])
-    draw_tiles(above, [_tiles(contest, answer, plan)])
+    draw_tiles(above, [_tiles(contest, answer, work)])
     _charts(below, found)
     return PaperFigure(
         NAME,
@@ -94,8 +94,8 @@ def jacobian(plan: Plan) -> PaperFigure:
             for low, high in places
         ),
         (
-            f"{SCENE}, one bounce, {plan.size} x {plan.size}: mean of {FRAMES} frames"
-            f" of {plan.runs} runs, unbiased form, less the closed form, as a share of"
+            f"{SCENE}, one bounce, {work.size} x {work.size}: mean of {FRAMES} frames"
+            f" of {work.runs} runs, unbiased form, less the closed form, as a share of"
             f" it; {contest.truth.count} path-traced samples a pixel. Bars: two"
             " standard errors.",
             "Close to the wall the weights 1/Z have a heavy tail: most runs are a"
@@ -128,8 +128,8 @@ def _deviations(colors: list[Vec3s], answer: Vec3s, places: Zones) -> Profile:
     return found
 
 
-def _tiles(contest: Contest, answer: Vec3s, plan: Plan) -> list[Tile]:
-    exposure = exposure_of(answer, plan.size)
+def _tiles(contest: Contest, answer: Vec3s, work: Work) -> list[Tile]:
+    exposure = exposure_of(answer, work.size)
     captions = {
         "left-out": "as if it were 1",
         "multiplied": "Equation 11",
@@ -137,14 +137,14 @@ def _tiles(contest: Contest, answer: Vec3s, plan: Plan) -> list[Tile]:
     }
     tiles = [
         Tile(
-            shown(np.mean(contest.runs[use].colors, axis=0), plan.size, exposure),
+            shown(np.mean(contest.runs[use].colors, axis=0), work.size, exposure),
             f"Jacobian {use.replace('-', ' ')}",
             captions[use],
         )
         for use in USES
     ]
     words = f"{contest.truth.count} samples"
-    truth = shown(contest.truth.mean, plan.size, exposure)
+    truth = shown(contest.truth.mean, work.size, exposure)
     return [*tiles, Tile(truth, "path traced", words)]
 
 

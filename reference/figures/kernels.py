@@ -9,7 +9,7 @@ from reference.exactness.extremes import EXTREMES
 from reference.exactness.matrix import TYPES, Cell, matrix
 from reference.exactness.registry import kernels
 from reference.figures.canvas import QUIET, blank
-from reference.figures.record import PaperFigure, Plan, Row
+from reference.figures.record import PaperFigure, Row, Work
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.axes import Axes
@@ -18,12 +18,12 @@ if TYPE_CHECKING:  # matplotlib takes half a second to load
 NAME = "kernels"
 
 
-def kernels_at_extremes(plan: Plan) -> PaperFigure:
+def kernels_at_extremes(work: Work) -> PaperFigure:
     """Errors of all kernels beside exact numbers.
 
     Parameters
     ----------
-    plan : Plan
+    work : Work
         ``runs`` rows in each cell.
 
     Returns
@@ -31,14 +31,14 @@ def kernels_at_extremes(plan: Plan) -> PaperFigure:
     PaperFigure
         A row a cell.
     """
-    cells = matrix(kernels(), plan.runs, lambda done, of: plan.tick(done, of, "cells"))
+    cells = matrix(kernels(), work.runs, lambda done, of: work.tick(done, of, "cells"))
     return PaperFigure(
         NAME,
         "Every kernel at every extreme: error in units in the last place",
         _picture(cells),
         tuple(_row(cell) for cell in cells),
         (
-            f"{plan.runs} rows a cell. Error: distance to the exact result for the very"
+            f"{work.runs} rows a cell. Error: distance to the exact result for the very"
             " numbers that the kernel was given, in units in its last place. Share: the"
             " same as a share of the bound of running error analysis, which grows where"
             " numbers cancel; 1 would be a fault. Open rows are those that rounding"

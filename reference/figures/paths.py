@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from reference.accumulate import path_samples
 from reference.arrays import Vec3s
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.moments import add_samples, no_samples
 from reference.path_tracer import Light
 from reference.scene.catalogue.registry import find_scene
@@ -33,7 +33,7 @@ def sized_world(name: str, size: int) -> World:
 
 
 def path_traced(
-    world: World, light: Light, bounces: int, samples: int, plan: Plan
+    world: World, light: Light, bounces: int, samples: int, work: Work
 ) -> Vec3s:
     """Path-traced picture that is no part of any truth.
 
@@ -47,7 +47,7 @@ def path_traced(
         Bounces of indirect light.
     samples : int
         A pixel.
-    plan : Plan
+    work : Work
         Bands and threads.
 
     Returns
@@ -55,6 +55,6 @@ def path_traced(
     (N, 3) float64, W/(m² sr)
         Their mean.
     """
-    drawn = path_samples(world, plan.schedule, light=light, bounces=bounces, seed=0)
+    drawn = path_samples(world, work.schedule, light=light, bounces=bounces, seed=0)
     none = no_samples(drawn.rows)
-    return add_samples(none, drawn.radiance, samples, plan.schedule).mean
+    return add_samples(none, drawn.radiance, samples, work.schedule).mean

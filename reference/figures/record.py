@@ -15,7 +15,7 @@ if TYPE_CHECKING:  # matplotlib takes half a second to load
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class Work:
     """How much is spent on a figure.
 
     Attributes

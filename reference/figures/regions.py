@@ -6,21 +6,21 @@ from itertools import pairwise
 import numpy as np
 
 from reference.arrays import Masks, Scalars, Vec3s
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.methods.aovs import gbuffer_layers
 from reference.world import World
 
 FLOOR = 1e-3  # height, m, below which a point that faces up lies on the floor
 
 
-def floor_points(world: World, plan: Plan) -> tuple[Vec3s, Vec3s, Masks]:
+def floor_points(world: World, work: Work) -> tuple[Vec3s, Vec3s, Masks]:
     """What the camera sees, and whether it is the floor y = 0.
 
     Parameters
     ----------
     world : World
         The scene.
-    plan : Plan
+    work : Work
         Bands and threads.
 
     Returns
@@ -30,7 +30,7 @@ def floor_points(world: World, plan: Plan) -> tuple[Vec3s, Vec3s, Masks]:
     floor : (N,) bool
         On the floor.
     """
-    layers = gbuffer_layers(world, plan.schedule, ("position", "normal"))
+    layers = gbuffer_layers(world, work.schedule, ("position", "normal"))
     position, normal = layers["position"], layers["normal"]
     return position, normal, (normal[:, 1] > 0.5) & (position[:, 1] < FLOOR)
 

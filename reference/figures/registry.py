@@ -16,7 +16,7 @@ from reference.figures import (
     source,
     validation,
 )
-from reference.figures.record import PaperFigure, Plan
+from reference.figures.record import PaperFigure, Work
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ class Entry:
     """
 
     name: str
-    make: Callable[[Plan], PaperFigure]
+    make: Callable[[Work], PaperFigure]
     runs: int
     numbers: tuple[str, ...]
     least_runs: int = 2

@@ -24,7 +24,7 @@ from reference.figures.contest import (
     compete,
 )
 from reference.figures.paths import sized_world
-from reference.figures.record import Interval, PaperFigure, Plan, Row
+from reference.figures.record import Interval, PaperFigure, Row, Work
 from reference.figures.regions import floor_points, zones
 from reference.methods.restir_gi import UNBIASED
 from reference.settings import Source
@@ -42,12 +42,12 @@ DENSITIES: dict[str, Source] = {COSINE: "cosine", UNIFORM: "uniform"}
 ALONE = ", no reuse"
 
 
-def source(plan: Plan) -> PaperFigure:
+def source(work: Work) -> PaperFigure:
     """Error by the density of initial directions, with reuse and without.
 
     Parameters
     ----------
-    plan : Plan
+    work : Work
         Size, runs and schedule.
 
     Returns
@@ -65,15 +65,15 @@ def source(plan: Plan) -> PaperFigure:
         for suffix, reuse in ((ALONE, False), ("", True))
         for name, density in DENSITIES.items()
     ]
-    contest = compete(sized_world(SCENE, plan.size), contenders, 1, plan, paths=4)
-    position, _, floor = floor_points(contest.world, plan)
+    contest = compete(sized_world(SCENE, work.size), contenders, 1, work, paths=4)
+    position, _, floor = floor_points(contest.world, work)
     places = zones(position[:, 0] - WALL, floor, EDGES)
     ratios = {ends: _ratio(contest, "", mask) for ends, mask in places.items()}
     alone = {ends: _ratio(contest, ALONE, mask) for ends, mask in places.items()}
     return PaperFigure(
         NAME,
         "Figure 14: density of initial directions, light at grazing angles",
-        _picture(contest, {"with reuse": ratios, "without": alone}, plan),
+        _picture(contest, {"with reuse": ratios, "without": alone}, work),
         (
             _row(contest, "whole picture", None),
             *(
@@ -82,8 +82,8 @@ def source(plan: Plan) -> PaperFigure:
             ),
         ),
         (
-            f"{SCENE}, one bounce, {plan.size} x {plan.size}: frame {FRAMES} of"
-            f" {plan.runs} runs, unbiased form, against {contest.truth.count}"
+            f"{SCENE}, one bounce, {work.size} x {work.size}: frame {FRAMES} of"
+            f" {work.runs} runs, unbiased form, against {contest.truth.count}"
             " path-traced samples a pixel. Intervals: 95 %, bootstrap over runs.",
             "The paper shows pictures alone: noisy with cosine-weighted directions,"
             " and much better with uniform ones.",
@@ -114,20 +114,20 @@ def _row(contest: Contest, where: str, pixels: Masks | None) -> Row:
 def _picture(
     contest: Contest,
     lines: dict[str, dict[tuple[float, float], Interval]],
-    plan: Plan,
+    work: Work,
 ) -> "Figure":
     truth = contest.truth
-    exposure = exposure_of(truth.mean, plan.size)
+    exposure = exposure_of(truth.mean, work.size)
     tiles = [
         Tile(
-            shown(contest.runs[name].colors[0], plan.size, exposure),
+            shown(contest.runs[name].colors[0], work.size, exposure),
             f"{name}, frame {FRAMES}",
             f"MSE {contest.errors(name).mean():.2g}",
         )
         for name in (COSINE, UNIFORM)
     ]
     words = f"{truth.count} samples"
-    tiles.append(Tile(shown(truth.mean, plan.size, exposure), "truth", words))
+    tiles.append(Tile(shown(truth.mean, work.size, exposure), "truth", words))
     picture = blank((len(tiles) + 1.5) * SIDE, SIDE + 0.5)
     left, right = split(picture, 1, 2, [len(tiles), 1.5])
     draw_tiles(left, [tiles])

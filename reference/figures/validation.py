@@ -23,7 +23,7 @@ from reference.figures.canvas import (
 )
 from reference.figures.contest import PATH_SEED
 from reference.figures.paths import sized_world
-from reference.figures.record import Deviation, PaperFigure, Plan, Row
+from reference.figures.record import Deviation, PaperFigure, Row, Work
 from reference.figures.tiles import TILE, rms_without_noise, tile_luminance
 from reference.moments import Moments, add_samples, no_samples
 from reference.restir_gi import Frame, render_frames
@@ -60,12 +60,12 @@ class _Film:
     picture: Vec3s
 
 
-def validation(plan: Plan) -> PaperFigure:
+def validation(work: Work) -> PaperFigure:
     """Error of the picture's mean from frame to frame around a sudden change of light.
 
     Parameters
     ----------
-    plan : Plan
+    work : Work
         Size, runs and schedule.
 
     Returns
@@ -77,21 +77,21 @@ def validation(plan: Plan) -> PaperFigure:
     -----
     [Ouyang21, Fig. 11].
     """
-    before = sized_world(SCENE, plan.size)
+    before = sized_world(SCENE, work.size)
     animation = find_animation(SCENE, before.scene)
     after = build_world(validate(animation(CHANGE)))
-    truths = [_truth(world, plan) for world in (before, after)]
+    truths = [_truth(world, work) for world in (before, after)]
     films = {}
     for done, (name, settings) in enumerate(VARIANTS.items()):
-        plan.tick(done, len(VARIANTS), "variants")
+        work.tick(done, len(VARIANTS), "variants")
         runs = [
-            render_frames(before, settings, 1, seed, plan.schedule, animation)
-            for seed in range(plan.runs)
+            render_frames(before, settings, 1, seed, work.schedule, animation)
+            for seed in range(work.runs)
         ]
-        films[name] = _film(runs, truths, plan.size)
+        films[name] = _film(runs, truths, work.size)
     picture = blank(5 * SIDE, 2 * SIDE + 0.9)
     above, below = split(picture, 2, 1, [SIDE + 0.4, SIDE + 0.4])
-    draw_tiles(above, [_tiles(films, truths, plan)])
+    draw_tiles(above, [_tiles(films, truths, work)])
     _charts(below, films)
     return PaperFigure(
         NAME,
@@ -103,8 +103,8 @@ def validation(plan: Plan) -> PaperFigure:
             for name, film in films.items()
         ),
         (
-            f"{SCENE}, one bounce, {plan.size} x {plan.size}: mean luminance over that"
-            f" of the truth of the same frame, less 1, of {plan.runs} runs. Tiles: of"
+            f"{SCENE}, one bounce, {work.size} x {work.size}: mean luminance over that"
+            f" of the truth of the same frame, less 1, of {work.runs} runs. Tiles: of"
             f" {TILE} x {TILE} pixels; root mean square of their deviations, as a share"
             f" of the picture's mean, without the noise. The light changes in frame"
             f" {CHANGE}; the truth has {SAMPLES} path-traced samples a pixel.",
@@ -115,12 +115,12 @@ def validation(plan: Plan) -> PaperFigure:
     )
 
 
-def _truth(world: World, plan: Plan) -> Moments:
+def _truth(world: World, work: Work) -> Moments:
     drawn = path_samples(
-        world, plan.schedule, light="indirect", bounces=1, seed=PATH_SEED
+        world, work.schedule, light="indirect", bounces=1, seed=PATH_SEED
     )
     none = no_samples(drawn.rows)
-    return add_samples(none, drawn.radiance, SAMPLES, plan.schedule)
+    return add_samples(none, drawn.radiance, SAMPLES, work.schedule)
 
 
 def _film(runs: list[Iterator[Frame]], truths: list[Moments], size: int) -> _Film:
@@ -152,16 +152,16 @@ def _row(name: str, film: _Film, frame: int) -> Row:
     }
 
 
-def _tiles(films: dict[str, _Film], truths: list[Moments], plan: Plan) -> list[Tile]:
-    exposure = exposure_of(truths[1].mean, plan.size)
+def _tiles(films: dict[str, _Film], truths: list[Moments], work: Work) -> list[Tile]:
+    exposure = exposure_of(truths[1].mean, work.size)
     later = f"{SHOWN} frames later"
     return [
-        Tile(shown(truths[0].mean, plan.size, exposure), "truth before"),
+        Tile(shown(truths[0].mean, work.size, exposure), "truth before"),
         *(
-            Tile(shown(film.picture, plan.size, exposure), name, later)
+            Tile(shown(film.picture, work.size, exposure), name, later)
             for name, film in films.items()
         ),
-        Tile(shown(truths[1].mean, plan.size, exposure), "truth after"),
+        Tile(shown(truths[1].mean, work.size, exposure), "truth after"),
     ]
 
 

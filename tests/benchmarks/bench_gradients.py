@@ -15,7 +15,7 @@ from rich.console import Console
 from gradient_domain.figures import gradients, images
 from gradient_domain.figures.rounds import Scene
 from gradient_domain.figures.variants import BOUNCES
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.figures.table import table
 from reference.scene.loaders.load import load_scene
 from reference.scene.validation import validate
@@ -35,8 +35,8 @@ def main() -> None:
     camera = replace(scene.camera, width=asked.size, height=asked.size)
     world = build_world(validate(replace(scene, camera=camera)))
     shown = [Scene(asked.scene.parent.name, world, BOUNCES)]
-    plan = Plan(size=asked.size, runs=asked.runs, schedule=Schedule())
-    for made in (gradients.of_scenes(shown, plan), images.of_scenes(shown, plan)):
+    work = Work(size=asked.size, runs=asked.runs, schedule=Schedule())
+    for made in (gradients.of_scenes(shown, work), images.of_scenes(shown, work)):
         Console(width=150).print(table(made))
         (asked.out / f"{made.name}.png").write_bytes(made.png())
 

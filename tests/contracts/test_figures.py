@@ -24,7 +24,7 @@ from reference.figures.record import (
     Deviation,
     Interval,
     PaperFigure,
-    Plan,
+    Work,
 )
 from reference.figures.regions import floor_points, zones
 from reference.figures.registry import FIGURES, Entry, figure_names, find_figure
@@ -38,7 +38,7 @@ from reference.moments import Moments, add_samples, no_samples
 from reference.schedule import Schedule
 
 FALSE_ALARM = 1e-6
-SMALL = Plan(16, 4, Schedule())
+SMALL = Work(16, 4, Schedule())
 
 
 # ---------------------------------------------------------------- the command
@@ -149,7 +149,7 @@ def test_a_figure_of_another_package(restir, tmp_path, monkeypatch):
 
 def planted(*names):
     """Registry of figures that take no time."""
-    return {name: Entry(name, lambda plan, n=name: drawn(n), 2, ()) for name in names}
+    return {name: Entry(name, lambda work, n=name: drawn(n), 2, ()) for name in names}
 
 
 def drawn(name):

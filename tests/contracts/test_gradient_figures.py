@@ -21,11 +21,11 @@ from gradient_domain.figures.scores import (
 )
 from gradient_domain.figures.toy import VARIANTS, functions, toy
 from gradient_domain.figures.variants import METHODS, PRIMAL, scene_of
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.moments import Moments
 from reference.schedule import Schedule
 
-SMALL = Plan(16, 3, Schedule())
+SMALL = Work(16, 3, Schedule())
 
 
 @dataclass
@@ -202,7 +202,7 @@ def test_the_toy_is_unbiased(name):
 
 def test_the_toy_prefers_what_differs():
     """By at least five times; with a reservoir for each sign by far more."""
-    rows = {row["variant"]: row for row in toy(Plan(16, 16, Schedule())).rows}
+    rows = {row["variant"]: row for row in toy(Work(16, 16, Schedule())).rows}
     assert rows["with ReSTIR, one reservoir"]["times smaller"].low > 5
     assert rows["with ReSTIR, one a sign"]["times smaller"].low > 5
     rng = np.random.default_rng(2)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from reference.figures import extremes
-from reference.figures.record import Plan
+from reference.figures.record import Work
 from reference.schedule import Schedule
 
-PLAN = Plan(16, 4, Schedule())
+PLAN = Work(16, 4, Schedule())
 
 
 def rows():
