@@ -28,7 +28,7 @@ def bench(name: str, *words: str) -> list[str]:
 def parts(out: Path, quick: bool) -> dict[str, list[str]]:
     """Commands by name; those that print, print into ``NAME.txt``."""
     few = ["--size", "32", "--runs", "4"] if quick else []
-    sweep = ["--size", "24", "--runs", "4", "--design", "3"] if quick else []
+    sweep = ["--size", "24x24", "--runs", "4", "--design", "3"] if quick else []
     found = {
         "figures": [*RESTIR, "figures", "--out", str(out / "figures"), *few],
         "tradeoff": [

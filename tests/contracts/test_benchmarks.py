@@ -1,0 +1,30 @@
+"""The command that makes every table anew: what it asks for is there to be asked."""
+
+from pathlib import Path
+
+import pytest
+
+from reference.cli import build_parser
+from reference.errors import UsageError
+from tests.benchmarks.__main__ import parts
+
+
+@pytest.mark.parametrize("quick", [True, False])
+def test_commands_are_understood(quick):
+    modules = [command[2:] for command in parts(Path("out"), quick).values()]
+    commands = [words for module, *words in modules if module == "reference"]
+    assert {words[0] for words in commands} == {"figures", "tradeoff", "plan"}
+    for words in commands:
+        build_parser().parse_args(words)
+
+
+def test_control_a_size_of_one_number_is_not_understood():
+    with pytest.raises(UsageError, match="WIDTHxHEIGHT"):
+        build_parser().parse_args(["tradeoff", "x", "--out", "y", "--size", "24"])
+
+
+def test_every_script_is_among_them(monkeypatch):
+    monkeypatch.setenv("RESTIR_SCENES", "scenes")
+    modules = {c[2] for c in parts(Path("out"), True).values()} - {"reference"}
+    folder = Path(__file__).parents[1] / "benchmarks"
+    assert modules == {f"tests.benchmarks.{f.stem}" for f in folder.glob("bench_*.py")}
