@@ -38,6 +38,7 @@ def main() -> None:
     work = Work(size=asked.size, runs=asked.runs, schedule=Schedule())
     for made in (gradients.of_scenes(shown, work), images.of_scenes(shown, work)):
         Console(width=150).print(table(made))
+        asked.out.mkdir(parents=True, exist_ok=True)
         (asked.out / f"{made.name}.png").write_bytes(made.png())
 
 
