@@ -2,9 +2,9 @@
 
     python -m tests.benchmarks OUT [--quick] [NAME ...]
 
-Takes some hours; ``--quick`` makes all of them small, in minutes.  Each goes into a
-folder or a file of its own, and ``index.md`` tells the machine, the version, and how
-long each took.  What is there is not made again: an interrupted run goes on.
+Takes some hours; ``--quick`` makes all but the costs small, in half an hour.  Each goes
+into a folder or a file of its own, and ``index.md`` tells the machine, the version, and
+how long each took.  What is there is not made again: an interrupted run goes on.
 """
 
 import argparse
