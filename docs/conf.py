@@ -16,8 +16,6 @@ author = "the restir-gi-oracle authors"
 project_copyright = f"2026, {author}"
 version = release = installed_version(project)
 
-RESTIR = (sys.executable, "-m", "reference")
-
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
@@ -74,15 +72,20 @@ html_extra_path = [EXTRA.name]
 
 def inspect_two_runs(app: Sphinx) -> None:
     """Make the inspector's page that the documentation leads to."""
-    runs = [EXTRA / f"{kind}.exr" for kind in ("unbiased", "biased")]
+
+    def restir(*words: str) -> None:
+        # In the folder, so that the page does not name the machine's own.
+        subprocess.run(
+            [sys.executable, "-m", "reference", *words], cwd=EXTRA, check=True
+        )
+
     size = ("--size", "32x32", "--frames", "6")
-    for run in runs:
-        method = ("--method", f"restir-gi-{run.stem}", "--out", str(run))
-        subprocess.run([*RESTIR, "render", "cornell-box", *size, *method], check=True)
-    out = EXTRA / "inspector.html"
-    subprocess.run([*RESTIR, "inspect", *runs, "--out", out], check=True)
-    for run in runs:
-        run.unlink()
+    for kind in ("unbiased", "biased"):
+        method = ("--method", f"restir-gi-{kind}", "--out", f"{kind}.exr")
+        restir("render", "cornell-box", *size, *method)
+    restir("inspect", "unbiased.exr", "biased.exr", "--out", "inspector.html")
+    for kind in ("unbiased", "biased"):
+        (EXTRA / f"{kind}.exr").unlink()
 
 
 def setup(app: Sphinx) -> None:
