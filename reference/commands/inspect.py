@@ -152,4 +152,5 @@ def _report(arguments: argparse.Namespace, runs: list[dict[str, Any]]) -> None:
     show(f"{out} shows what a browser can look into")
     for run in runs:
         numbers = [frame["number"] for frame in run["frames"]]
-        show(f"{run['name']}: frames {numbers[0]} to {numbers[-1]}. {run['standing']}")
+        held = f"Frames {numbers[0]} to {numbers[-1]}. " if run["replayed"] else ""
+        show(f"{run['name']}: {held}{run['standing']}")

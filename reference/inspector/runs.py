@@ -9,8 +9,8 @@ import numpy as np
 from reference.errors import UsageError
 from reference.images import Image, to_image
 from reference.inspector.recorded import Plain
-from reference.methods import Job, Layers, Method, method_named
-from reference.methods.restir_gi import RestirSettings
+from reference.methods import Job, Layers, Method
+from reference.methods.restir_gi import BIASED, UNBIASED
 from reference.options import with_values
 from reference.path_tracer import MAX_BOUNCES, Light
 from reference.scene.animation import Animation
@@ -27,7 +27,6 @@ LAYERS = {
     "sample_normal": "normal",
 }
 """Layers of reservoirs in a picture's file, and what the page calls them."""
-
 
 MOST = 2**27 - 1
 """Of counts, seeds and numbers of frames: random numbers are keyed by them."""
@@ -46,13 +45,8 @@ def method_of(image: Image) -> Method | None:
     Method or None
         ``None`` unless it is one of those of ReSTIR GI.
     """
-    name = image.metadata.get("method")
-    try:
-        method = method_named(name) if name else None
-    except UsageError:
-        return None
-    known = method is not None and isinstance(method.settings, RestirSettings)
-    return method if known else None
+    known = {method.name: method for method in (BIASED, UNBIASED)}
+    return known.get(image.metadata.get("method", ""))
 
 
 def job_of(
@@ -200,16 +194,16 @@ def as_it_is(image: Image) -> Plain:
     Returns
     -------
     dict
-        As :func:`reference.inspector.recorded.plain_frame`, with what there is.
+        As :func:`reference.inspector.recorded.plain_frame`, with what there is; which
+        frame it is, is not known.
     """
     found: dict[str, Any] = {
         short: np.ascontiguousarray(image.layers[name], np.float32).ravel()
         for name, short in LAYERS.items()
         if name in image.layers
     }
-    count = image.metadata.get("frames", "1")
     return {
-        "number": int(count) - 1 if count.isdecimal() else 0,
+        "number": None,
         "color": np.ascontiguousarray(image.color).ravel(),
         "reservoirs": [{"name": "spatial", **found}] if found else [],
         "passes": [],

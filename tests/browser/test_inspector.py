@@ -240,6 +240,20 @@ def test_a_picture_of_another_renderer_stands_beside_it(inspector, folder):
     assert all(text.startswith("A: ") for text in captions)
 
 
+def test_a_picture_without_frames_says_so_and_does_not_hold_up(inspector, folder):
+    """Also as the first of the two."""
+    out = folder / "first.html"
+    runs = [str(folder / f"{name}.exr") for name in ("theirs", "unbiased")]
+    assert main(["inspect", *runs, "--out", str(out)]) == 0
+    page = inspector("first")
+    assert page.locator("#frame-number").text_content() == str(FRAMES - 1)
+    page.locator("#image").press("[")
+    assert page.locator("#frame-number").text_content() == str(FRAMES - 2)
+    heads = page.locator("#reservoirs thead").first.locator("th").all_text_contents()
+    assert heads == ["", "A, frame of the file", "B"]
+    assert page.complaints == []
+
+
 def test_differences_are_marked(inspector):
     page = inspector("two")
     page.locator("#image").press("n")

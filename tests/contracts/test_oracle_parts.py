@@ -18,7 +18,9 @@ from reference.oracle.golden import expected
 from reference.oracle.parts import Part, parts, whole_contract
 from reference.oracle.replay.bounded import constant, exact, rounding_of
 from reference.oracle.replay.judgement import Judgement, beside
+from reference.oracle.rungs.kernels import kernel_probes
 from reference.oracle.rungs.replayed import replayed
+from reference.oracle.steps import ask_all
 
 DOUBLED = Pass(
     name="doubled",
@@ -146,3 +148,34 @@ def test_golden_outputs_of_the_further_passes_are_those_of_the_backend():
             assert set(expected(case, "float64")) == set(
                 own(**case.inputs, **case.settings)
             )
+
+
+class Scribbler:
+    """Right, and careless with what it was given."""
+
+    precision = "float32"
+
+    def __getattr__(self, pass_name):
+        if pass_name not in whole_contract():
+            raise AttributeError(pass_name)
+
+        def answer(**given):
+            outputs = dict(getattr(FLOAT32, pass_name)(**given))
+            outputs = {name: np.array(array) for name, array in outputs.items()}
+            for value in given.values():
+                if isinstance(value, np.ndarray):
+                    value.fill(0)
+            return outputs
+
+        return answer
+
+
+def test_what_a_backend_writes_into_its_inputs_is_nobody_elses():
+    asked = kernel_probes("float32")
+    before = [{k: a.copy() for k, a in p.case.inputs.items()} for p in asked]
+    backend = InsideBackend(Scribbler())
+    answers = ask_all(whole_contract(), backend, asked)
+    assert all(one.finding.passed for one in answers)
+    for probe, inputs in zip(asked, before, strict=True):
+        for name, array in inputs.items():
+            np.testing.assert_array_equal(probe.case.inputs[name], array)

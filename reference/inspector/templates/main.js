@@ -4,16 +4,19 @@
 const find = (id) => document.getElementById(id);
 
 function start({ runs, exposure }) {
-  const state = { frame: runs[0].frames.length - 1, row: 0, view: 0, exposure, pass: -1 };
+  // The run with most frames leads; of another one its last stands for what it has not.
+  const { frames } = runs.reduce((a, b) => (b.frames.length > a.frames.length ? b : a));
+  const state = { frame: frames.length - 1, row: 0, view: 0, exposure, pass: -1 };
   const { width, height } = runs[0];
   const list = views(runs);
   const room = new Room(find("room"));
-  const now = () => runs.map((run) => frameOf(run, runs[0].frames[state.frame].number));
+  const shown = () => frames[state.frame].number ?? "of the file";
+  const now = () => runs.map((run) => frameOf(run, frames[state.frame].number));
   const passes = () => runs.flatMap((run, k) =>
     now()[k].passes.map((pass) => ({ run, pass, frame: now()[k], name: nameOf(runs, k, pass) })));
 
   list.forEach(({ name }, k) => find("view").append(node("option", name, { value: k })));
-  find("frame").max = runs[0].frames.length - 1;
+  find("frame").max = frames.length - 1;
   find("x").max = width - 1;
   find("y").max = height - 1;
 
@@ -22,7 +25,7 @@ function start({ runs, exposure }) {
     paint(find("image"), view.paint(now(), state.exposure), width, height);
     find("exposure").disabled = !view.exposed;
     find("image").setAttribute("aria-label",
-      `${view.name}, frame ${now()[0].number}. Arrow keys choose a pixel.`);
+      `${view.name}, frame ${shown()}. Arrow keys choose a pixel.`);
     const cursor = find("cursor");
     cursor.style.left = `${(100 * (state.row % width)) / width}%`;
     cursor.style.top = `${(100 * Math.floor(state.row / width)) / height}%`;
@@ -33,15 +36,16 @@ function start({ runs, exposure }) {
   function drawPanel() {
     const [x, y] = [state.row % width, Math.floor(state.row / width)];
     find("frame").value = state.frame;
-    find("frame-number").textContent = now()[0].number;
+    find("frame-number").textContent = shown();
     find("x").value = x;
     find("y").value = y;
     const colors = now().map((frame) => point(three(frame.color, state.row)));
     find("where").textContent =
-      `Pixel (${x}, ${y}), row ${state.row}, frame ${now()[0].number}`;
+      `Pixel (${x}, ${y}), row ${state.row}, frame ${shown()}`;
     find("color").textContent = colors
       .map((text, k) => `${runs.length > 1 ? `${"AB"[k]}: ` : ""}${text}`).join("; ");
-    find("reservoirs").replaceChildren(...reservoirTables(runs, now(), state.row));
+    find("reservoirs").replaceChildren(
+      ...reservoirTables(runs, now(), state.row, frames[state.frame].number));
     find("candidates").replaceChildren(
       ...passes().map(({ run, pass, name }) =>
         candidateTable(run, pass, state.row, name, visit)));
@@ -70,7 +74,7 @@ function start({ runs, exposure }) {
   }
 
   const step = (by) =>
-    set({ frame: Math.max(0, Math.min(runs[0].frames.length - 1, state.frame + by)) });
+    set({ frame: Math.max(0, Math.min(frames.length - 1, state.frame + by)) });
   const go = (x, y) => set({
     row: Math.max(0, Math.min(height - 1, y)) * width + Math.max(0, Math.min(width - 1, x)),
   });
@@ -78,7 +82,7 @@ function start({ runs, exposure }) {
 
   // To a pixel, and its frame where the page holds it.
   function visit(row, number) {
-    const frame = runs[0].frames.findIndex((one) => one.number === number);
+    const frame = frames.findIndex((one) => one.number === number);
     set({ row, ...(frame < 0 ? {} : { frame }) });
     find("image").focus();
   }
@@ -87,8 +91,8 @@ function start({ runs, exposure }) {
   function next() {
     const [a, b] = now().map((frame) => frame.color);
     const rows = width * height;
-    for (let step = 1; step <= rows; step++) {
-      const row = (state.row + step) % rows;
+    for (let ahead = 1; ahead <= rows; ahead++) {
+      const row = (state.row + ahead) % rows;
       if (three(a, row).some((value, k) => value !== three(b, row)[k])) return set({ row });
     }
     find("where").textContent = "No pixel of this frame differs";

@@ -62,7 +62,11 @@ const QUANTITIES = [
   }],
 ];
 
-function reservoirTables(runs, frames, row) {
+// A run that does not have the frame that is looked at says which one it shows.
+const headOf = (k, frame, number) =>
+  "AB"[k] + (frame.number === number ? "" : `, frame ${frame.number ?? "of the file"}`);
+
+function reservoirTables(runs, frames, row, number) {
   const names = [...new Set(frames.flatMap((f) => f.reservoirs.map((r) => r.name)))];
   return names.map((name) => {
     const each = frames.map((f) => f.reservoirs.find((r) => r.name === name));
@@ -73,7 +77,8 @@ function reservoirTables(runs, frames, row) {
         return { name: title, cells, kind: differs ? "differs" : undefined };
       },
     );
-    const heads = runs.length > 1 ? ["", "A", "B"] : ["", "value"];
+    const heads = runs.length > 1
+      ? ["", ...frames.map((frame, k) => headOf(k, frame, number))] : ["", "value"];
     return table(`${name} reservoir`, heads, rows);
   });
 }

@@ -45,8 +45,10 @@ class InsideBackend:
         method = getattr(self._target, case.pass_name, None)
         if method is None:
             return None
+        # Its own, to write into: others are asked the case, and judged by it.
+        inputs = {name: array.copy() for name, array in case.inputs.items()}
         try:
-            outputs = method(**case.inputs, **case.settings)
+            outputs = method(**inputs, **case.settings)
             return {name: np.asarray(array) for name, array in dict(outputs).items()}
         except Exception as error:
             words = " ".join(str(error).split())
