@@ -1,6 +1,7 @@
 """Lights that are not shapes: a point, the sun, and what surrounds the scene."""
 
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 
@@ -22,6 +23,35 @@ class PointLight:
 
     position: tuple[float, float, float]
     intensity: Color
+
+
+@dataclass(frozen=True, slots=True)
+class SpotLight:
+    """Light from one point into a cone.
+
+    Attributes
+    ----------
+    position : (float, float, float), m
+        In the world.
+    direction : (float, float, float)
+        Unit vector along the axis of the cone, away from the light.
+    intensity : Color, W/sr
+        On the axis.
+    cutoff : float, degrees
+        Angle from the axis beyond which there is no light; above 0, at most 180.
+    beam : float, degrees
+        Angle up to which the intensity is that on the axis; at most ``cutoff``.
+    falloff : 'linear' or 'smooth'
+        Between the two angles: linear in the angle, as Mitsuba's spot, or the square
+        of what is linear in the cosine, as glTF's.
+    """
+
+    position: tuple[float, float, float]
+    direction: tuple[float, float, float]
+    intensity: Color
+    cutoff: float
+    beam: float
+    falloff: Literal["linear", "smooth"] = "linear"
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from reference.scene.camera import Camera
-from reference.scene.lights import DirectionalLight, Environment, PointLight
+from reference.scene.lights import DirectionalLight, Environment, PointLight, SpotLight
 from reference.scene.shapes import Mesh, Sphere
 
 
@@ -23,6 +23,8 @@ class Scene:
         Analytic spheres.
     points : tuple of PointLight
         Point lights.
+    spots : tuple of SpotLight
+        Spot lights.
     suns : tuple of DirectionalLight
         Directional lights.
     environment : Environment or None
@@ -36,6 +38,7 @@ class Scene:
     meshes: tuple[Mesh, ...] = ()
     spheres: tuple[Sphere, ...] = ()
     points: tuple[PointLight, ...] = ()
+    spots: tuple[SpotLight, ...] = ()
     suns: tuple[DirectionalLight, ...] = ()
     environment: Environment | None = None
     notes: tuple[str, ...] = ()

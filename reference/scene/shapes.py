@@ -6,7 +6,7 @@ import numpy as np
 
 from reference.arrays import Indices, Scalars, Vec3s
 from reference.scene.materials.kinds import Material
-from reference.scene.textures import Color
+from reference.scene.textures import Bitmap, Color, Texture
 
 
 def _identity() -> Scalars:
@@ -27,8 +27,17 @@ class Mesh:
         Counter-clockwise seen from the front, the side that emits.
     material : Material
         How both sides scatter (the front alone where the material is one-sided).
-    emission : Color, W/(m² sr)
+    emission : Texture, W/(m² sr)
         Radiance that leaves the front in every direction.
+    two_sided_emission : bool
+        The back emits as the front does.
+    colors : (V, 3) float64 or None
+        Linear factors on the reflectance, interpolated over each triangle.
+    opacity : Bitmap or None
+        Where the mean of its channels is below ``opacity_cutoff``, there is no
+        surface.
+    opacity_cutoff : float
+        Between 0 and 1.
     normals : (V, 3) float64 or None
         Unit vertex normals; ``None`` for flat faces.
     uv : (V, 2) float64 or None
@@ -41,7 +50,11 @@ class Mesh:
     vertices: Vec3s
     faces: Indices
     material: Material
-    emission: Color = (0.0, 0.0, 0.0)
+    emission: Texture = (0.0, 0.0, 0.0)
+    two_sided_emission: bool = False
+    colors: Vec3s | None = None
+    opacity: Bitmap | None = None
+    opacity_cutoff: float = 0.5
     normals: Vec3s | None = None
     uv: Scalars | None = None
     pose: Scalars = field(default_factory=_identity)
@@ -61,8 +74,10 @@ class Sphere:
         Positive.
     material : Material
         How both sides scatter.
-    emission : Color, W/(m² sr)
+    emission : Texture, W/(m² sr)
         Radiance that leaves the front.
+    two_sided_emission : bool
+        The back emits as the front does.
     inward : bool
         The front is the inside.
     """
@@ -71,7 +86,8 @@ class Sphere:
     center: tuple[float, float, float]
     radius: float
     material: Material
-    emission: Color = (0.0, 0.0, 0.0)
+    emission: Texture = (0.0, 0.0, 0.0)
+    two_sided_emission: bool = False
     inward: bool = False
 
 

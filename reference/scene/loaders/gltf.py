@@ -88,6 +88,7 @@ def load(path: Path, lenient: bool) -> Scene:
         suns=tuple(parts.suns),
     )
     environment = default_environment(scene, ledger)
+    ledger.settle()
     return replace(scene, environment=environment, notes=tuple(ledger.notes))
 
 

@@ -76,9 +76,11 @@ def load(path: Path, lenient: bool) -> Scene:
     camera = (
         _camera(Entry("camera", tree["camera"], ledger)) if "camera" in tree else None
     )
+    framed = camera_or_framing(camera, meshes, spheres, ledger)
+    ledger.settle()
     return Scene(
         name=str(tree.get("name", path.stem)),
-        camera=camera_or_framing(camera, meshes, spheres, ledger),
+        camera=framed,
         meshes=tuple(meshes),
         spheres=tuple(spheres),
         points=tuple(x for x in made if isinstance(x, PointLight)),

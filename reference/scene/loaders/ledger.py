@@ -23,11 +23,14 @@ class Ledger:
         Replace, and say so, where a strict loader stops.
     notes : list of str
         Sentences for `Scene.notes`, each once.
+    refusals : list of str
+        What a strict loader refuses, each once, until `settle` tells them.
     """
 
     path: Path
     lenient: bool
     notes: list[str] = field(default_factory=list)
+    refusals: list[str] = field(default_factory=list)
 
     def note(self, sentence: str) -> None:
         """Write down what the reader of an image has to know.
@@ -41,7 +44,7 @@ class Ledger:
             self.notes.append(f"{sentence}.")
 
     def replace(self, problem: str, instead: str) -> None:
-        """Stop, or when lenient go on with something else and note it.
+        """Go on with something else: noted when lenient, else refused by `settle`.
 
         Parameters
         ----------
@@ -49,15 +52,24 @@ class Ledger:
             What is not modelled, and in which element.
         instead : str
             What a lenient loader does: "taken as ...", "left out".
+        """
+        if self.lenient:
+            self.note(f"{problem}: {instead}")
+            return
+        refusal = f"{self.path}: {problem} (with --lenient: {instead})"
+        if refusal not in self.refusals:
+            self.refusals.append(refusal)
+
+    def settle(self) -> None:
+        """Refuse the file if anything in it was replaced and the loader is strict.
 
         Raises
         ------
         UsageError
-            Unless lenient.
+            Tells all refusals so far.
         """
-        if not self.lenient:
-            self.stop(f"{problem} (with --lenient: {instead})")
-        self.note(f"{problem}: {instead}")
+        if self.refusals:
+            raise UsageError("; ".join(self.refusals))
 
     def stop(self, problem: str) -> NoReturn:
         """Refuse the file.

@@ -80,6 +80,7 @@ def load(path: Path, lenient: bool) -> Scene:
         meshes=meshes,
     )
     environment = default_environment(scene, ledger)
+    ledger.settle()
     return replace(scene, environment=environment, notes=tuple(ledger.notes))
 
 
@@ -122,7 +123,7 @@ def read_parts(path: Path, ledger: Ledger) -> list[Part]:
     UsageError
         Not such a file, truncated, or without triangles.
     """
-    own = Ledger(path, ledger.lenient)
+    own = Ledger(path, ledger.lenient, refusals=ledger.refusals)
     kind = "OBJ" if path.suffix.lower() == ".obj" else "PLY"
     contents = read_file(path)
     vertices, faces = _declared(contents, kind, own)

@@ -51,9 +51,11 @@ def load(path: Path, lenient: bool) -> Scene:
     meshes = tuple(shape for shape in made if isinstance(shape, Mesh))
     spheres = tuple(shape for shape in made if shape and not isinstance(shape, Mesh))
     camera = _camera(root.inside("Sensor"), ledger)
+    framed = camera_or_framing(camera, meshes, spheres, ledger)
+    ledger.settle()
     return Scene(
         name=path.stem,
-        camera=camera_or_framing(camera, meshes, spheres, ledger),
+        camera=framed,
         meshes=meshes,
         spheres=spheres,
         points=tuple(lights.points),

@@ -68,7 +68,7 @@ def read_looks(path: Path, ledger: Ledger) -> dict[str, Look]:
                 "all its materials taken as matt with reflectance 0.8",
             )
             continue
-        own = Ledger(path.parent / name, ledger.lenient, ledger.notes)
+        own = Ledger(path.parent / name, ledger.lenient, ledger.notes, ledger.refusals)
         with own.reading("MTL file"):
             for material, entries in _materials(lines):
                 looks[material] = _look(material, entries, own)

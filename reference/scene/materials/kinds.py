@@ -5,8 +5,12 @@ All are opaque and two-sided (the back scatters as the front does) unless
 """
 
 from dataclasses import dataclass
+from typing import Literal
 
 from reference.scene.textures import Color, Texture
+
+Distribution = Literal["ggx", "beckmann"]
+"""Of the normals of microfacets."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,6 +46,8 @@ class Conductor:
         Fresnel term by Schlick from the reflectance.
     two_sided : bool
         Whether the back reflects too.
+    distribution : 'ggx' or 'beckmann'
+        Of the microfacets' normals.
     """
 
     reflectance: Texture
@@ -50,6 +56,7 @@ class Conductor:
     k: Color | None = None
     schlick: bool = False
     two_sided: bool = True
+    distribution: Distribution = "ggx"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,6 +78,8 @@ class Coated:
         Factor on the coat's reflection; 1 is physical.
     two_sided : bool
         Whether the back scatters too.
+    distribution : 'ggx' or 'beckmann'
+        Of the coat's microfacets' normals.
     """
 
     reflectance: Texture
@@ -79,19 +88,26 @@ class Coated:
     nonlinear: bool = False
     specular: Color = (1.0, 1.0, 1.0)
     two_sided: bool = True
+    distribution: Distribution = "ggx"
 
 
 @dataclass(frozen=True, slots=True)
 class Dielectric:
-    """Smooth boundary between two clear media: reflects and refracts.
+    """Boundary between two clear media, which reflects and refracts.
 
     Attributes
     ----------
     ior : float
         Index of refraction behind the front over that before it.
+    alpha : float
+        Width of the microfacets' distribution; 0 where smooth, or 1e-3 to 1.
+    distribution : 'ggx' or 'beckmann'
+        Of the microfacets' normals.
     """
 
     ior: float = 1.5
+    alpha: float = 0.0
+    distribution: Distribution = "ggx"
 
 
 Material = Lambertian | Conductor | Coated | Dielectric
