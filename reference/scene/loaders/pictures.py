@@ -9,7 +9,6 @@ import numpy as np
 from reference.arrays import Scalars, Vec3s
 from reference.errors import UsageError
 from reference.exr import read_exr
-from reference.files import read_file
 from reference.scene.loaders.ledger import Ledger
 
 RESOLUTION = re.compile(rb"-Y (\d+) \+X (\d+)")
@@ -33,15 +32,16 @@ def decode_srgb(encoded: Scalars) -> Scalars:
     return linear
 
 
-def read_picture(path: Path, ledger: Ledger, raw: bool = False) -> Vec3s:
+def read_picture(name: str, ledger: Ledger, raw: bool = False) -> Vec3s:
     """Linear colours of a picture file.
 
     Parameters
     ----------
-    path : Path
-        What Pillow reads (PNG, JPEG, ...: sRGB), or .exr or .hdr (linear).
+    name : str
+        Path from the scene's folder, or an absolute one, of what Pillow reads (PNG,
+        JPEG, ...: sRGB), or of an .exr or .hdr file (linear).
     ledger : Ledger
-        Takes the notes.
+        Of the scene: it says which files may be read, and takes the notes.
     raw : bool
         The values are linear already, whatever the format.
 
@@ -55,10 +55,11 @@ def read_picture(path: Path, ledger: Ledger, raw: bool = False) -> Vec3s:
     UsageError
         Missing, or not a picture.
     """
+    path = ledger.locate(name)
     suffix = path.suffix.lower()
     if suffix == ".exr":
         return read_exr(path).color.astype(np.float64)
-    contents = read_file(path)
+    contents = ledger.read(name)
     if suffix in (".hdr", ".rgbe", ".pic"):
         return decode_radiance_hdr(contents, path)
     return decode_picture(contents, str(path), ledger, raw)
