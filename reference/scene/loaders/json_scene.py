@@ -210,9 +210,7 @@ def _light(entry: Entry) -> PointLight | DirectionalLight | Environment | None:
     elif kind == "envmap":
         scale = entry.number("scale", 1.0)
         try:
-            light = LatLongEnvironment(
-                read_picture(str(entry.get("file")), entry.ledger) * scale
-            )
+            pixels = read_picture(str(entry.get("file")), entry.ledger)
         except UsageError as error:
             entry.ledger.replace(f"{entry.name}: {error}", "left out")
             return None
