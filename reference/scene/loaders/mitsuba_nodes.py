@@ -1,6 +1,6 @@
 """A Mitsuba 3 file as Mitsuba's own parser understands it: a tree of plugins."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from importlib import import_module
@@ -12,9 +12,9 @@ import numpy as np
 from reference.arrays import Scalars, Vec3s
 from reference.errors import UsageError
 from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.mitsuba_source import check_source
+from reference.scene.loaders.mitsuba_source import DEEPEST, check_source
 from reference.scene.loaders.mitsuba_words import find, modelled
-from reference.scene.loaders.words import Fate
+from reference.scene.loaders.words import Fate, Word
 
 TYPES = {"ReconstructionFilter": "rfilter", "PhaseFunction": "phase"}
 VARIANT = "scalar_rgb"  # the one that needs no compiler at run time
@@ -175,7 +175,7 @@ class Node:
         places = [str((folder / name).absolute()) for folder in self.folders]
         # The first that exists, as Mitsuba; else the last, which is the scene's own.
         there = [place for place in places if Path(place).exists()]
-        place = (there or places)[:1][0] if there else places[-1]
+        place = there[0] if there else places[-1]
         try:
             path = ledger.locate(place)
         except UsageError as error:
@@ -186,26 +186,30 @@ class Node:
             raise UsageError(f'"{name}" is not a regular file')
         return path
 
-    def check_words(self, ledger: Ledger, **neutral: object) -> None:
+    def check_words(self, ledger: Ledger, apart: Collection[str] = ()) -> None:
         """Refuse, or note, what the table of words says is not modelled.
 
         Parameters
         ----------
         ledger : Ledger
             Of the file.
-        **neutral : object
-            Values of parameters at which they change nothing.
+        apart : collection of str
+            Parameters that are refused by their value alone, elsewhere.
         """
         for key, value in (*self.values.items(), *self.children.items()):
             plugin = value if isinstance(value, Node) else None
             named = plugin is None or plugin.type in ("texture", "volume")
-            word = find(self.kind, key if plugin is None or named else plugin.type)
-            if word.fate in (Fate.MODELLED, Fate.HARMLESS):
+            name = key if plugin is None or named else plugin.type
+            word = find(self.kind, name)
+            if word.fate in (Fate.MODELLED, Fate.HARMLESS) or name in apart:
                 continue
-            if plugin is None and key in neutral and value == neutral[key]:
-                continue
-            what = f'parameter "{key}"' if plugin is None else f"inner {plugin.name}"
-            ledger.replace(f"{self.name}: its {what} is not modelled", word.remark)
+            self.refuse_word(key, word, ledger)
+
+    def refuse_word(self, key: str, word: Word, ledger: Ledger) -> None:
+        """Refuse, or note, a parameter or an inner plugin."""
+        inner = self.children.get(key)
+        what = f'parameter "{key}"' if inner is None else f"inner {inner.name}"
+        ledger.replace(f"{self.name}: its {what} is not modelled", word.remark)
 
     def is_modelled(self, ledger: Ledger) -> bool:
         """Whether the plugin itself is modelled; if not, it is refused or noted."""
@@ -259,7 +263,25 @@ def parse(mi: Any, ledger: Ledger) -> Node:
             for inner in node.children.values():
                 if inner.id == inner.name:
                     inner.name = f"{inner.kind} in {node.name}"
-        return nodes[0]
+    _check_nesting(nodes[0], ledger)
+    return nodes[0]
+
+
+def _check_nesting(root: Node, ledger: Ledger) -> None:
+    """Refuse plugins that refer to what they are part of, or in too long a chain."""
+    reached = {id(root): 0}
+    waiting = [root]
+    while waiting:
+        node = waiting.pop()
+        depth = reached[id(node)] + 1
+        if depth > DEEPEST:
+            ledger.stop(
+                f"{node.name} refers to itself, or is nested more than {DEEPEST} deep"
+            )
+        for inner in node.children.values():
+            if reached.get(id(inner), -1) < depth:
+                reached[id(inner)] = depth
+                waiting.append(inner)
 
 
 @contextmanager

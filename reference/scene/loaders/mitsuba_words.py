@@ -50,7 +50,7 @@ _SENSORS = (
     *_words("sensor", _REPLACED, "thinlens", "taken as a pinhole"),
     *_any("sensor", _REPLACED, "ignored"),
     *_words("perspective", _MODELLED, "fov fov_axis focal_length to_world film"),
-    *_words("perspective", _HARMLESS, "focus_distance", "a pinhole is sharp everywhere"),
+    *_words("perspective", _HARMLESS, "focus_distance", "a pinhole is always sharp"),
     *_words(
         "perspective",
         _HARMLESS,
