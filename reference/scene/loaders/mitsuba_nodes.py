@@ -208,7 +208,7 @@ class Node:
     def refuse_word(self, key: str, word: Word, ledger: Ledger) -> None:
         """Refuse, or note, a parameter or an inner plugin."""
         inner = self.children.get(key)
-        what = f'parameter "{key}"' if inner is None else f"inner {inner.name}"
+        what = f'parameter "{key}"' if inner is None else f"{inner.type} {inner.name}"
         ledger.replace(f"{self.name}: its {what} is not modelled", word.remark)
 
     def is_modelled(self, ledger: Ledger) -> bool:
