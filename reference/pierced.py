@@ -30,8 +30,8 @@ class PiercedTriangles:
     -----
     A ray goes on a ``STEP`` behind a hole.  So masked surfaces that are closer together
     than that count as one, and the search ends: each turn takes every ray further by a
-    ``STEP``, which float32 resolves, and masked triangles do not reach beyond the scene.
-    Other surfaces are never stepped over, wherever they touch a masked one.
+    ``STEP``, which float32 resolves, and no triangle reaches beyond the scene.  Other
+    surfaces are never stepped over, wherever they touch a masked one.
     """
 
     def __init__(self, geometry: Geometry, count: Callable[[int], None]) -> None:

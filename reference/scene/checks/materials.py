@@ -11,6 +11,7 @@ from reference.scene.materials.kinds import (
     Distribution,
     Material,
 )
+from reference.scene.textures import Texture
 
 LEAST_ALPHA = 1e-3
 """Narrowest lobe of microfacets; below it, say 0 for a smooth surface."""
