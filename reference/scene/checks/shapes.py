@@ -39,7 +39,9 @@ def check_mesh(where: str, mesh: Mesh) -> None:
         need_rows(where, "normal", np.asarray(mesh.normals), 3)
         _need_one_a_vertex(where, "normals", len(mesh.normals), mesh)
     if mesh.uv is not None:
-        need_rows(where, "texture coordinate", np.asarray(mesh.uv), 2)
+        uv = np.asarray(mesh.uv)
+        need_rows(where, "texture coordinate", uv, 2)
+        need_numbers(where, "a texture coordinate", uv, -LARGEST, LARGEST)
         _need_one_a_vertex(where, "texture coordinates", len(mesh.uv), mesh)
     check_texture(where, "emission", mesh.emission, np.inf)
     if mesh.colors is not None:
