@@ -13,6 +13,7 @@ from reference.scene.lights import (
     Environment,
     LatLongEnvironment,
     PointLight,
+    SpotLight,
 )
 from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger
@@ -29,6 +30,8 @@ class Lights:
     ----------
     points : list of PointLight
         Point lights.
+    spots : list of SpotLight
+        Spot lights.
     suns : list of DirectionalLight
         Directional lights.
     environment : Environment or None
@@ -36,6 +39,7 @@ class Lights:
     """
 
     points: list[PointLight] = field(default_factory=list)
+    spots: list[SpotLight] = field(default_factory=list)
     suns: list[DirectionalLight] = field(default_factory=list)
     environment: Environment | None = None
 
@@ -55,16 +59,12 @@ def add_light(mi: Any, lights: Lights, node: Node, ledger: Ledger) -> None:
         Of the file.
     """
     matrix = node.matrix()
-    if node.kind in ("point", "spot"):
-        if node.kind == "spot":
-            ledger.replace(
-                f"{node.name} is not modelled (point is)",
-                "taken as a point light of the same intensity in all directions",
-            )
-            node.unread -= {"cutoff_angle", "beam_width", "texture"}
+    if node.kind == "point":
         position = node.get("position", matrix[:3, 3])
         intensity = read_color(mi, node, "intensity", 1.0, True, ledger)
         lights.points.append(PointLight(color(position), intensity))
+    elif node.kind == "spot":
+        lights.spots.append(_spot(mi, node, ledger))
     elif node.kind == "directional":
         direction = normalize(np.array(node.get("direction", matrix[:3, 2]), float))
         irradiance = read_color(mi, node, "irradiance", 1.0, True, ledger)
@@ -76,12 +76,28 @@ def add_light(mi: Any, lights: Lights, node: Node, ledger: Ledger) -> None:
         lights.environment = _environment_map(node, ledger)
     else:
         ledger.replace(
-            f"{node.name} is not modelled (of emitters, area, point, directional,"
-            " constant and envmap are)",
+            f"{node.name} is not modelled (of emitters, area, point, spot,"
+            " directional, constant and envmap are)",
             "left out",
         )
         return
     node.refuse_unread(ledger, harmless="sampling_weight mis_compensation")
+
+
+def _spot(mi: Any, node: Node, ledger: Ledger) -> SpotLight:
+    """A spot looks along +z of its frame; its angles are half those of its cones."""
+    matrix, cutoff = node.matrix(), float(node.get("cutoff_angle", 20.0))
+    if node.child("texture") is not None:
+        ledger.replace(
+            f"{node.name}: a texture across the cone is not modelled", "left out"
+        )
+    return SpotLight(
+        position=color(matrix[:3, 3]),
+        direction=color(normalize(matrix[:3, 2])),
+        intensity=read_color(mi, node, "intensity", 1.0, True, ledger),
+        cutoff=cutoff,
+        beam=float(node.get("beam_width", 0.75 * cutoff)),
+    )
 
 
 def _environment_map(node: Node, ledger: Ledger) -> Environment | None:

@@ -11,7 +11,7 @@ from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.mitsuba_materials import Materials
 from reference.scene.loaders.mitsuba_nodes import Node
-from reference.scene.loaders.mitsuba_textures import read_color
+from reference.scene.loaders.mitsuba_textures import read_texture
 from reference.scene.loaders.triangles import (
     check_indices,
     drop_texture_without_uv,
@@ -21,7 +21,7 @@ from reference.scene.loaders.triangles import (
 )
 from reference.scene.materials.kinds import Dielectric, Lambertian, Material
 from reference.scene.shapes import Mesh, Sphere
-from reference.scene.textures import Bitmap, Checker, Color, mean_color
+from reference.scene.textures import Pattern, Texture, mean_color, shines
 
 FILES = ("obj", "ply", "serialized")
 KNOWN = (*FILES, "rectangle", "cube", "disk", "sphere")
@@ -56,7 +56,7 @@ def read_shape(mi: Any, node: Node, materials: Materials) -> Mesh | Sphere | Non
     if node.kind in FILES and path is None:
         return None
     emission = _emission(mi, node, ledger)
-    material = _material(node, materials, any(emission))
+    material = _material(node, materials, shines(emission))
     if material is None:
         return None
     shape: Mesh | Sphere
@@ -80,12 +80,12 @@ def _material(node: Node, materials: Materials, emits: bool) -> Material | None:
     return materials.of(bsdfs[0])
 
 
-def _emission(mi: Any, node: Node, ledger: Ledger) -> Color:
+def _emission(mi: Any, node: Node, ledger: Ledger) -> Texture:
     for emitter in node.inside("Emitter"):
         if emitter.kind != "area":
             ledger.replace(f"{emitter.name} on {node.name} is not modelled", "ignored")
             continue
-        radiance = read_color(mi, emitter, "radiance", 1.0, True, ledger)
+        radiance = read_texture(mi, emitter, "radiance", 1.0, ledger, emission=True)
         emitter.refuse_unread(ledger, harmless="sampling_weight")
         return radiance
     return 0.0, 0.0, 0.0
@@ -171,7 +171,9 @@ def _disk() -> Vec3s:
     return corners
 
 
-def _sphere(node: Node, material: Material, emission: Color, ledger: Ledger) -> Sphere:
+def _sphere(
+    node: Node, material: Material, emission: Texture, ledger: Ledger
+) -> Sphere:
     matrix = node.matrix()
     scales = np.linalg.norm(matrix[:3, :3], axis=0)
     if not np.allclose(scales, scales[0], rtol=1e-4):
@@ -181,13 +183,9 @@ def _sphere(node: Node, material: Material, emission: Color, ledger: Ledger) -> 
         )
     center = np.array(node.get("center", [0.0, 0.0, 0.0]), float)
     if not isinstance(material, Dielectric):
-        texture = material.reflectance
-        if isinstance(texture, Bitmap | Checker):
-            ledger.replace(
-                f"{node.name}: a texture on a sphere lies otherwise in Mitsuba",
-                "taken in the mean colour of the texture",
-            )
-            material = replace(material, reflectance=color(mean_color(texture)))
+        paint = _even(material.reflectance, node, ledger)
+        if paint is not material.reflectance:
+            material = replace(material, reflectance=paint)
     # Unlike on other shapes, in Mitsuba a mirrored sphere is turned inside out.
     mirrored = bool(np.linalg.det(matrix[:3, :3]) < 0)
     return Sphere(
@@ -195,6 +193,17 @@ def _sphere(node: Node, material: Material, emission: Color, ledger: Ledger) -> 
         center=color(place(center[None], matrix)[0]),
         radius=float(node.get("radius", 1.0) * scales.mean()),
         material=material,
-        emission=emission,
+        emission=_even(emission, node, ledger),
         inward=mirrored != bool(node.get("flip_normals", False)),
     )
+
+
+def _even(texture: Texture, node: Node, ledger: Ledger) -> Texture:
+    """The mean colour of a texture on a sphere."""
+    if not isinstance(texture, Pattern):
+        return texture
+    ledger.replace(
+        f"{node.name}: a texture on a sphere lies otherwise in Mitsuba",
+        "taken in the mean colour of the texture",
+    )
+    return color(mean_color(texture))

@@ -16,9 +16,14 @@ CONSTANT = {"uniform": "value", "srgb": "color"}
 
 
 def read_texture(
-    mi: Any, node: Node, key: str, default: float, ledger: Ledger
+    mi: Any,
+    node: Node,
+    key: str,
+    default: float,
+    ledger: Ledger,
+    emission: bool = False,
 ) -> Texture:
-    """Reflectance that a plugin takes from a parameter.
+    """Reflectance or radiance that a plugin takes from a parameter.
 
     Parameters
     ----------
@@ -32,6 +37,8 @@ def read_texture(
         What Mitsuba takes if the file does not say.
     ledger : Ledger
         Of the file.
+    emission : bool
+        It is one of emitted light.
 
     Returns
     -------
@@ -40,10 +47,10 @@ def read_texture(
     """
     texture = node.child(key)
     if texture is None:
-        return _constant(mi, node.get(key, default), False, ledger)
+        return _constant(mi, node.get(key, default), emission, ledger)
     if texture.kind in CONSTANT:
         value = texture.get(CONSTANT[texture.kind], default)
-        return _constant(mi, value, False, ledger)
+        return _constant(mi, value, emission, ledger)
     if texture.kind == "bitmap":
         return _bitmap(texture, ledger)
     if texture.kind == "checkerboard":
@@ -87,9 +94,7 @@ def read_color(
     Color
         Linear Rec. 709; the mean of a texture, if lenient.
     """
-    if node.child(key) is None:
-        return _constant(mi, node.get(key, default), emission, ledger)
-    texture = read_texture(mi, node, key, default, ledger)
+    texture = read_texture(mi, node, key, default, ledger, emission)
     if isinstance(texture, Bitmap | Checker):
         ledger.replace(
             f'{node.name}: a texture as "{key}" is not modelled, a colour is',

@@ -59,6 +59,7 @@ def load(path: Path, lenient: bool) -> Scene:
         meshes=meshes,
         spheres=spheres,
         points=tuple(lights.points),
+        spots=tuple(lights.spots),
         suns=tuple(lights.suns),
         environment=lights.environment,
         notes=tuple(ledger.notes),
