@@ -16,7 +16,7 @@ from reference.scene.loaders.mitsuba_nodes import Node
 from reference.scene.loaders.triangles import drop_texture_without_uv, place
 from reference.scene.materials.kinds import Dielectric, Lambertian, Material
 from reference.scene.shapes import Mesh, Sphere
-from reference.scene.textures import Bitmap, Checker, Texture, mean_color
+from reference.scene.textures import Pattern, Texture, mean_color, shines
 
 BYTES = 4096
 """Of memory for a shape without its triangles, generously."""
@@ -97,7 +97,7 @@ def _plan(node: Node, matrix: Scalars, materials: Materials) -> Plan | None:
         except UsageError as error:
             ledger.replace(f"{node.name}: {error}", "left out")
     emission = _emission(node, materials)
-    material = _material(node, materials, emits(emission))
+    material = _material(node, materials, shines(emission))
     if material is None or (node.kind in FILES and path is None):
         return None
     textures = (emission,)
@@ -110,11 +110,6 @@ def _plan(node: Node, matrix: Scalars, materials: Materials) -> Plan | None:
             material = replace(material, reflectance=plain)
     turn = materials.textures.placement(textures, node.name)
     return Plan(node, matrix, material, emission, turn, path)
-
-
-def emits(emission: Texture) -> bool:
-    """Whether a radiance is not that of a black body at rest."""
-    return isinstance(emission, Bitmap | Checker) or any(emission)
 
 
 def _material(node: Node, materials: Materials, emits: bool) -> Material | None:
@@ -143,7 +138,7 @@ def _emission(node: Node, materials: Materials) -> Texture:
 
 
 def _plain(node: Node, what: str, texture: Texture, ledger: Ledger) -> Texture:
-    if isinstance(texture, Bitmap | Checker):
+    if isinstance(texture, Pattern):
         ledger.replace(
             f"{node.name}: a texture of {what} on a sphere lies otherwise in Mitsuba",
             "taken in the mean colour of the texture",

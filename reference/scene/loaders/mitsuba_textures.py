@@ -11,7 +11,15 @@ from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.mitsuba_nodes import Node
 from reference.scene.loaders.pictures import read_picture
-from reference.scene.textures import Bitmap, Checker, Color, Texture, Wrap, mean_color
+from reference.scene.textures import (
+    Bitmap,
+    Checker,
+    Color,
+    Pattern,
+    Texture,
+    Wrap,
+    mean_color,
+)
 
 MID_GREY = (0.5, 0.5, 0.5)
 CONSTANT = {"uniform": "value", "srgb": "color", "d65": "scale", "rawconstant": "value"}
@@ -96,7 +104,7 @@ class Textures:
             Linear Rec. 709; the mean of a texture, if lenient.
         """
         texture = self.read(node, key, default, emission)
-        if isinstance(texture, Bitmap | Checker):
+        if isinstance(texture, Pattern):
             self.ledger.replace(
                 f'{node.name}: a texture as "{key}" is not modelled, a colour is',
                 "taken as the mean colour of the texture",
@@ -127,7 +135,7 @@ class Textures:
         turns = [
             self.turned.get(id(texture))
             for texture in textures
-            if isinstance(texture, Bitmap | Checker)
+            if isinstance(texture, Pattern)
         ]
         first = turns[0] if turns else None
         if any(turn is not first and not _same(turn, first) for turn in turns):
