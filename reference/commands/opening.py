@@ -3,10 +3,13 @@
 import argparse
 from collections.abc import Callable
 
+import numpy as np
+
 from reference.commands.console import remark
 from reference.commands.memory import refuse_what_does_not_fit
 from reference.commands.values import Size
 from reference.scene.animation import Animation
+from reference.scene.camera import Camera
 from reference.scene.named import Named, find_scene_or_file, frames_of
 from reference.scene.scene import Scene
 
@@ -19,7 +22,7 @@ def open_named(
     Parameters
     ----------
     arguments : Namespace
-        With ``scene``, ``lenient``, ``size``, ``frame`` and ``json``.
+        With those of `add_scene`, and ``json``.
     size : callable, optional
         Gives the size of the picture where no --size is given; else it is what the
         scene says.
@@ -34,11 +37,20 @@ def open_named(
     UsageError
         No such scene, or it cannot be read or rendered.
     """
-    scene = find_scene_or_file(arguments.scene, arguments.lenient)
+    scene = find_scene_or_file(
+        arguments.scene, arguments.lenient, arguments.allow_outside
+    )
     width, height = size(scene) if size else (scene.camera.width, scene.camera.height)
     if arguments.size:
         width, height = arguments.size
-    named = Named(arguments.scene, arguments.lenient, width, height, arguments.frame)
+    named = Named(
+        name=arguments.scene,
+        lenient=arguments.lenient,
+        width=width,
+        height=height,
+        frame=arguments.frame,
+        allow_outside=arguments.allow_outside,
+    )
     refuse_what_does_not_fit(width, height)
     frames = frames_of(named, scene)
     if not arguments.json:
@@ -55,7 +67,7 @@ def open_frames(
     Parameters
     ----------
     arguments : Namespace
-        With ``scene``, ``lenient``, ``size``, ``frame`` and ``json``.
+        With those of `add_scene`, and ``json``.
     size : callable, optional
         Gives the size of the picture where no --size is given; else it is what the
         scene says.
@@ -73,3 +85,26 @@ def open_frames(
         No such scene, or it cannot be read or rendered.
     """
     return open_named(arguments, size)[1]
+
+
+def size_in_shape(camera: Camera, pixels: int, multiple: int = 1) -> Size:
+    """Size of a picture in the shape of a camera's.
+
+    Parameters
+    ----------
+    camera : Camera
+        Gives width : height, from 1 : 100 to 100 : 1.
+    pixels : int
+        Of the picture, about.
+    multiple : int
+        Of which both sides are multiples.
+
+    Returns
+    -------
+    (int, int), pixels
+        Width and height.
+    """
+    shape = np.clip(camera.width / max(camera.height, 1), 0.01, 100)
+    sides = (pixels * shape) ** 0.5, (pixels / shape) ** 0.5
+    width, height = (max(round(side / multiple), 1) * multiple for side in sides)
+    return width, height

@@ -8,7 +8,6 @@ derives the horizontal angle of view by proportion, all without a word.
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,7 +19,6 @@ from reference.scene.loaders.framing import (
     camera_or_framing,
     color,
     default_environment,
-    horizontal_fov,
 )
 from reference.scene.loaders.gltf_buffers import Document, read_document
 from reference.scene.loaders.gltf_materials import (
@@ -44,15 +42,13 @@ class _Parts:
     suns: list[DirectionalLight] = field(default_factory=list)
 
 
-def load(path: Path, lenient: bool) -> Scene:
+def load(ledger: Ledger) -> Scene:
     """Scene of a glTF file.
 
     Parameters
     ----------
-    path : Path
-        .gltf with its buffers, or .glb.
-    lenient : bool
-        Replace rather than refuse.
+    ledger : Ledger
+        Of the file: .gltf with its buffers, or .glb.
 
     Returns
     -------
@@ -64,7 +60,6 @@ def load(path: Path, lenient: bool) -> Scene:
     UsageError
         Not glTF 2, truncated, or (unless lenient) with something not modelled.
     """
-    ledger = Ledger(path, lenient)
     with ledger.reading("glTF file"):
         document = read_document(ledger)
         required = document.tree.get("extensionsRequired", [])
@@ -81,7 +76,7 @@ def load(path: Path, lenient: bool) -> Scene:
     meshes = tuple(parts.meshes)
     camera = parts.cameras[0] if parts.cameras else None
     scene = Scene(
-        name=path.stem,
+        name=ledger.path.stem,
         camera=camera_or_framing(camera, meshes, (), ledger),
         meshes=meshes,
         points=tuple(parts.points),
@@ -176,7 +171,8 @@ def _camera(entry: dict[str, Any], matrix: Scalars, ledger: Ledger) -> Camera | 
         position=color(position),
         target=color(position - normalize(matrix[:3, 2])),
         up=color(normalize(matrix[:3, 1])),
-        fov_x=horizontal_fov(float(np.degrees(lens["yfov"])), "y", aspect, 1.0),
+        fov=float(np.degrees(lens["yfov"])),
+        fov_axis="y",
         width=width,
         height=height,
         mirrored=bool(np.linalg.det(matrix[:3, :3]) < 0),

@@ -3,13 +3,11 @@
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from reference.errors import UsageError
-from reference.files import read_file
 from reference.scene.camera import Camera
 from reference.scene.lights import (
     ConstantEnvironment,
@@ -20,7 +18,7 @@ from reference.scene.lights import (
     PointLight,
     SpotLight,
 )
-from reference.scene.loaders.framing import camera_or_framing, color, horizontal_fov
+from reference.scene.loaders.framing import camera_or_framing, color, fov_axis
 from reference.scene.loaders.json_entries import Entry
 from reference.scene.loaders.json_materials import MATT, read_material
 from reference.scene.loaders.ledger import Ledger
@@ -39,15 +37,13 @@ KNOWN = {"name", "camera", "materials", "shapes", "lights", "environment"}
 LIGHTS = ("point", "spot", "directional", "constant", "envmap")
 
 
-def load(path: Path, lenient: bool) -> Scene:
+def load(ledger: Ledger) -> Scene:
     """Scene of a scene.json file.
 
     Parameters
     ----------
-    path : Path
-        .json; meshes and pictures are looked for beside it.
-    lenient : bool
-        Replace rather than refuse.
+    ledger : Ledger
+        Of the file: .json; meshes and pictures are looked for beside it.
 
     Returns
     -------
@@ -59,9 +55,8 @@ def load(path: Path, lenient: bool) -> Scene:
     UsageError
         Not such a file, or (unless lenient) with something not understood.
     """
-    ledger = Ledger(path, lenient)
     with ledger.reading("scene.json file"):
-        tree = json.loads(read_file(path).decode("utf-8"))
+        tree = json.loads(ledger.contents().decode("utf-8"))
     if not isinstance(tree, dict) or not isinstance(tree.get("shapes"), list):
         ledger.stop('an object with a list "shapes" is needed at the top')
     if ignored := sorted(tree.keys() - KNOWN):
@@ -86,7 +81,7 @@ def load(path: Path, lenient: bool) -> Scene:
     framed = camera_or_framing(camera, meshes, spheres, ledger)
     ledger.settle()
     return Scene(
-        name=str(tree.get("name", path.stem)),
+        name=str(tree.get("name", ledger.path.stem)),
         camera=framed,
         meshes=tuple(meshes),
         spheres=tuple(spheres),
@@ -109,18 +104,12 @@ def _materials(raw: Any, ledger: Ledger) -> dict[str, Material]:
 
 def _camera(entry: Entry) -> Camera:
     width, height = entry.count("width", 256), entry.count("height", 256)
-    axis = str(entry.get("fov_axis", "x"))
-    try:
-        fov_x = horizontal_fov(entry.number("fov_deg"), axis, width, height)
-    except KeyError:
-        entry.ledger.stop(
-            f"camera: fov_axis is {axis!r}; it can be x, y, diagonal, larger or smaller"
-        )
     camera = Camera(
         position=entry.color("origin"),
         target=entry.color("target"),
         up=entry.color("up", (0.0, 1.0, 0.0)),
-        fov_x=fov_x,
+        fov=entry.number("fov_deg"),
+        fov_axis=fov_axis("camera", entry.get("fov_axis", "x"), entry.ledger),
         width=width,
         height=height,
     )
@@ -180,11 +169,11 @@ def _emission(entry: Entry) -> _Glow:
     if not isinstance(raw, dict):
         return _Glow(entry.color("emission"), two_sided)
     own = Entry(f"emission of {entry.name}", raw, entry.ledger)
-    path = entry.ledger.path.parent / str(own.get("file"))
+    name = str(own.get("file"))
     scale = own.number("scale", 1.0)
     own.refuse_unread()
     try:
-        return _Glow(Bitmap(read_picture(path, entry.ledger) * scale), two_sided)
+        return _Glow(Bitmap(read_picture(name, entry.ledger) * scale), two_sided)
     except UsageError as error:
         entry.ledger.replace(f"{own.name}: {error}", "taken as dark")
         return _Glow((0.0, 0.0, 0.0), two_sided)
@@ -263,13 +252,13 @@ def _light(entry: Entry) -> Lamp | DirectionalLight | Environment | None:
     elif kind == "constant":
         light = ConstantEnvironment(entry.color("radiance"))
     elif kind == "envmap":
-        path = entry.ledger.path.parent / str(entry.get("file"))
         scale = entry.number("scale", 1.0)
         try:
-            light = LatLongEnvironment(read_picture(path, entry.ledger) * scale)
+            pixels = read_picture(str(entry.get("file")), entry.ledger)
         except UsageError as error:
             entry.ledger.replace(f"{entry.name}: {error}", "left out")
             return None
+        light = LatLongEnvironment(pixels * scale)
     else:
         entry.ledger.replace(
             f"{entry.name} has the type {kind!r}; known are {', '.join(LIGHTS)}",
