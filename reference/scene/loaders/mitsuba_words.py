@@ -94,7 +94,7 @@ _SHAPES = (
             ("ply", "filename face_normals flip_tex_coords"),
             ("serialized", "filename shape_index face_normals"),
             ("rectangle", ""),
-            ("cube", "face_normals"),
+            ("cube", ""),
             ("disk", ""),
             ("cylinder", "p0 p1 radius"),
             ("sphere", "center radius"),
@@ -105,6 +105,8 @@ _SHAPES = (
             *_words(kind, _REPLACED, "medium", "left empty"),
         )
     ),
+    *_words("cube", _HARMLESS, "face_normals", "it is flat"),
+    *_words("rectangle", _HARMLESS, "face_normals", "it is flat"),
     *_words("shapegroup", _MODELLED, "shape"),
     *_words("merge", _MODELLED, "shape"),
     *_words("instance", _MODELLED, "shape to_world"),
