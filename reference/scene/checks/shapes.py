@@ -15,6 +15,8 @@ from reference.scene.textures import Bitmap
 
 LARGEST = 1e50
 """Coordinates in metres that may still be squared and multiplied."""
+BRIGHTEST = 1e50
+"""W/(m² sr), W/sr or W/m²; products with areas stay finite."""
 
 
 def check_mesh(where: str, mesh: Mesh) -> None:
@@ -43,7 +45,7 @@ def check_mesh(where: str, mesh: Mesh) -> None:
         need_rows(where, "texture coordinate", uv, 2)
         need_numbers(where, "a texture coordinate", uv, -LARGEST, LARGEST)
         _need_one_a_vertex(where, "texture coordinates", len(mesh.uv), mesh)
-    check_texture(where, "emission", mesh.emission, np.inf)
+    check_texture(where, "emission", mesh.emission, BRIGHTEST)
     if mesh.colors is not None:
         need_rows(where, "vertex colour", np.asarray(mesh.colors), 3)
         _need_one_a_vertex(where, "vertex colours", len(mesh.colors), mesh)
@@ -140,7 +142,7 @@ def check_sphere(where: str, sphere: Sphere) -> None:
     need_numbers(where, "radius", sphere.radius, high=LARGEST)
     if sphere.radius <= 0:
         refuse(where, f"radius is {sphere.radius:g}", "it must be above 0")
-    check_texture(where, "emission", sphere.emission, np.inf)
+    check_texture(where, "emission", sphere.emission, BRIGHTEST)
     check_material(where, sphere.material)
 
 

@@ -24,6 +24,7 @@ INTERNAL = re.compile(
     r"|Error while loading (?=[^ ]+ \()"
 )
 """What Mitsuba's messages say about itself."""
+LARGEST = 1e50
 VARIANT = "scalar_rgb"  # the one that needs no compiler at run time
 
 
@@ -179,7 +180,9 @@ class Node:
             return np.eye(4)
         if not hasattr(transform, "matrix"):
             self._refuse_value(key, "a transform", ledger)
-        return np.array(transform.matrix, np.float64)
+        matrix = np.array(transform.matrix, np.float64)
+        check_matrix(matrix, f'{self.name}: "{key}"', ledger)
+        return matrix
 
     def file(self, ledger: Ledger) -> Path:
         """The file that it names.
@@ -253,6 +256,12 @@ class Node:
     def _refuse_value(self, key: str, right: str, ledger: Ledger) -> NoReturn:
         value = " ".join(str(self.values[key]).split())
         ledger.stop(f'{self.name}: "{key}" is {value:.60}; it has to be {right}')
+
+
+def check_matrix(matrix: Scalars, where: str, ledger: Ledger) -> None:
+    """Refuse a transform whose determinant may not be computed with."""
+    if not (np.abs(matrix) <= LARGEST).all():
+        ledger.stop(f"{where} holds numbers beyond {LARGEST:g}")
 
 
 def parse(mi: Any, ledger: Ledger) -> Node:
