@@ -189,11 +189,8 @@ def _cylinder(mi: Any, node: Node, matrix: Scalars, flip: bool, ledger: Ledger) 
         ledger.stop(f"{node.name}: p0 and p1 have to be two different points")
     frame = mi.Frame3f(mi.Vector3f((axis / length).tolist()))
     own = np.eye(4)
-    own[:3, :3] = np.stack([frame.s, frame.t, frame.n], axis=-1) * [
-        radius,
-        radius,
-        length,
-    ]
+    own[:3, :3] = np.stack([frame.s, frame.t, frame.n], axis=-1)
+    own[:3, :3] *= [radius, radius, length]
     own[:3, 3] = start
     matrix = matrix @ own
     angle, x, y = _circle()
@@ -214,10 +211,8 @@ def _cylinder(mi: Any, node: Node, matrix: Scalars, flip: bool, ledger: Ledger) 
     mesh = _placed(node, matrix, corners, faces, uv, flip)
     # Away from the axis, by the inverse transpose.
     outward = np.concatenate([np.stack([x, y, z], axis=-1)] * 2)
-    cofactors = np.stack(
-        [cross(matrix[None, :3, i - 2], matrix[None, :3, i - 1])[0] for i in range(3)],
-        axis=-1,
-    )
-    normals = normalize(outward @ cofactors.T)
+    linear = matrix[:3, :3]
+    cofactors = cross(linear.T[[1, 2, 0]], linear.T[[2, 0, 1]])
+    normals = normalize(outward @ cofactors)
     mirrored = np.linalg.det(matrix[:3, :3]) < 0
     return replace(mesh, normals=-normals if mirrored != flip else normals)
