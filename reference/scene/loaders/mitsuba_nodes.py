@@ -12,7 +12,7 @@ import numpy as np
 
 from reference.arrays import Scalars, Vec3s
 from reference.errors import UsageError
-from reference.scene.loaders.ledger import Ledger
+from reference.scene.loaders.ledger import ELSEWHERE, Ledger
 from reference.scene.loaders.mitsuba_source import DEEPEST, check_source
 from reference.scene.loaders.mitsuba_words import find, modelled
 from reference.scene.loaders.words import Fate, Word
@@ -202,9 +202,11 @@ class Node:
         UsageError
             It names none, or one that is missing or may not be read.
         """
-        name = self.text("filename", "", ledger)
+        name = self.text("filename", "", ledger).replace("\\", "/")
         if not name:
             raise UsageError("it names no file; it needs a filename")
+        if ELSEWHERE.match(name):
+            ledger.locate(name)  # which refuses it
         places = [str((folder / name).absolute()) for folder in self.folders]
         # The first that exists, as Mitsuba; else the last, which is the scene's own.
         there = [place for place in places if Path(place).exists()]

@@ -1,6 +1,5 @@
 """Mitsuba's shapes: first what they are, then their triangles."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -18,7 +17,7 @@ from reference.scene.materials.kinds import Dielectric, Lambertian
 from reference.scene.shapes import Mesh, Sphere
 from reference.scene.textures import Pattern, Texture, mean_color, shines
 
-BYTES = 4096
+BYTES = 2**14
 """Of memory for a shape without its triangles, generously."""
 
 
@@ -60,8 +59,8 @@ class Plan:
 
 
 def plan_shapes(
-    node: Node, materials: Materials, outer: Scalars | None = None
-) -> Iterator[Plan]:
+    node: Node, materials: Materials, plans: list[Plan], outer: Scalars | None = None
+) -> None:
     """Read the words of a shape and of those inside it.
 
     Parameters
@@ -70,13 +69,10 @@ def plan_shapes(
         The shape.
     materials : Materials
         Of the file.
+    plans : list of Plan
+        Grows, by each shape that is not left out, which is noted.
     outer : (4, 4) float64 or None
         What an instance does with it.
-
-    Yields
-    ------
-    Plan
-        Of each that is not left out, which is noted.
     """
     ledger = materials.ledger
     if not node.is_modelled(ledger):
@@ -93,11 +89,9 @@ def plan_shapes(
         for group in node.inside("shape"):
             inner = group.inside("shape") if group.kind == "shapegroup" else [group]
             for shape in inner:
-                yield from plan_shapes(shape, materials, matrix)
-        return
-    plan = _plan(node, matrix, materials)
-    if plan is not None:
-        yield plan
+                plan_shapes(shape, materials, plans, matrix)
+    elif plan := _plan(node, matrix, materials):
+        plans.append(plan)
 
 
 def _plan(node: Node, matrix: Scalars, materials: Materials) -> Plan | None:
