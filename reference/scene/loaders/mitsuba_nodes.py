@@ -21,7 +21,7 @@ TYPES = {"ReconstructionFilter": "rfilter", "PhaseFunction": "phase"}
 INTERNAL = re.compile(
     r"\[[\w.]+(:\d+)?\] ?"
     r'|At dictionary node "root": failed to instantiate \w+ plugin of type "\w+": '
-    r"|Error while loading (?=[^ ]+ \()"
+    r'|Error while loading (?:(?=[^ ]+ \()|XML file "[^"]*": )'
 )
 """What Mitsuba's messages say about itself."""
 LARGEST = 1e50
