@@ -1,7 +1,8 @@
 """Scenes in our plain convention: scene.json beside PLY files (docs: scene_json)."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from reference.scene.loaders.triangles import check_indices
 from reference.scene.materials.kinds import Material
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh, Sphere
+from reference.scene.textures import Color
 
 KNOWN = {"name", "camera", "materials", "shapes", "lights", "environment"}
 LIGHTS = ("point", "directional", "constant", "envmap")
@@ -55,11 +57,10 @@ def load(ledger: Ledger) -> Scene:
     if ignored := sorted(tree.keys() - KNOWN):
         ledger.note(f"Ignored at the top of the file: {', '.join(ignored)}")
     materials = _materials(tree.get("materials", {}), ledger)
-    meshes: list[Mesh] = []
-    spheres: list[Sphere] = []
+    shapes = []
     for i, raw in enumerate(tree["shapes"]):
         name = raw.get("id", raw.get("file", i)) if isinstance(raw, dict) else i
-        _add_shape(meshes, spheres, Entry(f'shape "{name}"', raw, ledger), materials)
+        shapes.append(_shape(Entry(f'shape "{name}"', raw, ledger), materials))
     lights = tree.get("lights") or []
     if not isinstance(lights, list):
         ledger.stop('"lights" is no list of objects')
@@ -71,13 +72,16 @@ def load(ledger: Ledger) -> Scene:
     camera = (
         _camera(Entry("camera", tree["camera"], ledger)) if "camera" in tree else None
     )
+    ledger.settle()  # before any mesh is read
+    spheres = tuple(shape for shape in shapes if isinstance(shape, Sphere))
+    meshes = tuple(mesh for shape in shapes if callable(shape) for mesh in shape())
     framed = camera_or_framing(camera, meshes, spheres, ledger)
     ledger.settle()
     return Scene(
         name=str(tree.get("name", ledger.path.stem)),
         camera=framed,
-        meshes=tuple(meshes),
-        spheres=tuple(spheres),
+        meshes=meshes,
+        spheres=spheres,
         points=tuple(x for x in made if isinstance(x, PointLight)),
         suns=tuple(x for x in made if isinstance(x, DirectionalLight)),
         environment=environments[-1] if environments else None,
@@ -115,12 +119,10 @@ def _camera(entry: Entry) -> Camera:
     return camera
 
 
-def _add_shape(
-    meshes: list[Mesh],
-    spheres: list[Sphere],
-    entry: Entry,
-    materials: Mapping[str, Material],
-) -> None:
+def _shape(
+    entry: Entry, materials: Mapping[str, Material]
+) -> Sphere | Callable[[], Iterator[Mesh]] | None:
+    """Sphere; or what reads the meshes, once all words were found to be right."""
     ledger = entry.ledger
     wanted = entry.get("material")
     material = materials.get(str(wanted))
@@ -134,58 +136,65 @@ def _add_shape(
     emission = (0.0, 0.0, 0.0)
     if entry.get("emission") is not None:
         emission = entry.color("emission")
+    made: Sphere | Callable[[], Iterator[Mesh]] | None = None
     if entry.get("type") == "sphere":
-        center, radius = entry.color("center"), entry.number("radius")
-        inward = bool(entry.get("inward", False))
-        spheres.append(
-            Sphere(
-                name=entry.id,
-                center=center,
-                radius=radius,
-                material=material,
-                emission=emission,
-                inward=inward,
-            )
+        made = Sphere(
+            name=entry.id,
+            center=entry.color("center"),
+            radius=entry.number("radius"),
+            material=material,
+            emission=emission,
+            inward=bool(entry.get("inward", False)),
         )
-    else:
-        meshes.extend(_meshes(entry, material, emission))
+    elif name := _mesh_file(entry):
+        made = partial(_meshes, entry, name, material, emission)
     entry.refuse_unread(harmless={"id", "vertices", "area", "bounds", "bbox"})
+    return made
+
+
+def _mesh_file(entry: Entry) -> str | None:
+    """Name of the file of a shape, if there is one that can be one."""
+    name = entry.get("file")
+    entry.get("triangles")
+    try:
+        found = isinstance(name, str) and entry.ledger.locate(name).is_file()
+    except UsageError as error:
+        entry.ledger.replace(f"{entry.name}: {error}", "left out")
+        return None
+    if not found or not name.lower().endswith((".ply", ".obj")):
+        entry.ledger.replace(
+            f'{entry.name}: "{name}" is no PLY or OBJ file beside the scene',
+            "left out",
+        )
+        return None
+    return str(name)
 
 
 def _meshes(
-    entry: Entry, material: Material, emission: tuple[float, float, float]
-) -> list[Mesh]:
+    entry: Entry, name: str, material: Material, emission: Color
+) -> Iterator[Mesh]:
     ledger = entry.ledger
-    path = ledger.path.parent / str(entry.get("file"))
-    if not path.is_file() or path.suffix.lower() not in (".ply", ".obj"):
-        ledger.replace(
-            f'{entry.name}: "{path.name}" is no PLY or OBJ file beside the scene',
-            "left out",
-        )
-        entry.get("triangles")
-        return []
-    parts = read_parts(path, ledger)
+    parts = read_parts(name, ledger)
     found, promised = sum(len(p.faces) for p in parts), entry.get("triangles")
     if promised is not None and promised != found:
         ledger.replace(
-            f"{entry.name} has {found} triangles in {path.name}, not {promised}",
+            f"{entry.name} has {found} triangles in {name}, not {promised}",
             f"taken with its {found}",
         )
     if any(part.normals is not None for part in parts):
-        ledger.note(f"{path.name}: its vertex normals are ignored, faces are flat")
-    meshes = [
-        Mesh(
+        ledger.note(f"{name}: its vertex normals are ignored, faces are flat")
+    if any(part.colors is not None for part in parts):
+        ledger.note(f"{name}: its vertex colours are ignored, the material counts")
+    for part in parts:
+        mesh = Mesh(
             name=entry.id,
             vertices=part.vertices,
             faces=part.faces,
             material=material,
             emission=emission,
         )
-        for part in parts
-    ]
-    for mesh in meshes:
         check_indices(mesh, ledger)
-    return meshes
+        yield mesh
 
 
 def _environment_entry(raw: Any, ledger: Ledger) -> Entry:
