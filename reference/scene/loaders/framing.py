@@ -10,7 +10,7 @@ from reference.scene.lights import ConstantEnvironment
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh, Sphere
-from reference.scene.textures import Color
+from reference.scene.textures import Color, mean_color
 
 FOV = 45.0  # degrees
 VIEW = (1.0, 0.75, 1.5)  # towards the eye: from the right, above, in front
@@ -96,7 +96,8 @@ def framing_camera(meshes: Sequence[Mesh], spheres: Sequence[Sphere]) -> Camera:
         points = np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]])
     low, high = points.min(axis=0), points.max(axis=0)
     center = low / 2 + high / 2
-    radius = float(np.linalg.norm(high - low)) / 2 or 1.0
+    with np.errstate(over="ignore"):  # the validation's to report
+        radius = float(np.linalg.norm(high - low)) / 2 or 1.0
     direction = np.array(VIEW) / np.linalg.norm(VIEW)
     distance = radius / np.sin(np.radians(FOV) / 2)
     return Camera(
@@ -153,7 +154,7 @@ def default_environment(scene: Scene, ledger: Ledger) -> ConstantEnvironment | N
         Of radiance 1, unless something emits.
     """
     emissions = [m.emission for m in scene.meshes] + [s.emission for s in scene.spheres]
-    if scene.points or scene.suns or np.any(emissions):
+    if scene.points or scene.suns or any(np.any(mean_color(x)) for x in emissions):
         return None
     ledger.note(
         "Nothing in the file emits light: a constant environment of radiance 1"

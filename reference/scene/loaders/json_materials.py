@@ -1,6 +1,6 @@
 """Materials of scene.json files."""
 
-from reference.scene.loaders.json_entries import Entry
+from reference.scene.loaders.json_entries import Entry, shown
 from reference.scene.loaders.ledger import roughness
 from reference.scene.materials.kinds import (
     Coated,
@@ -38,9 +38,9 @@ def read_material(entry: Entry) -> Material:
         The type or a key is not understood, unless lenient.
     """
     kind = entry.get("type")
-    if kind not in KNOWN:
+    if not isinstance(kind, str) or kind not in KNOWN:
         entry.ledger.replace(
-            f"{entry.name} has the type {kind!r}; known are {', '.join(KNOWN)}",
+            f"{entry.name} has the type {shown(kind)}; known are {', '.join(KNOWN)}",
             "taken as diffuse with reflectance 0.5",
         )
         return MATT
@@ -98,7 +98,7 @@ def _alpha(entry: Entry) -> float:
     distribution = entry.get("distribution", "ggx")
     if distribution != "ggx":
         entry.ledger.replace(
-            f"{entry.name}: the distribution {distribution!r} is not modelled, ggx is",
+            f"{entry.name}: the distribution {shown(distribution)} is not modelled",
             "taken as GGX of the same alpha",
         )
     return roughness(entry.number("alpha"), entry.name, entry.ledger)

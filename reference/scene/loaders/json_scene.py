@@ -17,7 +17,7 @@ from reference.scene.lights import (
     PointLight,
 )
 from reference.scene.loaders.framing import camera_or_framing, color, horizontal_fov
-from reference.scene.loaders.json_entries import Entry
+from reference.scene.loaders.json_entries import Entry, shown
 from reference.scene.loaders.json_materials import MATT, read_material
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.meshes import read_parts
@@ -51,7 +51,10 @@ def load(ledger: Ledger) -> Scene:
         Not such a file, or (unless lenient) with something not understood.
     """
     with ledger.reading("scene.json file"):
-        tree = json.loads(ledger.contents().decode("utf-8"))
+        tree = json.loads(
+            ledger.contents().decode("utf-8-sig"),
+            object_pairs_hook=partial(_object, ledger=ledger),
+        )
     if not isinstance(tree, dict) or not isinstance(tree.get("shapes"), list):
         ledger.stop('an object with a list "shapes" is needed at the top')
     if ignored := sorted(tree.keys() - KNOWN):
@@ -89,6 +92,16 @@ def load(ledger: Ledger) -> Scene:
     )
 
 
+def _object(pairs: list[tuple[str, Any]], ledger: Ledger) -> dict[str, Any]:
+    """Refuse what JSON leaves open: which of two values of a key counts."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        ledger.stop(f"the key {shown(twice)} stands twice in one object")
+    return found
+
+
 def _materials(raw: Any, ledger: Ledger) -> dict[str, Material]:
     if not isinstance(raw, dict):
         ledger.stop('"materials" is no object of names and materials')
@@ -105,7 +118,8 @@ def _camera(entry: Entry) -> Camera:
         fov_x = horizontal_fov(entry.number("fov_deg"), axis, width, height)
     except KeyError:
         entry.ledger.stop(
-            f"camera: fov_axis is {axis!r}; it can be x, y, diagonal, larger or smaller"
+            f"camera: fov_axis is {shown(axis)}; it can be x, y, diagonal, larger or"
+            " smaller"
         )
     camera = Camera(
         position=entry.color("origin"),
@@ -125,11 +139,11 @@ def _shape(
     """Sphere; or what reads the meshes, once all words were found to be right."""
     ledger = entry.ledger
     wanted = entry.get("material")
-    material = materials.get(str(wanted))
+    material = materials.get(wanted) if isinstance(wanted, str) else None
     if material is None:
         ledger.replace(
-            f'{entry.name}: there is no material "{wanted}" (but'
-            f" {', '.join(materials) or 'none at all'})",
+            f"{entry.name}: its material is {shown(wanted)}; there"
+            f" are {', '.join(materials) or 'none at all'}",
             "taken as diffuse with reflectance 0.5",
         )
         material = MATT
@@ -163,7 +177,7 @@ def _mesh_file(entry: Entry) -> str | None:
         return None
     if not found or not name.lower().endswith((".ply", ".obj")):
         entry.ledger.replace(
-            f'{entry.name}: "{name}" is no PLY or OBJ file beside the scene',
+            f"{entry.name}: {shown(name)} is no PLY or OBJ file beside the scene",
             "left out",
         )
         return None
@@ -226,7 +240,7 @@ def _light(entry: Entry) -> PointLight | DirectionalLight | Environment | None:
         light = LatLongEnvironment(pixels * scale)
     else:
         entry.ledger.replace(
-            f"{entry.name} has the type {kind!r}; known are {', '.join(LIGHTS)}",
+            f"{entry.name} has the type {shown(kind)}; known are {', '.join(LIGHTS)}",
             "left out",
         )
         return None
