@@ -167,6 +167,8 @@ def _meshes(
         )
     if any(part.normals is not None for part in parts):
         ledger.note(f"{path.name}: its vertex normals are ignored, faces are flat")
+    if any(part.colors is not None for part in parts):
+        ledger.note(f"{path.name}: its vertex colours are ignored")
     meshes = [
         Mesh(
             name=entry.id,
