@@ -1,11 +1,12 @@
 """One object of a scene.json file, with errors that name it."""
 
 import json
-from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import Any
 
+from reference.scene.loaders.json_words import names
 from reference.scene.loaders.ledger import Ledger
+from reference.scene.loaders.words import Fate
 from reference.scene.textures import Color
 
 MOST_COUNT = 2**24  # beyond it no picture has a side
@@ -41,6 +42,8 @@ class Entry:
 
     Attributes
     ----------
+    element : str
+        What it is, as in `json_words.WORDS`.
     name : str
         For messages.
     raw : Any
@@ -49,6 +52,7 @@ class Entry:
         Of the file.
     """
 
+    element: str
     name: str
     raw: Any
     ledger: Ledger
@@ -78,6 +82,7 @@ class Entry:
         Any
             As in the file.
         """
+        assert key in names(self.element), f"{key} is no word of {self.element}"
         self._read.add(key)
         return self.raw.get(key, default)
 
@@ -166,20 +171,17 @@ class Entry:
         x, y, z = (float(v) for v in values)
         return x, y, z
 
-    def refuse_unread(self, harmless: Collection[str] = ()) -> None:
+    def refuse_unread(self) -> None:
         """Stop, or note, if a key was never asked for.
 
-        Parameters
-        ----------
-        harmless : collection of str
-            Keys that tell nothing new.  A key whose value is a text is taken for a
-            remark, and noted.
+        A key whose value is a text is taken for a remark, and noted.
 
         Raises
         ------
         UsageError
             Unless lenient.
         """
+        harmless = names(self.element, Fate.HARMLESS)
         for key in sorted(self.raw.keys() - self._read - set(harmless)):
             if isinstance(self.raw[key], str):
                 self.ledger.note(f'{self.name}: the remark "{key}" is ignored')

@@ -22,6 +22,7 @@ from reference.scene.lights import (
 from reference.scene.loaders.framing import camera_or_framing, color, fov_axis
 from reference.scene.loaders.json_entries import Entry, shown
 from reference.scene.loaders.json_materials import MATT, read_material
+from reference.scene.loaders.json_words import names
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.meshes import read_parts
 from reference.scene.loaders.pictures import read_picture
@@ -34,8 +35,7 @@ from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh, Sphere
 from reference.scene.textures import Bitmap, Color, Texture
 
-KNOWN = {"name", "camera", "materials", "shapes", "lights", "environment"}
-LIGHTS = ("point", "spot", "directional", "constant", "envmap")
+LIGHTS = names("light type")
 
 
 def load(ledger: Ledger) -> Scene:
@@ -63,23 +63,27 @@ def load(ledger: Ledger) -> Scene:
         )
     if not isinstance(tree, dict) or not isinstance(tree.get("shapes"), list):
         ledger.stop('an object with a list "shapes" is needed at the top')
-    if ignored := sorted(tree.keys() - KNOWN):
+    if ignored := sorted(tree.keys() - set(names("file"))):
         ledger.note(f"Ignored at the top of the file: {', '.join(ignored)}")
     materials = _materials(tree.get("materials", {}), ledger)
     shapes = []
     for i, raw in enumerate(tree["shapes"]):
         name = raw.get("id", raw.get("file", i)) if isinstance(raw, dict) else i
-        shapes.append(_shape(Entry(f'shape "{name}"', raw, ledger), materials))
+        shapes.append(_shape(Entry("shape", f'shape "{name}"', raw, ledger), materials))
     lights = tree.get("lights") or []
     if not isinstance(lights, list):
         ledger.stop('"lights" is no list of objects')
-    entries = [Entry(f"light {i}", raw, ledger) for i, raw in enumerate(lights)]
+    entries = [
+        Entry("light", f"light {i}", raw, ledger) for i, raw in enumerate(lights)
+    ]
     if tree.get("environment") is not None:
         entries.append(_environment_entry(tree["environment"], ledger))
     made = [light for light in map(_light, entries) if light is not None]
     environments = [x for x in made if isinstance(x, Environment)]
     camera = (
-        _camera(Entry("camera", tree["camera"], ledger)) if "camera" in tree else None
+        _camera(Entry("camera", "camera", tree["camera"], ledger))
+        if "camera" in tree
+        else None
     )
     ledger.settle()  # before any mesh is read
     spheres = tuple(shape for shape in shapes if isinstance(shape, Sphere))
@@ -113,7 +117,7 @@ def _materials(raw: Any, ledger: Ledger) -> dict[str, Material]:
     if not isinstance(raw, dict):
         ledger.stop('"materials" is no object of names and materials')
     return {
-        name: read_material(Entry(f'material "{name}"', entry, ledger))
+        name: read_material(Entry("material", f'material "{name}"', entry, ledger))
         for name, entry in raw.items()
     }
 
@@ -129,7 +133,7 @@ def _camera(entry: Entry) -> Camera:
         width=width,
         height=height,
     )
-    entry.refuse_unread(harmless={"near", "far", "near_clip", "far_clip"})
+    entry.refuse_unread()
     return camera
 
 
@@ -161,7 +165,7 @@ def _shape(
         )
     elif name := _mesh_file(entry):
         made = partial(_meshes, entry, name, material, glow)
-    entry.refuse_unread(harmless={"id", "vertices", "area", "bounds", "bbox"})
+    entry.refuse_unread()
     return made
 
 
@@ -198,7 +202,7 @@ def _emission(entry: Entry) -> _Glow:
         return _Glow((0.0, 0.0, 0.0), two_sided)
     if not isinstance(raw, dict):
         return _Glow(entry.color("emission"), two_sided)
-    own = Entry(f"emission of {entry.name}", raw, entry.ledger)
+    own = Entry("emission", f"emission of {entry.name}", raw, entry.ledger)
     name = str(own.get("file"))
     scale = own.number("scale", 1.0)
     own.refuse_unread()
@@ -240,7 +244,7 @@ def _environment_entry(raw: Any, ledger: Ledger) -> Entry:
     if not isinstance(raw, dict):
         raw = {"type": "constant", "radiance": raw}
     kind = "envmap" if "file" in raw else "constant"
-    return Entry("environment", {"type": kind, **raw}, ledger)
+    return Entry("light", "environment", {"type": kind, **raw}, ledger)
 
 
 def _direction(entry: Entry) -> Color:
@@ -260,7 +264,7 @@ def _light(entry: Entry) -> Lamp | DirectionalLight | Environment | None:
         falloff = entry.get("falloff", "linear")
         if falloff not in ("linear", "smooth"):
             entry.ledger.stop(
-                f"{entry.name}: falloff is {falloff!r}; it can be linear or smooth"
+                f"{entry.name}: falloff is {shown(falloff)}; it can be linear or smooth"
             )
         light = SpotLight(
             entry.color("position"),

@@ -14,8 +14,11 @@ from reference.scene.loaders.triangles import (
     drop_texture_without_uv,
     turn_faces_to_normals,
 )
+from reference.scene.materials.kinds import Lambertian
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh
+
+WHITE = Look(Lambertian((1.0, 1.0, 1.0)))
 
 
 def load(ledger: Ledger) -> Scene:
@@ -69,9 +72,12 @@ def _refuse_missing(text: ObjText, looks: Mapping[str, Look], ledger: Ledger) ->
 
 def _mesh(part: Part, looks: Mapping[str, Look], ledger: Ledger) -> Mesh:
     name = part.material or ledger.path.stem
-    if part.material is None:
-        ledger.note(f'"{name}" has no material: it is matt with reflectance 0.8')
     look = looks.get(part.material or "", PLAIN)
+    if part.material is None:
+        told = "reflectance 0.8"
+        if part.colors is not None:
+            look, told = WHITE, "the colours of its vertices"
+        ledger.note(f'"{name}" has no material: it is matt with {told}')
     mesh = Mesh(
         name=name,
         vertices=part.vertices,

@@ -38,7 +38,7 @@ class Part:
 
 
 def linear_colors(stored: Vec3s, where: str, ledger: Ledger) -> Vec3s:
-    """Linear vertex colours of what mesh files hold, which is encoded as in pictures.
+    """Linear vertex colours of what mesh files hold in sRGB.
 
     Parameters
     ----------

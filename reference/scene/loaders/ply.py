@@ -35,7 +35,10 @@ WORDS = (
     Word("vertex", "x, y, z", Fate.MODELLED),
     Word("vertex", "nx, ny, nz", Fate.MODELLED),
     *(Word("vertex", f"{u}, {v}", Fate.MODELLED) for u, v in PLACES_ON_PICTURE),
-    *(Word("vertex", ", ".join(rgb), Fate.MODELLED, "sRGB") for rgb in COLORS),
+    *(
+        Word("vertex", ", ".join(rgb), Fate.MODELLED, "whole numbers are sRGB")
+        for rgb in COLORS
+    ),
     Word("vertex", "alpha", Fate.REPLACED, "opaque; the largest value is harmless"),
     Word("vertex", "any other", Fate.HARMLESS, "no part of a surface"),
     *(Word("face, tristrips", name, Fate.MODELLED) for name in INDICES),
@@ -290,7 +293,9 @@ def _part(tables: dict[str, dict[str, _Column]], name: str, ledger: Ledger) -> P
     colors = None
     if rgb:
         most = np.array([vertex[key].most for key in rgb])
-        colors = linear_colors(_columns(vertex, rgb) / most, name, ledger)
+        colors = _columns(vertex, rgb) / most
+        if (most > 1).any():  # whole numbers are sRGB, as in pictures
+            colors = linear_colors(colors, name, ledger)
     return Part(
         material=None,
         vertices=_columns(vertex, ("x", "y", "z")),
