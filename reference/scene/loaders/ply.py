@@ -54,6 +54,7 @@ class _Property:
     type: str
     length: str | None  # type of the length of a list
     most: float  # what stands for 1 in a colour
+    single: bool  # the file means float32, be it written as text
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,6 +166,7 @@ def _add(
         type=order + TYPES[kind] if order else "<f8",
         length=length and (order + TYPES[length] if order else "<f8"),
         most=1.0 if dtype.kind == "f" else float(np.iinfo(dtype).max),
+        single=dtype == np.float32,
     )
     elements[-1] = _Element(last.name, last.count, (*last.properties, column))
 
@@ -197,15 +199,21 @@ def _table(element: _Element, body: bytes, at: int) -> tuple[dict[str, _Column],
         lists = [i for i, p in enumerate(element.properties) if p.length]
         if all((rows[f"length {i}"] == sizes[i]).all() for i in lists):
             table = {
-                p.name: _Column(
+                p.name: _column(
+                    p,
                     rows[f"value {i}"].reshape(-1),
                     np.full(element.count, sizes[i]),
-                    p.most,
                 )
                 for i, p in enumerate(element.properties)
             }
             return table, at + element.count * row.itemsize
     return _table_row_by_row(element, body, at)
+
+
+def _column(column: _Property, values: Scalars, sizes: Indices) -> _Column:
+    with np.errstate(over="ignore"):
+        stored = values.astype(np.float32) if column.single else values
+    return _Column(stored, sizes, column.most)
 
 
 def _sizes(element: _Element, body: bytes, at: int) -> list[int]:
@@ -266,7 +274,7 @@ def _table_row_by_row(
         shift = np.array(begins) - (np.cumsum(each) - each)
         places = np.arange(each.sum()) + np.repeat(shift, each)
         values = octets[places].view(column.type)
-        table[column.name] = _Column(values, np.array(counts), column.most)
+        table[column.name] = _column(column, values, np.array(counts))
     return table, at
 
 
