@@ -9,6 +9,8 @@ from typing import NoReturn
 from reference.errors import UsageError
 
 LEAST_ALPHA = 1e-3
+MOST_TOLD = 20
+"""Refusals of one file in one message."""
 
 
 @dataclass(slots=True)
@@ -31,6 +33,7 @@ class Ledger:
     lenient: bool
     notes: list[str] = field(default_factory=list)
     refusals: list[str] = field(default_factory=list)
+    _told: set[str] = field(default_factory=set, repr=False)
 
     def note(self, sentence: str) -> None:
         """Write down what the reader of an image has to know.
@@ -40,8 +43,7 @@ class Ledger:
         sentence : str
             Without its full stop.
         """
-        if f"{sentence}." not in self.notes:
-            self.notes.append(f"{sentence}.")
+        self._tell_once(f"{sentence}.", self.notes)
 
     def replace(self, problem: str, instead: str) -> None:
         """Go on with something else: noted when lenient, else refused by `settle`.
@@ -57,19 +59,35 @@ class Ledger:
             self.note(f"{problem}: {instead}")
             return
         refusal = f"{self.path}: {problem} (with --lenient: {instead})"
-        if refusal not in self.refusals:
-            self.refusals.append(refusal)
+        self._tell_once(refusal, self.refusals)
+
+    def refuse(self, problem: str) -> None:
+        """Have `settle` refuse the file, lenient or not.
+
+        Parameters
+        ----------
+        problem : str
+            What is not modelled and cannot be replaced, in which element.
+        """
+        self._tell_once(f"{self.path}: {problem}", self.refusals)
 
     def settle(self) -> None:
-        """Refuse the file if anything in it was replaced and the loader is strict.
+        """Refuse the file for all that it was refused for so far.
 
         Raises
         ------
         UsageError
-            Tells all refusals so far.
+            Tells all refusals so far, or the first ``MOST_TOLD`` and how many more.
         """
+        more = len(self.refusals) - MOST_TOLD
         if self.refusals:
-            raise UsageError("; ".join(self.refusals))
+            told = "; ".join(self.refusals[:MOST_TOLD])
+            raise UsageError(told + (f"; and {more} more" if more > 0 else ""))
+
+    def _tell_once(self, sentence: str, to: list[str]) -> None:
+        if sentence not in self._told:
+            self._told.add(sentence)
+            to.append(sentence)
 
     def stop(self, problem: str) -> NoReturn:
         """Refuse the file.

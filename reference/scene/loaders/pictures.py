@@ -1,8 +1,12 @@
 """Picture files as linear colours: textures and environment maps."""
 
 import re
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +15,9 @@ from reference.errors import UsageError
 from reference.exr import read_exr
 from reference.files import read_file
 from reference.scene.loaders.ledger import Ledger
+
+if TYPE_CHECKING:
+    from PIL import Image
 
 RESOLUTION = re.compile(rb"-Y (\d+) \+X (\d+)")
 
@@ -90,17 +97,9 @@ def decode_picture(
     UsageError
         Not a picture, or truncated.
     """
-    from PIL import Image
-
-    try:
-        with Image.open(BytesIO(contents)) as picture:
-            deep = picture.mode.startswith("I;16")
-            stored = np.asarray(picture if deep else picture.convert("RGB"))
-    # Pillow's decoders raise OSError, SyntaxError, ValueError, struct.error, ...
-    except Exception as error:
-        raise UsageError(
-            f"{name} cannot be read as a picture ({error}); PNG, JPEG, EXR and HDR can"
-        ) from error
+    with _opened(contents, name) as picture:
+        deep = picture.mode.startswith("I;16")
+        stored = np.asarray(picture if deep else picture.convert("RGB"))
     if deep:
         encoded = np.repeat(stored[..., None] / 65535.0, 3, axis=-1)
     else:
@@ -108,6 +107,75 @@ def decode_picture(
         if contents.startswith(b"\x89PNG") and contents[24] == 16:
             ledger.note(f"{name} has 16 bits a channel and is read with 8")
     return encoded if raw else decode_srgb(encoded)
+
+
+def decode_alpha(contents: bytes, name: str) -> Scalars:
+    """Opacity of a picture in memory.
+
+    Parameters
+    ----------
+    contents : bytes
+        What Pillow reads.
+    name : str
+        For messages.
+
+    Returns
+    -------
+    (h, w) float64
+        In [0, 1]; 1 everywhere where the picture has no transparency.
+
+    Raises
+    ------
+    UsageError
+        Not a picture, or truncated.
+    """
+    with _opened(contents, name) as picture:
+        if not picture.has_transparency_data:
+            return np.ones((picture.height, picture.width))
+        return np.asarray(picture.convert("RGBA"))[..., 3] / 255.0
+
+
+def picture_size(contents: bytes, name: str) -> tuple[int, int]:
+    """Width and height of a picture in memory, before it is decoded.
+
+    Parameters
+    ----------
+    contents : bytes
+        What Pillow reads.
+    name : str
+        For messages.
+
+    Returns
+    -------
+    int, int
+        As its header promises.
+
+    Raises
+    ------
+    UsageError
+        Not a picture.
+    """
+    with _opened(contents, name) as picture:
+        return picture.size
+
+
+@contextmanager
+def _opened(contents: bytes, name: str) -> Iterator["Image.Image"]:
+    from PIL import Image
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", Image.DecompressionBombWarning)
+            picture = Image.open(BytesIO(contents))
+        with picture:
+            yield picture
+    # Pillow's decoders raise OSError, SyntaxError, ValueError, struct.error, ...; what
+    # they say is about their own insides.
+    except Exception as error:
+        raise UsageError(
+            f"{name} cannot be read as a picture: it is damaged, too large, or of"
+            " another kind than PNG, JPEG, EXR and HDR"
+        ) from error
 
 
 def decode_radiance_hdr(contents: bytes, path: Path) -> Vec3s:
