@@ -14,7 +14,7 @@ from reference.scene.materials.kinds import (
 )
 from reference.scene.materials.parameters import Kind, kind_of
 from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, Sphere
+from reference.scene.shapes import Mesh, Sphere, emits
 from reference.scene.textures import Bitmap, Checker, color_range
 
 Shape = Mesh | Sphere
@@ -144,7 +144,7 @@ def _smooth(scene: Scene) -> str:
 
 
 def _area_lights(scene: Scene) -> str:
-    return _listed(shape for shape in _shapes(scene) if any(shape.emission))
+    return _listed(shape for shape in _shapes(scene) if emits(shape))
 
 
 def _count(number: int, what: str) -> str:

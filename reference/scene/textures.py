@@ -1,6 +1,6 @@
-"""Reflectance that varies over a surface: a bitmap, a checker, or one colour."""
+"""Colours that vary over a surface: a bitmap, a checker, or one colour."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -20,7 +20,7 @@ class Bitmap:
     Attributes
     ----------
     pixels : (h, w, 3) float64
-        Linear Rec. 709 reflectance; row 0 is the top, v = 1.
+        Linear Rec. 709, of reflectance or of radiance; row 0 is the top, v = 1.
     filter : 'bilinear' or 'nearest'
         How it is read between the texel centres.
     scale : (float, float)
@@ -52,11 +52,12 @@ class Checker:
     scale: tuple[float, float] = (1.0, 1.0)
 
 
-Texture = Color | Bitmap | Checker
+Pattern = Bitmap | Checker
+Texture = Color | Pattern
 
 
 def mean_color(texture: Texture) -> Vec3s:
-    """Average reflectance of a texture.
+    """Average colour of a texture.
 
     Parameters
     ----------
@@ -101,8 +102,30 @@ def color_range(texture: Texture) -> tuple[float, float]:
     return float(values.min()), float(values.max())
 
 
+def shines(texture: Texture) -> bool:
+    """Whether a texture of radiance is above 0 anywhere."""
+    return color_range(texture)[1] > 0
+
+
+def scaled_color(color: Color, factor: float) -> Color:
+    """A colour, ``factor`` times as bright."""
+    r, g, b = color
+    return factor * r, factor * g, factor * b
+
+
+def scaled(texture: Texture, factor: float) -> Texture:
+    """The same texture in colours that are ``factor`` times as bright."""
+    if isinstance(texture, Bitmap):
+        return replace(texture, pixels=factor * texture.pixels)
+    if isinstance(texture, Checker):
+        color0 = scaled_color(texture.color0, factor)
+        color1 = scaled_color(texture.color1, factor)
+        return replace(texture, color0=color0, color1=color1)
+    return scaled_color(texture, factor)
+
+
 def read(texture: Texture, uv: Scalars) -> Vec3s:
-    """Reflectance at texture coordinates.
+    """Colour at texture coordinates.
 
     Parameters
     ----------
@@ -115,7 +138,7 @@ def read(texture: Texture, uv: Scalars) -> Vec3s:
     Returns
     -------
     (N, 3) float64
-        Reflectance.
+        Interpolated between texel centres where the bitmap asks for it.
     """
     if isinstance(texture, Bitmap):
         u, v = (uv * texture.scale).T

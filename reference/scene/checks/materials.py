@@ -1,8 +1,9 @@
 """Materials: reflectances, widths and indices within what the models mean."""
 
+from reference.scene.checks.textures import check_texture
 from reference.scene.checks.values import need_numbers, refuse
 from reference.scene.materials.kinds import Coated, Conductor, Dielectric, Material
-from reference.scene.textures import Bitmap, Checker, Texture
+from reference.scene.textures import Texture
 
 LEAST_ALPHA = 1e-3
 """Narrowest GGX lobe; below it, say 0 for a smooth surface."""
@@ -57,19 +58,7 @@ def check_reflectance(where: str, texture: Texture) -> None:
     UsageError
         Names the texture's kind and the value.
     """
-    if isinstance(texture, Bitmap):
-        pixels = texture.pixels
-        if pixels.ndim != 3 or pixels.shape[2] != 3 or pixels.size == 0:
-            size = "x".join(map(str, pixels.shape))
-            refuse(where, f"its bitmap is {size}", "it must be (h, w, 3), not empty")
-        need_numbers(where, "reflectance in the bitmap", pixels, 0, 1)
-        need_numbers(where, "scale of the bitmap", texture.scale, count=2)
-    elif isinstance(texture, Checker):
-        for color in (texture.color0, texture.color1):
-            need_numbers(where, "reflectance of the checker", color, 0, 1, count=3)
-        need_numbers(where, "scale of the checker", texture.scale, count=2)
-    else:
-        need_numbers(where, "reflectance", texture, 0, 1, count=3)
+    check_texture(where, "reflectance", texture, 1.0)
 
 
 def _check_metal(where: str, metal: Conductor) -> None:
