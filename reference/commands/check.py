@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from reference.commands.arguments import add_json, add_scheduler
+from reference.commands.arguments import add_json, add_reading, add_scheduler
 from reference.commands.console import emit, progress, show
 from reference.commands.values import four_times, seconds, whole
 from reference.errors import UsageError
@@ -86,6 +86,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="SCENE",
         help=f"what a renderer renders: built-in or a file (default {SCENE})",
     )
+    add_reading(parser)
     parser.add_argument(
         "--bounces",
         type=whole(1, 30),
@@ -181,7 +182,9 @@ def _cluster(arguments: argparse.Namespace, stack: ExitStack) -> Executor | None
 
 
 def _judge_renderer(arguments: argparse.Namespace) -> Verdict:
-    scene = find_scene_or_file(arguments.scene)
+    scene = find_scene_or_file(
+        arguments.scene, arguments.lenient, arguments.allow_outside
+    )
     limits = Limits(arguments.limit)
     renderer = Renderer(
         arguments.backend, arguments.scene, arguments.frames, arguments.size, limits

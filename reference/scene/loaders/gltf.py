@@ -9,7 +9,6 @@ against the bytes of the buffers.
 
 from dataclasses import dataclass, field, replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -44,15 +43,13 @@ class _Parts:
     lights: Lights = field(default_factory=Lights)
 
 
-def load(path: Path, lenient: bool) -> Scene:
+def load(ledger: Ledger) -> Scene:
     """Scene of a glTF file.
 
     Parameters
     ----------
-    path : Path
-        .gltf with its buffers, or .glb.
-    lenient : bool
-        Replace rather than refuse.
+    ledger : Ledger
+        Of the file: .gltf with its buffers, or .glb.
 
     Returns
     -------
@@ -64,7 +61,6 @@ def load(path: Path, lenient: bool) -> Scene:
     UsageError
         Not glTF 2, truncated, or (unless lenient) with something not modelled.
     """
-    ledger = Ledger(path, lenient)
     document = read_document(ledger)
     check_words(document.tree, ledger)
     parts = _collect(document)
@@ -77,7 +73,7 @@ def load(path: Path, lenient: bool) -> Scene:
     camera = parts.cameras[0] if parts.cameras else None
     lights = parts.lights
     scene = Scene(
-        name=path.stem,
+        name=ledger.path.stem,
         camera=camera_or_framing(camera, meshes, (), ledger),
         meshes=meshes,
         points=tuple(lights.points),
@@ -163,5 +159,3 @@ def _camera(entry: dict[str, Any], matrix: Scalars, ledger: Ledger) -> Camera:
         height=height,
         mirrored=bool(np.linalg.det(matrix[:3, :3]) < 0),
     )
-
-

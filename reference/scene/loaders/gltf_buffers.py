@@ -8,7 +8,6 @@ import binascii
 import json
 import re
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, NoReturn
 from urllib.parse import unquote_to_bytes
 
@@ -16,7 +15,6 @@ import numpy as np
 
 from reference.arrays import Scalars
 from reference.errors import UsageError
-from reference.files import read_file
 from reference.scene.loaders.gltf_forms import shown
 from reference.scene.loaders.ledger import Ledger
 
@@ -24,12 +22,6 @@ MAGIC, JSON_CHUNK, BINARY_CHUNK = b"glTF", b"JSON", b"BIN\0"
 COMPONENTS = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2"}
 COMPONENTS |= {5125: "<u4", 5126: "<f4"}
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
-FREE_BYTES = 2**29
-MULTIPLE = 256
-"""Arrays of a scene may take ``FREE_BYTES``, and so many bytes for each of its files.
-
-Without instances and compressed pictures they take at most about a hundred.
-"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,8 +36,6 @@ class Document:
         The second chunk of a .glb; empty in a .gltf.
     ledger : Ledger
         Of this file.
-    budget : Budget
-        Of the arrays that are made of it.
     files : dict of str to bytes
         Those that were read so far, by their URI.
     pictures : dict
@@ -55,7 +45,6 @@ class Document:
     tree: dict[str, Any]
     binary: bytes
     ledger: Ledger
-    budget: "Budget"
     files: dict[str, bytes] = field(default_factory=dict)
     pictures: dict[tuple[int, str], Scalars] = field(default_factory=dict)
 
@@ -77,47 +66,25 @@ class Document:
         found: dict[str, Any] = self.tree[name][index]
         return found
 
-
-@dataclass(slots=True)
-class Budget:
-    """Memory for what a scene promises, in proportion to the bytes that it has.
-
-    Attributes
-    ----------
-    stored : int
-        Bytes of its files.
-    claimed : int
-        Bytes of the arrays that are made of them.
-    """
-
-    stored: int = 0
-    claimed: int = 0
-
-    def claim(self, size: int, where: str, ledger: Ledger) -> None:
-        """Ask for memory before an array is made.
+    def claim(self, memory: int, what: str) -> None:
+        """Ask for memory before arrays are made.
 
         Parameters
         ----------
-        size : int
-            Bytes, with those of the arrays on the way to it.
-        where : str
-            What needs it.
-        ledger : Ledger
-            Of the file.
+        memory : int
+            Bytes, with those of the arrays on the way.
+        what : str
+            The promise that takes them.
 
         Raises
         ------
         UsageError
-            The scene has promised too much.
+            It is more than the bytes of the files make believable.
         """
-        self.claimed += size
-        most = FREE_BYTES + MULTIPLE * self.stored
-        if self.claimed > most:
-            ledger.stop(
-                f"with {where} the scene takes over {most / 2**20:.0f} MiB, but its"
-                f" files have {self.stored / 2**20:.3g} MiB; use fewer instances or"
-                " smaller pictures"
-            )
+        try:
+            self.ledger.take(memory, what)
+        except UsageError as error:
+            self.ledger.stop(str(error))
 
 
 def read_document(ledger: Ledger) -> Document:
@@ -138,8 +105,7 @@ def read_document(ledger: Ledger) -> Document:
     UsageError
         No glTF 2 file, or truncated.
     """
-    contents = read_file(ledger.path)
-    budget = Budget(stored=len(contents))
+    contents = ledger.contents()
     binary = b""
     if contents.startswith(MAGIC):
         contents, binary = _split_glb(contents, ledger)
@@ -150,7 +116,7 @@ def read_document(ledger: Ledger) -> Document:
     if not re.fullmatch(r"2(\.\d+)?", asset["version"]):
         version = shown(asset["version"])[1:-1]
         ledger.stop(f"this is glTF {version}; version 2.0 can be read")
-    return Document(tree, binary, ledger, budget)
+    return Document(tree, binary, ledger)
 
 
 def _parse(contents: bytes, ledger: Ledger) -> dict[str, Any]:
@@ -226,22 +192,12 @@ def resolve_uri(uri: str, document: Document) -> bytes:
         except (binascii.Error, ValueError):
             raise UsageError("its data URI is no base64; save it anew") from None
     if uri not in document.files:
-        document.files[uri] = _read_beside(uri, document)
-        document.budget.stored += len(document.files[uri])
+        try:
+            name = unquote_to_bytes(uri).decode("utf-8")
+        except UnicodeError:
+            raise UsageError(f"{shown(uri)} is no name of a file") from None
+        document.files[uri] = document.ledger.read(name)
     return document.files[uri]
-
-
-def _read_beside(uri: str, document: Document) -> bytes:
-    if re.match(r"[A-Za-z][A-Za-z0-9+.-]+:", uri):
-        problem = f"{shown(uri)} is not read, as from a network"
-        raise UsageError(f"{problem}; put the file beside the scene")
-    try:
-        name = unquote_to_bytes(uri).decode("utf-8")
-    except UnicodeError:
-        name = "\0"
-    if not name or "\0" in name:
-        raise UsageError(f"{shown(uri)} is no name of a file beside the scene")
-    return read_file(document.ledger.path.parent / Path(name))
 
 
 def view_bytes(document: Document, index: int) -> memoryview:
@@ -326,14 +282,13 @@ def read_accessor(
         document.ledger.stop(f"{where} is of type {entry['type']}; {needs}")
     count, width = entry["count"], WIDTHS[entry["type"]]
     kind = np.dtype(COMPONENTS[entry["componentType"]])
-    document.budget.claim(3 * 8 * count * width, where, document.ledger)
+    document.claim(3 * 8 * count * width, f"{where} has {count} elements")
     if "bufferView" in entry:
         start = entry.get("byteOffset", 0)
         values = _elements(
             document, entry["bufferView"], start, (count, width), kind, where
         )
     else:
-        _check_zeros(document, count, where)
         values = np.zeros((count, width), kind)
     if "sparse" in entry:
         values = _with_sparse(document, entry["sparse"], values, where)
@@ -342,13 +297,6 @@ def read_accessor(
     if entry.get("normalized", False):
         return np.maximum(values / float(np.iinfo(kind).max), -1.0)
     return values.astype(np.int64)
-
-
-def _check_zeros(document: Document, count: int, where: str) -> None:
-    most = document.budget.stored
-    if count > most:
-        problem = f"{where} promises {count} elements without a buffer view"
-        document.ledger.stop(f"{problem}; a file of {most} bytes may have {most}")
 
 
 def _with_sparse(

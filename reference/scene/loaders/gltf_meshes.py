@@ -101,8 +101,8 @@ def read_primitive(document: Document, placed: Placed) -> Mesh | None:
     # For each vertex its place, normal, colour and coordinates, twice; for each face
     # its indices, corners and what it takes to compare their normals.
     numbers = 2 * 11 * len(vertices) + 40 * len(mesh.faces)
-    size = 8 * numbers * len(placed.matrices)
-    document.budget.claim(size, where, document.ledger)
+    copies = len(placed.matrices)
+    document.claim(8 * numbers * copies, f"{where} stands in {copies} places")
     mesh = _in_world(mesh, placed.matrices)
     return drop_texture_without_uv(turn_faces_to_normals(mesh), document.ledger)
 

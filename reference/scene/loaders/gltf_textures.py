@@ -1,6 +1,7 @@
 """glTF textures: pictures, how they go on beyond their edges, and where they lie."""
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,17 +11,14 @@ from reference.errors import UsageError
 from reference.scene.loaders.gltf_buffers import Document, resolve_uri, view_bytes
 from reference.scene.loaders.gltf_check import replace_word
 from reference.scene.loaders.gltf_forms import shown
-from reference.scene.loaders.pictures import (
-    decode_alpha,
-    decode_picture,
-    picture_size,
-)
+from reference.scene.loaders.ledger import Ledger
+from reference.scene.loaders.pictures import decode_alpha, decode_picture
 from reference.scene.textures import Bitmap, Wrap
 
 WRAPS: dict[int, Wrap] = {10497: "repeat", 33648: "mirror", 33071: "clamp"}
 REPEAT, NEAREST = 10497, 9728
 
-Decoder = Callable[[bytes, str], Scalars]
+Decoder = Callable[[bytes, str, Ledger], Scalars]
 Reference = Mapping[str, Any]
 """Of a material to a texture."""
 
@@ -42,12 +40,8 @@ def read_colors(document: Document, texture: Reference, where: str) -> Vec3s:
     (h, w, 3) float64
         Mid grey where a lenient loader cannot read it.
     """
-
-    def decode(contents: bytes, name: str) -> Scalars:
-        return decode_picture(contents, name, document.ledger)
-
     grey = np.full((1, 1, 3), 0.5)
-    return _decoded(document, texture, where, "colors", decode, grey)
+    return _decoded(document, texture, where, "colors", decode_picture, grey)
 
 
 def read_numbers(document: Document, texture: Reference, where: str) -> Vec3s:
@@ -67,12 +61,10 @@ def read_numbers(document: Document, texture: Reference, where: str) -> Vec3s:
     (h, w, 3) float64
         In [0, 1]; one half where a lenient loader cannot read it.
     """
-
-    def decode(contents: bytes, name: str) -> Scalars:
-        return decode_picture(contents, name, document.ledger, raw=True)
-
     half = np.full((1, 1, 3), 0.5)
-    return _decoded(document, texture, where, "numbers", decode, half)
+    return _decoded(
+        document, texture, where, "numbers", partial(decode_picture, raw=True), half
+    )
 
 
 def read_alpha(document: Document, texture: Reference, where: str) -> Scalars:
@@ -164,7 +156,7 @@ def _decoded(
     known = document.pictures.get((source, purpose))
     if known is not None:
         # A factor makes another picture of it.
-        document.budget.claim(2 * known.nbytes, f"{where}, {name}", document.ledger)
+        document.claim(2 * known.nbytes, f"{where} reads {name} once more")
         return known
     image = document.entry("images", source)
     contents = b""
@@ -172,19 +164,14 @@ def _decoded(
         contents = bytes(view_bytes(document, image["bufferView"]))
     try:
         if "bufferView" not in image:
-            contents = _linked(document, image, name)
-        width, height = picture_size(contents, name)
+            contents = _linked(document, image)
+        pixels = document.pictures[source, purpose] = decode(
+            contents, name, document.ledger
+        )
     except UsageError as error:
-        _unreadable(document, texture, where, str(error))
+        _unreadable(document, texture, where, f"{name}: {error}")
         return otherwise
-    # Stored, decoded, on the way from sRGB to linear, and times a factor: 3 float64
-    # a pixel each.
-    document.budget.claim(5 * 24 * width * height, f"{where}, {name}", document.ledger)
-    try:
-        pixels = document.pictures[source, purpose] = decode(contents, name)
-    except UsageError as error:
-        _unreadable(document, texture, where, str(error))
-        return otherwise
+    document.claim(2 * pixels.nbytes, f"{where} reads {name}")
     return pixels
 
 
@@ -198,13 +185,10 @@ def _source(document: Document, texture: Reference, where: str) -> int | None:
     return source
 
 
-def _linked(document: Document, image: Mapping[str, Any], name: str) -> bytes:
+def _linked(document: Document, image: Mapping[str, Any]) -> bytes:
     if "uri" not in image:
-        raise UsageError(f"{name} has neither a uri nor a bufferView")
-    try:
-        return resolve_uri(image["uri"], document)
-    except UsageError as error:
-        raise UsageError(f"{name}: {error}") from error
+        raise UsageError("it has neither a uri nor a bufferView")
+    return resolve_uri(image["uri"], document)
 
 
 def _unreadable(
