@@ -189,6 +189,11 @@ _FEATURES: tuple[tuple[str, Callable[[Scene], str], str], ...] = (
     ("coats", _made_of(lambda m: isinstance(m, Coated)), "nothing is coated"),
     ("delta lobes", _made_of(_has_delta_lobe), "nothing is perfectly smooth"),
     ("dielectrics", _made_of(lambda m: isinstance(m, Dielectric)), "nothing refracts"),
+    (
+        "rough dielectrics",
+        _made_of(lambda m: kind_of(m) == Kind.ROUGH_DIELECTRIC),
+        "no light is scattered through a surface",
+    ),
     ("area lights", _area_lights, "no shape emits"),
     ("point lights", lambda s: _count(len(s.points), "point light"), "none"),
     ("suns", lambda s: _count(len(s.suns), "sun"), "none"),
