@@ -151,7 +151,7 @@ class _Check:
                     self.ledger.replace(problem, "ignored")
             elif word.fate is Fate.REFUSED:
                 problem = f"the extension {name} is not modelled"
-                self.ledger.refuse(f"{problem}: {word.remark}")
+                self.ledger.refuse(f"{problem}; {word.remark}")
                 hopeless = True
             elif word.fate is Fate.HARMLESS:
                 self.ledger.note(f"The extension {name} is ignored: {word.remark}")
