@@ -4,11 +4,10 @@ import argparse
 from dataclasses import asdict, replace
 from pathlib import Path
 
-import numpy as np
-
 from reference.commands import arguments as options
 from reference.commands.console import emit, progress, show
-from reference.commands.opening import open_frames
+from reference.commands.darkness import why_black
+from reference.commands.opening import open_frames, size_in_shape
 from reference.commands.reference import EVERY, TRUTH_SEED
 from reference.commands.targets import make_folder
 from reference.commands.values import MOST_SAMPLES, whole
@@ -105,12 +104,22 @@ def run(arguments: argparse.Namespace) -> None:
         traced = runs_of_paths(paths, restir[-1].seconds, arguments.runs)
     found = scores(state.moments, traced, restir)
     remarks = _remarks(arguments)
+    black = None if truth.color.any() else why_black(true_job)
+    if black is not None:
+        remarks.append(f"Every pixel is black: {black}.")
     contenders = list(zip([traced, *restir], found, strict=True))
     write_gallery(out, scene, truth, contenders, remarks)
     checkpoint.unlink(missing_ok=True)
     if arguments.json:
         methods = [asdict(score) for score in found]
-        emit({"page": str(out / "index.html"), "scene": scene.name, "methods": methods})
+        emit(
+            {
+                "page": str(out / "index.html"),
+                "scene": scene.name,
+                "black": black,
+                "methods": methods,
+            }
+        )
         return
     show(table(found, f"{scene.name}, {truth.width}x{truth.height}"))
     for remark in remarks:
@@ -125,9 +134,7 @@ def _quick(scene: Scene) -> tuple[int, int]:
     """
     if scene.name in CATALOGUE:
         return SIZE
-    shape = np.clip(scene.camera.width / max(scene.camera.height, 1), 0.01, 100)
-    pixels = SIZE[0] * SIZE[1]
-    return round((pixels * shape) ** 0.5), round((pixels / shape) ** 0.5)
+    return size_in_shape(scene.camera, SIZE[0] * SIZE[1])
 
 
 def _remarks(arguments: argparse.Namespace) -> list[str]:

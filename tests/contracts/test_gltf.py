@@ -366,6 +366,6 @@ def test_a_file_without_camera_or_light_gets_both_with_a_note(tmp_path):
     # All corners lie within the image.
     right, up, forward = scene.camera.axes
     offset = scene.meshes[0].vertices - scene.camera.position
-    reach = np.tan(np.radians(scene.camera.fov_x) / 2) * (offset @ forward)
+    reach = scene.camera.half_width * (offset @ forward)
     assert (np.abs(offset @ right) < reach).all()
     assert (np.abs(offset @ up) < reach).all()
