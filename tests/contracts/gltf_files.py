@@ -41,7 +41,7 @@ class Gltf:
         """Append an array."""
         kinds = {"int8": 5120, "uint8": 5121, "uint16": 5123, "uint32": 5125}
         kinds["float32"] = 5126
-        shape = {1: "SCALAR", 2: "VEC2", 3: "VEC3"}[
+        shape = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}[
             array.reshape(len(array), -1).shape[1]
         ]
         entry = {"componentType": kinds[str(array.dtype)], "type": shape}

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from reference.errors import UsageError
 from reference.scene.camera import camera_rays
-from reference.scene.lights import ConstantEnvironment, PointLight
+from reference.scene.lights import ConstantEnvironment, PointLight, SpotLight
 from reference.scene.loaders.load import load_scene
 from reference.scene.loaders.pictures import decode_srgb
 from reference.scene.materials.kinds import Coated, Conductor, Dielectric, Lambertian
@@ -157,8 +157,11 @@ def test_gltf_metal_and_coat_are_told_apart_by_metallic(tmp_path):
     assert isinstance(coat, Coated)
     assert (coat.alpha, coat.ior, coat.nonlinear) == (0.0, 1.5, False)
     assert not noted(scene, "metallic")
-    _, half = gltf_material(tmp_path, metallicFactor=0.7)
-    assert noted(half, "paint", "metallic 0.7", "all metal")
+    with pytest.raises(UsageError, match=r"paint.*metallic 0\.7 is neither"):
+        gltf_material(tmp_path, metallicFactor=0.7)
+    metal, half = gltf_material(tmp_path, lenient=True, metallicFactor=0.7)
+    assert isinstance(metal, Conductor)
+    assert noted(half, "paint", "metallic 0.7", "the nearer of the two")
 
 
 def test_gltf_reflectors_are_two_sided_with_a_note(tmp_path):
@@ -185,23 +188,70 @@ def test_gltf_index_of_refraction(tmp_path):
     assert noted(scene, "matt")
 
 
-def test_gltf_glass(tmp_path):
-    extensions = {
-        "KHR_materials_transmission": {"transmissionFactor": 1},
-        "KHR_materials_ior": {"ior": 1.33},
-    }
-    glass, _ = gltf_material(
-        tmp_path, extensions=extensions, roughnessFactor=0, metallicFactor=0
-    )
-    assert glass == Dielectric(1.33)
-    rough = {"extensions": extensions, "roughnessFactor": 0.4, "metallicFactor": 0}
-    with pytest.raises(
-        UsageError, match=r"a\.gltf: material \"paint\" transmits light"
-    ):
-        gltf_material(tmp_path, **rough)
-    opaque, scene = gltf_material(tmp_path, lenient=True, **rough)
-    assert isinstance(opaque, Coated)
-    assert noted(scene, "paint", "taken as opaque")
+GLASS = {
+    "KHR_materials_transmission": {"transmissionFactor": 1},
+    "KHR_materials_ior": {"ior": 1.33},
+    "KHR_materials_volume": {"thicknessFactor": 1},
+}
+
+
+@pytest.mark.parametrize("rough", [0, 0.4])
+def test_gltf_glass_with_a_volume_is_a_solid(tmp_path, rough):
+    pbr = {"roughnessFactor": rough, "metallicFactor": 0}
+    glass, scene = gltf_material(tmp_path, extensions=GLASS, **pbr)
+    assert glass == Dielectric(1.33, pytest.approx(rough**2))
+    assert not noted(scene, "paint")
+
+
+@pytest.mark.parametrize(
+    ("changes", "pbr", "problem", "instead"),
+    [
+        ({"KHR_materials_volume": {}}, {}, "a thin wall of glass", "of solid glass"),
+        (
+            {"KHR_materials_transmission": {"transmissionFactor": 0.5}},
+            {},
+            "transmits 0.5 of the light",
+            "taken as opaque",
+        ),
+        (
+            {
+                "KHR_materials_volume": {
+                    "thicknessFactor": 1,
+                    "attenuationDistance": 2,
+                    "attenuationColor": [1, 0.5, 0.5],
+                }
+            },
+            {},
+            "fades within the glass",
+            "taken as white",
+        ),
+        ({}, {"baseColorFactor": [1, 0, 0, 1]}, "base colour", "colourless"),
+    ],
+)
+def test_gltf_glass_of_other_kinds(tmp_path, changes, pbr, problem, instead):
+    given = {"extensions": GLASS | changes, "metallicFactor": 0, **pbr}
+    with pytest.raises(UsageError, match=problem):
+        gltf_material(tmp_path, **given)
+    material, scene = gltf_material(tmp_path, lenient=True, **given)
+    assert noted(scene, "paint", problem, instead)
+    assert isinstance(material, Coated if "opaque" in instead else Dielectric)
+
+
+def test_gltf_metal_transmits_nothing(tmp_path):
+    metal, _ = gltf_material(tmp_path, extensions=GLASS, metallicFactor=1)
+    assert isinstance(metal, Conductor)
+
+
+def test_gltf_specular_is_all_or_nothing(tmp_path):
+    def made(factor, lenient=False):
+        extension = {"KHR_materials_specular": {"specularFactor": factor}}
+        return gltf_material(tmp_path, lenient, extension, metallicFactor=0)
+
+    assert isinstance(made(1)[0], Coated)
+    assert isinstance(made(0)[0], Lambertian)
+    with pytest.raises(UsageError, match="specularFactor 0.5"):
+        made(0.5)
+    assert isinstance(made(0.5, lenient=True)[0], Coated)
 
 
 def test_a_very_narrow_lobe_is_smooth(tmp_path):
@@ -254,7 +304,7 @@ def test_gltf_texture_transform(tmp_path):
     assert_allclose(uv, [[0, 0], [0, 0.5], [0.5, 0]], atol=1e-15)
 
 
-def test_gltf_second_texture_coordinates_and_nearest_filter(tmp_path):
+def test_gltf_second_texture_coordinates_and_sampler(tmp_path):
     info = {"index": 0, "texCoord": 1}
     gltf = triangle_file(
         {"pbrMetallicRoughness": {"baseColorTexture": info}},
@@ -262,39 +312,186 @@ def test_gltf_second_texture_coordinates_and_nearest_filter(tmp_path):
         TEXCOORD_1=np.full((3, 2), 0.25, np.float32),
     )
     gltf.texture(np.zeros((2, 2, 3), np.uint8))
-    gltf.tree["samplers"] = [{"magFilter": 9728, "wrapS": 33071}]
+    gltf.tree["samplers"] = [{"magFilter": 9728, "wrapS": 33071, "wrapT": 33648}]
     gltf.tree["textures"][0]["sampler"] = 0
-    scene = load_gltf(gltf, tmp_path)
-    assert_allclose(scene.meshes[0].uv, np.tile([0.25, 0.75], (3, 1)))
-    assert scene.meshes[0].material.reflectance.filter == "nearest"
-    assert noted(scene, "repeats")
+    mesh = load_gltf(gltf, tmp_path).meshes[0]
+    assert_allclose(mesh.uv, np.tile([0.25, 0.75], (3, 1)))
+    assert mesh.material.reflectance.filter == "nearest"
+    assert mesh.material.reflectance.wrap == ("clamp", "mirror")
 
 
-def test_gltf_what_is_ignored_is_noted(tmp_path):
+def test_gltf_all_that_is_refused_is_told_at_once_before_meshes_are_read(tmp_path):
     material = {
         "name": "paint",
         "alphaMode": "BLEND",
         "normalTexture": {"index": 0},
         "occlusionTexture": {"index": 0},
-        "emissiveTexture": {"index": 0},
-        "emissiveFactor": [1, 1, 1],
-        "pbrMetallicRoughness": {"metallicRoughnessTexture": {"index": 0}},
-        "extensions": {"KHR_materials_sheen": {}, "KHR_materials_unlit": {}},
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [1, 1, 1, 0.5],
+            "metallicRoughnessTexture": {"index": 0},
+        },
+        "extensions": {
+            "KHR_materials_sheen": {"sheenColorFactor": [1, 1, 1]},
+            "KHR_materials_clearcoat": {"clearcoatFactor": 0},
+            "KHR_materials_unlit": {},
+        },
     }
     gltf = triangle_file(material)
-    gltf.texture(np.full((1, 1, 3), (0, 51, 102), np.uint8))
+    # Roughness in green, metallic in blue, both linear.
+    gltf.texture(np.array([[(0, 51, 0), (0, 153, 0)]], np.uint8))
     gltf.tree["animations"] = []
+    gltf.tree["extensionsUsed"] = ["EXT_unheard_of"]
+    gltf.tree["nodes"][0]["scael"] = [1, 2, 3]
+    gltf.tree["accessors"][0]["count"] = 10**12  # nobody looks
+    told = ["alphaMode BLEND", "normalTexture", "metallicRoughnessTexture that varies"]
+    told += ["sheenColorFactor", "KHR_materials_unlit", '"EXT_unheard_of"', '"scael"']
+    with pytest.raises(UsageError, match=f"{len(told)} faults") as caught:
+        load_gltf(gltf, tmp_path)
+    assert all(word in str(caught.value) for word in told)
+    gltf.tree["accessors"][0]["count"] = 3
+    scene = load_gltf(gltf, tmp_path, lenient=True)
+    assert all(noted(scene, word) for word in [*told, "Animations"])
+    material = scene.meshes[0].material
+    assert isinstance(material, Coated)
+    assert material.alpha == pytest.approx(0.4**2)
+
+
+def test_gltf_metallic_roughness_textures_of_one_value_are_factors(tmp_path):
+    """Only the channels count that the factors let through."""
+    pbr = {"metallicRoughnessTexture": {"index": 0}, "metallicFactor": 0}
+    pbr["roughnessFactor"] = 0.5
+    gltf = triangle_file({"pbrMetallicRoughness": pbr})
+    gltf.texture(np.array([[(9, 102, 0), (0, 102, 255)]], np.uint8))
+    material = load_gltf(gltf, tmp_path).meshes[0].material
+    assert isinstance(material, Coated)
+    assert material.alpha == pytest.approx(0.2**2)
+
+
+def test_gltf_emission_is_texture_times_factor_times_strength(tmp_path):
+    """As many times over 1 as wanted; sRGB is decoded first."""
+    strength = {"KHR_materials_emissive_strength": {"emissiveStrength": 10}}
+    material = {"emissiveTexture": {"index": 0}, "emissiveFactor": [1, 0.5, 0]}
+    gltf = triangle_file(
+        material | {"extensions": strength, "doubleSided": True},
+        TEXCOORD_0=np.float32([[0.25, 0.5], [0.75, 0.5], [0, 0]]),
+    )
+    gltf.texture(np.array([[(128, 128, 128), (255, 0, 255)]], np.uint8))
     scene = load_gltf(gltf, tmp_path)
-    words = ["alpha", "normalTexture", "occlusionTexture", "emissiveTexture", "unlit"]
-    words += ["metallicRoughnessTexture", "KHR_materials_sheen"]
-    for word in words:
-        assert noted(scene, "paint", word), word
-    assert noted(scene, "Animations")
-    # Roughness in green, metallic in blue, both linear; colours are sRGB.
-    mesh = scene.meshes[0]
-    assert isinstance(mesh.material, Coated)
-    assert mesh.material.alpha == pytest.approx(0.2**2)
-    assert_allclose(mesh.emission, decode_srgb(np.array([0, 0.2, 0.4])))
+    (mesh,) = scene.meshes
+    linear = decode_srgb(np.array(128 / 255))
+    expected = [[10 * linear, 5 * linear, 0], [10, 0, 0]]
+    assert_allclose(read(mesh.emission, mesh.uv[:2]), expected, atol=1e-12)
+    assert mesh.two_sided_emission
+    assert scene.environment is None
+    assert noted(scene, "photometric")
+
+
+def test_gltf_a_texture_of_emission_alone_may_lie_where_it_likes(tmp_path):
+    move = {"KHR_texture_transform": {"offset": [0.5, 0]}}
+    moved = {"index": 0, "extensions": move}
+    material = {"emissiveTexture": moved, "emissiveFactor": [1, 1, 1]}
+    coordinates = np.zeros((3, 2), np.float32)
+    gltf = triangle_file(material, TEXCOORD_0=coordinates)
+    gltf.texture(np.array([[(255, 0, 0), (0, 0, 0)]], np.uint8))
+    assert_allclose(load_gltf(gltf, tmp_path).meshes[0].uv, [[0.5, 1]] * 3)
+    material["pbrMetallicRoughness"] = {"baseColorTexture": {"index": 0}}
+    with pytest.raises(UsageError, match="placed unlike baseColorTexture"):
+        load_gltf(gltf, tmp_path)
+    mesh = load_gltf(gltf, tmp_path, lenient=True).meshes[0]
+    assert mesh.emission == (0.5, 0, 0)
+    material["pbrMetallicRoughness"] = {"baseColorTexture": moved}
+    assert isinstance(load_gltf(gltf, tmp_path).meshes[0].emission, Bitmap)
+
+
+@pytest.mark.parametrize(
+    ("stored", "normalized"),
+    [
+        (np.float32([[1, 0.2, 0], [0, 1, 0], [0, 0, 1]]), False),
+        (np.array([[255, 51, 0], [0, 255, 0], [0, 0, 255]], np.uint8), True),
+        (np.array([[65535, 13107, 0], [0, 65535, 0], [0, 0, 65535]], np.uint16), True),
+    ],
+)
+@pytest.mark.parametrize("alpha", [False, True])
+def test_gltf_vertex_colours(tmp_path, stored, normalized, alpha):
+    if alpha:  # which nothing reads where the material is opaque
+        stored = np.c_[stored, stored[:, :1] // 2].astype(stored.dtype)
+    gltf = triangle_file()
+    color = gltf.accessor(stored, normalized=normalized)
+    gltf.tree["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = color
+    mesh = load_gltf(gltf, tmp_path).meshes[0]
+    assert_allclose(mesh.colors, [[1, 0.2, 0], [0, 1, 0], [0, 0, 1]], rtol=1e-7)
+
+
+def test_gltf_vertex_colours_that_are_not_modelled(tmp_path):
+    colors = np.float32([[1, 0.2, 2], [0, 1, 0], [0, 0, 1]])
+    with pytest.raises(
+        UsageError, match='mesh "mesh 0": its vertex colours are 0 to 2'
+    ):
+        load_gltf(triangle_file(COLOR_0=colors), tmp_path)
+    mesh = load_gltf(triangle_file(COLOR_0=colors), tmp_path, lenient=True).meshes[0]
+    assert mesh.colors.max() == 1
+    with_alpha = np.c_[np.minimum(colors, 1), [1, 1, 0.5]].astype(np.float32)
+    mask = triangle_file({"alphaMode": "MASK"}, COLOR_0=with_alpha)
+    with pytest.raises(UsageError, match="the alpha of its vertex colours"):
+        load_gltf(mask, tmp_path)
+    assert load_gltf(mask, tmp_path, lenient=True).meshes[0].opacity is None
+
+
+def test_gltf_masks_are_alpha_times_factor(tmp_path):
+    pbr = {"baseColorTexture": {"index": 0}, "baseColorFactor": [1, 1, 1, 0.5]}
+    material = {"alphaMode": "MASK", "alphaCutoff": 0.3, "pbrMetallicRoughness": pbr}
+    gltf = triangle_file(material, TEXCOORD_0=np.zeros((3, 2), np.float32))
+    gltf.texture(np.array([[(0, 0, 0, 255), (0, 0, 0, 51)]], np.uint8))
+    mesh = load_gltf(gltf, tmp_path).meshes[0]
+    assert_allclose(mesh.opacity.pixels, np.tile([[[0.5]], [[0.1]]], 3).swapaxes(0, 1))
+    assert mesh.opacity_cutoff == 0.3
+    material["alphaCutoff"] = 0.05
+    assert load_gltf(gltf, tmp_path).meshes[0].opacity is None
+    material["alphaCutoff"] = 1.5  # glTF: all of it is transparent
+    assert load_gltf(gltf, tmp_path).meshes == ()
+    material["alphaMode"] = "OPAQUE"
+    assert load_gltf(gltf, tmp_path).meshes[0].opacity is None
+
+
+def test_gltf_blending_with_alpha_1_is_opaque(tmp_path):
+    material = {"alphaMode": "BLEND"}
+    assert len(load_gltf(triangle_file(material), tmp_path).meshes) == 1
+    material["pbrMetallicRoughness"] = {"baseColorFactor": [1, 1, 1, 0.9]}
+    with pytest.raises(UsageError, match="alphaMode BLEND is not modelled"):
+        load_gltf(triangle_file(material), tmp_path)
+
+
+def test_gltf_instances(tmp_path):
+    """Turned by 90 degrees about z, moved, scaled and mirrored, within the node."""
+    gltf = triangle_file(NORMAL=np.tile(np.float32([0, 0, 1]), (3, 1)))
+    half = np.sqrt(0.5)
+    attributes = {
+        "TRANSLATION": gltf.accessor(np.float32([[0, 0, 0], [5, 0, 0]])),
+        "ROTATION": gltf.accessor(np.float32([[0, 0, 0, 1], [0, 0, half, half]])),
+        "SCALE": gltf.accessor(np.float32([[1, 1, 1], [-2, 1, 1]])),
+    }
+    gltf.tree["nodes"][0] |= {
+        "translation": [0, 0, 7],
+        "extensions": {"EXT_mesh_gpu_instancing": {"attributes": attributes}},
+    }
+    (mesh,) = load_gltf(gltf, tmp_path).meshes
+    expected = np.concatenate([TRIANGLE, [[5, 0, 0], [5, -2, 0], [4, 0, 0]]])
+    assert_allclose(mesh.vertices, [*expected, 0, 0, 7], atol=8 * EPS32)
+    assert_allclose(face_normals(mesh), [[0, 0, 1]] * 2, atol=8 * EPS32)
+    assert_allclose(mesh.normals, [[0, 0, 1]] * 6, atol=8 * EPS32)
+    attributes["SCALE"] = gltf.accessor(np.float32([[1, 1, 1]]))
+    with pytest.raises(UsageError, match=r"node 0: the attributes .* number 1, 2"):
+        load_gltf(gltf, tmp_path)
+
+
+def test_gltf_morph_targets_count_with_their_weights(tmp_path):
+    gltf = triangle_file()
+    gltf.tree["meshes"][0]["primitives"][0]["targets"] = [{"POSITION": 0}]
+    gltf.tree["meshes"][0]["weights"] = [0]
+    assert len(load_gltf(gltf, tmp_path).meshes) == 1
+    gltf.tree["nodes"][0]["weights"] = [0.5]
+    with pytest.raises(UsageError, match="node 0: morph targets"):
+        load_gltf(gltf, tmp_path)
 
 
 def test_gltf_camera(tmp_path):
@@ -330,9 +527,11 @@ def test_gltf_mirrored_camera(tmp_path):
 def test_gltf_lights(tmp_path):
     gltf = triangle_file()
     listed = [
-        {"type": "point", "color": [1, 0.5, 0], "intensity": 8, "range": 3},
-        {"type": "directional", "intensity": 2},
-        {"type": "spot", "name": "beam", "intensity": 5, "spot": {}},
+        {"type": "point", "color": [1, 0.5, 0], "intensity": 8},
+        {"type": "directional", "intensity": 2, "range": 3},  # which has no meaning
+        {"type": "spot", "intensity": 5},
+        {"type": "spot", "spot": {"innerConeAngle": 0.1, "outerConeAngle": 0.3}},
+        {"type": "point", "name": "lamp", "range": 3},
     ]
     gltf.tree["extensions"] = {"KHR_lights_punctual": {"lights": listed}}
 
@@ -341,21 +540,44 @@ def test_gltf_lights(tmp_path):
 
     turn = [np.sqrt(0.5), 0, 0, np.sqrt(0.5)]  # about x: -z becomes +y
     gltf.tree["nodes"] += [node(0, translation=[1, 2, 3]), node(1, rotation=turn)]
-    gltf.tree["scenes"][0]["nodes"] = [0, 1, 2]
+    gltf.tree["nodes"] += [node(2), node(3, rotation=turn, scale=[3, 3, 3])]
+    gltf.tree["scenes"][0]["nodes"] = [0, 1, 2, 3, 4]
     scene = load_gltf(gltf, tmp_path)
     assert scene.points == (PointLight((1.0, 2.0, 3.0), (8.0, 4.0, 0.0)),)
     assert_allclose(scene.suns[0].direction, [0, 1, 0], atol=1e-15)
     assert scene.suns[0].irradiance == (2, 2, 2)
+    plain, narrow = scene.spots
+    assert plain == SpotLight((0, 0, 0), (0, 0, -1), (5, 5, 5), 45, 0, "smooth")
+    assert_allclose(narrow.direction, [0, 1, 0], atol=1e-15)
+    assert_allclose([narrow.beam, narrow.cutoff], np.degrees([0.1, 0.3]))
+    assert scene.environment is None
     assert noted(scene, "photometric")
-    assert noted(scene, "range")
 
-    gltf.tree["nodes"] += [node(2)]
-    gltf.tree["scenes"][0]["nodes"] = [0, 3]
-    with pytest.raises(UsageError, match='light "beam" is a spot light'):
+    gltf.tree["nodes"] += [node(4)]
+    gltf.tree["scenes"][0]["nodes"] = [0, 5]
+    with pytest.raises(UsageError, match='light "lamp": that its light ends'):
         load_gltf(gltf, tmp_path)
     scene = load_gltf(gltf, tmp_path, lenient=True)
-    assert scene.points == (PointLight((0.0, 0.0, 0.0), (5.0, 5.0, 5.0)),)
-    assert noted(scene, "beam", "point light")
+    assert noted(scene, "lamp", "1/d²")
+    listed[3]["spot"]["innerConeAngle"] = 0.4
+    gltf.tree["scenes"][0]["nodes"] = [0, 4]
+    with pytest.raises(UsageError, match=r"light 3: innerConeAngle is 22\.92 degrees"):
+        load_gltf(gltf, tmp_path)
+
+
+def test_gltf_orthographic_cameras(tmp_path):
+    """They do no harm beside a perspective one."""
+    gltf = triangle_file()
+    lens = {"xmag": 1, "ymag": 1, "znear": 0, "zfar": 9}
+    gltf.tree["cameras"] = [{"type": "orthographic", "orthographic": lens}]
+    gltf.tree["cameras"] += [{"type": "perspective", "perspective": {"yfov": 0.5}}]
+    gltf.tree["nodes"] += [{"camera": 0}, {"camera": 1, "translation": [0, 0, 4]}]
+    gltf.tree["scenes"][0]["nodes"] = [0, 1]
+    with pytest.raises(UsageError, match="camera 0: an orthographic camera"):
+        load_gltf(gltf, tmp_path)
+    assert noted(load_gltf(gltf, tmp_path, lenient=True), "orthographic", "ignored")
+    gltf.tree["scenes"][0]["nodes"] = [0, 1, 2]
+    assert load_gltf(gltf, tmp_path).camera.position == (0, 0, 4)
 
 
 def test_a_file_without_camera_or_light_gets_both_with_a_note(tmp_path):
