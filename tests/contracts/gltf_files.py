@@ -69,9 +69,10 @@ class Gltf:
             "data:application/octet-stream;base64,"
             + base64.b64encode(self.data).decode()
         )
-        self.tree["buffers"] = [{"byteLength": len(self.data)}]
+        buffer = self.tree.setdefault("buffers", [{}])[0]
+        buffer["byteLength"] = len(self.data)
         if path.suffix == ".gltf":
-            self.tree["buffers"][0]["uri"] = uri
+            buffer["uri"] = uri
             path.write_text(json.dumps(self.tree))
             return path
         text = json.dumps(self.tree).encode()

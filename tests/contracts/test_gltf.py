@@ -249,7 +249,7 @@ def test_gltf_specular_is_all_or_nothing(tmp_path):
 
     assert isinstance(made(1)[0], Coated)
     assert isinstance(made(0)[0], Lambertian)
-    with pytest.raises(UsageError, match="specularFactor 0.5"):
+    with pytest.raises(UsageError, match=r"specularFactor 0\.5"):
         made(0.5)
     assert isinstance(made(0.5, lenient=True)[0], Coated)
 
