@@ -11,6 +11,7 @@ from reference.scene.loaders.load import load_scene
 from reference.scene.loaders.pictures import decode_srgb
 from reference.scene.materials.kinds import Coated, Conductor, Dielectric, Lambertian
 from reference.scene.textures import Bitmap, read
+from tests.analytic.rendering import path_traced, what_is_seen, world_of
 from tests.contracts.gltf_files import (
     TRIANGLE,
     Gltf,
@@ -476,7 +477,7 @@ def test_gltf_instances(tmp_path):
     }
     (mesh,) = load_gltf(gltf, tmp_path).meshes
     expected = np.concatenate([TRIANGLE, [[5, 0, 0], [5, -2, 0], [4, 0, 0]]])
-    assert_allclose(mesh.vertices, [*expected, 0, 0, 7], atol=8 * EPS32)
+    assert_allclose(mesh.vertices, np.add(expected, [0, 0, 7]), atol=8 * EPS32)
     assert_allclose(face_normals(mesh), [[0, 0, 1]] * 2, atol=8 * EPS32)
     assert_allclose(mesh.normals, [[0, 0, 1]] * 6, atol=8 * EPS32)
     attributes["SCALE"] = gltf.accessor(np.float32([[1, 1, 1]]))
@@ -591,3 +592,144 @@ def test_a_file_without_camera_or_light_gets_both_with_a_note(tmp_path):
     reach = scene.camera.half_width * (offset @ forward)
     assert (np.abs(offset @ right) < reach).all()
     assert (np.abs(offset @ up) < reach).all()
+
+
+# ---------------------------------------------------------------- pixels
+
+SIDE = 32
+
+
+def quad_file(material, picture=None, sampler=None, **attributes):
+    """A square that fills the image, from 3 away; its picture upright."""
+    corners = np.float32([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
+    gltf = Gltf()
+    gltf.tree["materials"] = [material]
+    gltf.mesh(
+        {
+            "POSITION": corners,
+            "TEXCOORD_0": np.float32([[0, 1], [1, 1], [1, 0], [0, 0]]),
+            **attributes,
+        },
+        indices=np.array([0, 1, 2, 0, 2, 3], np.uint16),
+        material=0,
+    )
+    if picture is not None:
+        gltf.texture(picture)
+        gltf.tree["samplers"] = [sampler or {}]
+        gltf.tree["textures"][0]["sampler"] = 0
+    lens = {"yfov": float(2 * np.arctan(1 / 3))}
+    gltf.tree["cameras"] = [{"type": "perspective", "perspective": lens}]
+    gltf.tree["nodes"] += [{"camera": 0, "translation": [0, 0, 3]}]
+    gltf.tree["scenes"][0]["nodes"] = [0, 1]
+    return gltf
+
+
+def seen(gltf, tmp_path, light="full"):
+    """What the camera sees and its image."""
+    world = world_of(load_gltf(gltf, tmp_path), SIDE)
+    points = what_is_seen(world)
+    image = path_traced(world, light, points=points)
+    return points, image.reshape(SIDE, SIDE, 3)
+
+
+LAMP = {
+    "emissiveFactor": [1, 1, 1],
+    "emissiveTexture": {"index": 0},
+    "pbrMetallicRoughness": {"metallicFactor": 0},
+}
+
+
+def test_an_emissive_texture_of_one_texel_shines_on_a_sixteenth(tmp_path):
+    """A plane does not light itself: the image is its emission, and nothing else."""
+    picture = np.zeros((4, 4, 3), np.uint8)
+    picture[1, 2] = 255
+    _, image = seen(quad_file(LAMP, picture, {"magFilter": 9728}), tmp_path)
+    expected = np.zeros((SIDE, SIDE, 3))
+    expected[8:16, 16:24] = 1
+    assert_array_equal(image, expected)
+    # Interpolated, it is the same light spread wider: hats of half-width 1 texel that
+    # pixel centres sample evenly.
+    _, image = seen(quad_file(LAMP, picture), tmp_path)
+    assert image.max() < 1
+    # Hit points are kept 2⁻¹⁶ half extents off the edge of their triangles, and the
+    # hat is no steeper than 4 a half extent.
+    assert image.mean() == pytest.approx(1 / 16, abs=4 * 2.0**-16)
+
+
+@pytest.mark.parametrize("double_sided", [False, True])
+@pytest.mark.parametrize("behind", [False, True])
+def test_a_double_sided_lamp_shines_from_behind_too(tmp_path, double_sided, behind):
+    material = {"emissiveFactor": [1, 0.5, 0], "doubleSided": double_sided}
+    gltf = quad_file(material)
+    if behind:
+        gltf.tree["nodes"][0]["rotation"] = [0, 1, 0, 0]
+    _, image = seen(gltf, tmp_path)
+    lit = double_sided or not behind
+    assert_array_equal(image, np.tile([1.0, 0.5, 0.0] * np.array(lit), (SIDE, SIDE, 1)))
+
+
+def test_through_the_holes_of_a_mask_the_sky_is_seen(tmp_path):
+    pbr = {"baseColorTexture": {"index": 0}, "metallicFactor": 1}
+    material = {"alphaMode": "MASK", "pbrMetallicRoughness": pbr}
+    picture = np.zeros((2, 2, 4), np.uint8)
+    picture[..., 3] = [[255, 0], [127, 128]]  # 127 / 255 is below the cutoff of a half
+    gltf = quad_file(material, picture, {"magFilter": 9728})
+    points, image = seen(gltf, tmp_path)
+    there = np.kron([[1, 0], [0, 1]], np.ones((SIDE // 2, SIDE // 2))).astype(bool)
+    assert_array_equal(points.hit.reshape(SIDE, SIDE), there)
+    assert_array_equal(image[~there], 1)
+
+
+def test_vertex_colours_are_interpolated(tmp_path):
+    """Colours that are linear in the place are so at every pixel."""
+    colors = np.float32([[0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
+    pbr = {"baseColorFactor": [1, 0.5, 0.25, 1]}
+    gltf = quad_file({"pbrMetallicRoughness": pbr}, COLOR_0=colors)
+    points, _ = seen(gltf, tmp_path)
+    x, y = (np.arange(SIDE) + 0.5) / SIDE, 1 - (np.arange(SIDE) + 0.5) / SIDE
+    expected = np.stack(np.broadcast_arrays(x, y[:, None] / 2, 0.25), axis=-1)
+    # Embree's float32 hits, and points kept 2⁻¹⁶ half extents inside their triangle.
+    assert_allclose(points.color.reshape(SIDE, SIDE, 3), expected, atol=2.0**-15)
+
+
+def test_a_spot_shines_as_its_extension_says(tmp_path):
+    """Equations of KHR_lights_punctual, written down anew."""
+    black = {"KHR_materials_specular": {"specularFactor": 0}}
+    pbr = {"metallicFactor": 0, "baseColorFactor": [0.5, 0.5, 0.5, 1]}
+    gltf = quad_file({"pbrMetallicRoughness": pbr, "extensions": black})
+    cone = {"innerConeAngle": 0.2, "outerConeAngle": 0.7}
+    light = {"type": "spot", "intensity": 3, "spot": cone}
+    gltf.tree["extensions"] = {"KHR_lights_punctual": {"lights": [light]}}
+    hung = {"extensions": {"KHR_lights_punctual": {"light": 0}}}
+    gltf.tree["nodes"] += [hung | {"translation": [0, 0, 1]}]
+    gltf.tree["scenes"][0]["nodes"] = [0, 1, 2]
+    points, image = seen(gltf, tmp_path, "direct")
+    offset = [0, 0, 1] - points.position
+    distance = np.linalg.norm(offset, axis=1)
+    cosine = offset[:, 2] / distance
+    scale = 1 / max(0.001, np.cos(0.2) - np.cos(0.7))
+    within = np.clip(cosine * scale - np.cos(0.7) * scale, 0, 1) ** 2
+    expected = 0.5 / np.pi * 3 * within * cosine / distance**2
+    assert 0.3 < (expected > 0).mean() < 0.6
+    assert (within == 1).any()
+    # The scale multiplies the rounding of the cosine, of at most 4 half ulps of 1, by
+    # 4.65, which at the rim is all there is; 16 more steps of relative rounding.
+    scaled = 3 * 0.5 / np.pi
+    atol = scaled * 16 * np.finfo(float).eps
+    rtol = 32 * np.finfo(float).eps
+    assert_allclose(image.reshape(-1, 3), expected[:, None] * [1, 1, 1], rtol, atol)
+
+
+def test_all_instances_are_seen(tmp_path):
+    gltf = quad_file({})
+    moves = np.float32([[-3, 0, 0], [0, 0, 0], [3, 0, 0]])
+    instances = {"attributes": {"TRANSLATION": gltf.accessor(moves)}}
+    gltf.tree["nodes"][0] |= {
+        "scale": [0.25, 0.25, 0.25],
+        "extensions": {"EXT_mesh_gpu_instancing": instances},
+    }
+    points, _ = seen(gltf, tmp_path)
+    row = np.repeat([True, False, True, False, True], [8, 4, 8, 4, 8])
+    column = np.repeat([False, True, False], [12, 8, 12])
+    assert_array_equal(points.hit.reshape(SIDE, SIDE), column[:, None] & row)
+    assert np.unique(points.primitive[points.hit]).tolist() == [0, 1, 2, 3, 4, 5]
