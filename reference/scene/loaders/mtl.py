@@ -33,7 +33,9 @@ IOR = 1.5  # of a coat, where the file does not say
 MOST_HIGHLIGHT = 0.9  # of what falls on a surface
 
 WORDS = (
-    Word("material", "Kd", Fate.MODELLED, "diffuse reflectance; 0.8 if there is none"),
+    Word(
+        "material", "Kd", Fate.MODELLED, "diffuse reflectance; else 0.8, and 0 of glass"
+    ),
     Word("material", "Ke", Fate.MODELLED, "radiance of the front, W/(m² sr)"),
     Word("material", "illum", Fate.MODELLED, "0, 1 matt; 2, or none, with a highlight"),
     Word("material", "illum 3, 8", Fate.MODELLED, "a mirror of Ks; Kd has to be 0"),
@@ -225,7 +227,9 @@ def _materials(file: str, text: str, ledger: Ledger) -> list[_Entry]:
 
 def _look(entry: _Entry) -> Look:
     transforms: dict[str, tuple[Vec3s, Vec3s]] = {}
-    reflectance = _textured(entry, "map_kd", entry.color("kd", (0.8,) * 3), transforms)
+    grey = 0.0 if entry.number("illum", 2) in GLASS else 0.8
+    factor = entry.color("kd", (grey,) * 3)
+    reflectance = _textured(entry, "map_kd", factor, transforms)
     glow = (1.0,) * 3 if "map_ke" in entry.words else BLACK
     emission = _textured(entry, "map_ke", entry.color("ke", glow), transforms)
     opacity = _mask(entry, transforms)

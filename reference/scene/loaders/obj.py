@@ -354,16 +354,13 @@ def _corners(
         (np.minimum(first + 1, words.stops), second),
         (np.minimum(second + 1, words.stops), words.stops),
     ]
-    corners = np.empty((len(words.starts), 3), np.int64)
+    corners = np.zeros((len(words.starts), 3), np.int64)
+    given = np.zeros(corners.shape, bool)
     wrong = inside > 2
     for i, (start, stop) in enumerate(fields):
-        if i and not (stop > start).any():
-            corners[:, i] = -1
-            continue
-        values, good = whole_numbers(lines, start, stop)
-        wrong |= ~good & ((stop > start) | (i == 0))
-        corners[:, i] = np.where(good, values, 0)
-        _count_from_zero(corners[:, i], good, i, text, words.lines, totals[i], ledger)
+        if i == 0 or (stop > start).any():
+            corners[:, i], given[:, i] = whole_numbers(lines, start, stop)
+            wrong |= ~given[:, i] & ((stop > start) | (i == 0))
     if wrong.any():
         at = int(np.argmax(wrong))
         word = lines[words.starts[at] : words.stops[at]].tobytes()
@@ -372,20 +369,25 @@ def _corners(
             f' "{word.decode(errors="replace")}"; it should be v, v/vt, v//vn or'
             " v/vt/vn"
         )
+    for i, key in enumerate(FIELDS):
+        if given[:, i].any():
+            field = (corners[:, i], given[:, i], words.lines)
+            _count_from_zero(key, *field, text, totals[i], ledger)
+        else:
+            corners[:, i] = -1
     return corners, words.counts
 
 
 def _count_from_zero(
+    key: str,
     column: Indices,
     given: Masks,
-    field: int,
-    text: ObjText,
     face: Indices,
+    text: ObjText,
     total: int,
     ledger: Ledger,
 ) -> None:
     """Turn indices from 1, or backwards from the last line before, into such from 0."""
-    key = tuple(FIELDS)[field]
     asked = column.copy()
     if (column < 0).any():
         seen = np.cumsum(text.rows[key])[np.flatnonzero(text.rows["f"])[face]]
