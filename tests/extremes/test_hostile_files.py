@@ -406,7 +406,7 @@ def test_mutants(tmp_path, traced, name):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", whole_files())
 def test_many_mutants(tmp_path, traced, name):
-    drive(tmp_path, name, 1500, 2)
+    drive(tmp_path, name, 400, 2)
 
 
 @pytest.mark.parametrize("name", whole_files())

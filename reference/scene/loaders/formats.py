@@ -44,18 +44,18 @@ under `--lenient`.
   Names of other machines (`http://...`, `//host/...`, `\\\\host\\...`) are refused
   always.
 - Reading a scene takes at most {ROOM >> 20} MiB of memory and {MOST_EXPANSION} bytes
-  for each byte of its files. What a header promises (pixels, vertices, faces) is weighed
-  against this bound, or against the bytes that are there, before memory is taken. A
-  picture counts {PICTURE_BYTES} bytes a pixel, an HDR picture {HDR_BYTES}.
+  for each byte of its files. What a header promises (pixels, vertices, faces) is
+  weighed against this bound, or against the bytes that are there, before memory is
+  taken. A picture counts {PICTURE_BYTES} bytes a pixel, an HDR picture {HDR_BYTES}.
 
 ## Highlights of MTL files
 
 Nearly every MTL file has `Ks` and `Ns`, so refusing them would refuse nearly every
 file; but only some values of `illum` use them. With `illum` 0 or 1 they have no effect,
-by the format's own definition. With `illum` 2, or where there is none, a highlight Ks (N·H)^Ns
-lies over the diffuse colour. Its formula keeps no energy and is of no use to a path
-tracer as it stands. The surface is taken as a coat of Beckmann's microfacets with the
-formula's width, alpha² = 2 / (Ns + 2), and, where light comes from the direction of the
+by the format's own definition. With `illum` 2, or where there is none, a highlight
+Ks (N·H)^Ns lies over the diffuse colour. Its formula keeps no energy and is of no use
+to a path tracer as it stands. The surface is taken as a coat of Beckmann's microfacets
+with the formula's width, alpha² = 2 / (Ns + 2), and, where light comes from the direction of the
 eye, its height: the coat reflects 8 Ks / (Ns + 2). Above 0.9 this is no coat, and
 refused.
 """

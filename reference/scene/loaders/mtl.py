@@ -179,12 +179,14 @@ class _Entry:
 
     file: str
     name: str
+    line: int
     ledger: Ledger
     words: dict[str, str] = field(default_factory=dict)
     lines: dict[str, int] = field(default_factory=dict)
 
     def where(self, key: str) -> str:
-        return f'{self.file}: line {self.lines[key]}: material "{self.name}"'
+        line = self.lines.get(key, self.line)
+        return f'{self.file}: line {line}: material "{self.name}"'
 
     def replace(self, key: str, problem: str, instead: str) -> None:
         self.ledger.replace(f"{self.where(key)}: {problem}", instead)
@@ -215,7 +217,7 @@ def _materials(file: str, text: str, ledger: Ledger) -> list[_Entry]:
         key, *rest = re.sub(r"(?<!\S)#.*", "", line).split(maxsplit=1)[:2] or [""]
         value = rest[0].strip() if rest else ""
         if key.lower() == "newmtl":
-            materials.append(_Entry(file, value, ledger))
+            materials.append(_Entry(file, value, number, ledger))
         elif key and not materials:
             ledger.stop(f'{file}: line {number}: "{key}" stands before any newmtl')
         elif key:
