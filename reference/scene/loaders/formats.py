@@ -55,9 +55,9 @@ file; but only some values of `illum` use them. With `illum` 0 or 1 they have no
 by the format's own definition. With `illum` 2, or where there is none, a highlight
 Ks (N·H)^Ns lies over the diffuse colour. Its formula keeps no energy and is of no use
 to a path tracer as it stands. The surface is taken as a coat of Beckmann's microfacets
-with the formula's width, alpha² = 2 / (Ns + 2), and, where light comes from the direction of the
-eye, its height: the coat reflects 8 Ks / (Ns + 2). Above 0.9 this is no coat, and
-refused.
+with the formula's width, alpha² = 2 / (Ns + 2), and, where light comes from the
+direction of the eye, its height: the coat reflects 8 Ks / (Ns + 2). Above 0.9 this is
+no coat, and refused.
 """
 
 

@@ -174,7 +174,7 @@ def _mesh_file(entry: Entry) -> str | None:
     name = entry.get("file")
     entry.get("triangles")
     try:
-        found = isinstance(name, str) and entry.ledger.locate(name).is_file()
+        found = isinstance(name, str) and entry.ledger.has(name)
     except UsageError as error:
         entry.ledger.replace(f"{entry.name}: {error}", "left out")
         return None

@@ -1,5 +1,6 @@
 """What a loader notes, replaces, or refuses."""
 
+import os
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -108,6 +109,26 @@ class Ledger:
             The file may not be read, or cannot.
         """
         return self._counted(self.locate(name))
+
+    def has(self, name: str) -> bool:
+        """Whether there is a further file of that name.
+
+        Parameters
+        ----------
+        name : str
+            See `locate`.
+
+        Returns
+        -------
+        bool
+            Also false for a name that no file can have.
+
+        Raises
+        ------
+        UsageError
+            See `locate`.
+        """
+        return os.path.isfile(self.locate(name))  # unlike Path's it never raises
 
     def _counted(self, path: Path) -> bytes:
         contents = read_file(path)

@@ -167,7 +167,7 @@ def read_looks(
 def _names(line: str, ledger: Ledger) -> list[str]:
     """One name with spaces, if there is such a file, or else several."""
     try:
-        whole = ledger.locate(line).is_file()
+        whole = ledger.has(line)
     except UsageError:
         whole = False
     return [line] if whole else line.split()
