@@ -7,6 +7,8 @@ import struct
 import tracemalloc
 import warnings
 import zlib
+from argparse import ArgumentParser
+from importlib import import_module
 from io import BytesIO
 
 import numpy as np
@@ -265,6 +267,27 @@ def test_numbers_of_json(tmp_path, key, value, message):
     told = refusal(tmp_path / "a.json")
     assert message in told
     assert len(told) < 400
+
+
+@pytest.mark.parametrize("light", ["1e308", "1e31", "inf", "nan"])
+def test_light_that_no_picture_holds(tmp_path, light):
+    (tmp_path / "a.mtl").write_text(f"newmtl m\nKe {light} 0 0\n")
+    (tmp_path / "a.obj").write_text(f"mtllib a.mtl\n{OBJ}usemtl m\nf 1 2 3\n")
+    with pytest.raises(UsageError, match='mesh "m": emission') as caught:
+        validate(load_scene(tmp_path / "a.obj"))
+    check_message(caught.value)
+
+
+@pytest.mark.parametrize(
+    "command",
+    ["render", "reference", "plan", "tradeoff", "demo", "check", "golden", "inspect"],
+)
+def test_every_command_that_reads_a_scene_can_be_told_how(command):
+    parser = ArgumentParser()
+    import_module(f"reference.commands.{command}").add_arguments(parser)
+    told = parser.format_help()
+    assert "--lenient" in told
+    assert "--allow-outside" in told
 
 
 # ---------------------------------------------------------------- mutants
