@@ -82,12 +82,18 @@ def reading(what: str, ledger: Ledger) -> Iterator[None]:
     ------
     None
         Nothing.
+
+    Raises
+    ------
+    UsageError
+        In place of whatever Mitsuba raises.
     """
     with ledger.reading(what):
         try:
             yield
         except RuntimeError as error:
-            raise RuntimeError(INTERNAL.sub("", str(error))) from error
+            error.args = (INTERNAL.sub("", str(error)),)
+            raise
 
 
 @dataclass(slots=True, eq=False)
@@ -150,7 +156,22 @@ class Node:
         return value
 
     def point(self, key: str, default: Vec3s, ledger: Ledger) -> Vec3s:
-        """Value of a parameter that is a point or a vector."""
+        """Value of a parameter that is a point or a vector.
+
+        Parameters
+        ----------
+        key : str
+            Name of the parameter.
+        default : (3,) float64
+            What it is if the file does not say.
+        ledger : Ledger
+            Of the file.
+
+        Returns
+        -------
+        (3,) float64
+            As in the file.
+        """
         value = self.values.get(key, default)
         try:
             point = np.array(value, np.float64)
@@ -261,7 +282,22 @@ class Node:
 
 
 def check_matrix(matrix: Scalars, where: str, ledger: Ledger) -> None:
-    """Refuse a transform whose determinant may not be computed with."""
+    """Refuse a transform whose determinant may not be computed with.
+
+    Parameters
+    ----------
+    matrix : (4, 4) float64
+        The transform.
+    where : str
+        What it is of, for the message.
+    ledger : Ledger
+        Of the file.
+
+    Raises
+    ------
+    UsageError
+        A number is not finite, or beyond `LARGEST`.
+    """
     if not (np.abs(matrix) <= LARGEST).all():
         ledger.stop(f"{where} holds numbers beyond {LARGEST:g}")
 
