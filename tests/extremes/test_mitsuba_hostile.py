@@ -185,3 +185,18 @@ def test_mutants_load_or_are_refused_in_one_line(folder):
 @pytest.mark.parametrize("seed", range(2, 5))
 def test_many_mutants_load_or_are_refused_in_one_line(folder, seed):
     mutate(folder, seed, 700)
+
+
+def test_large_meshes_are_weighed_against_their_own_bytes(folder, monkeypatch):
+    """A file may take a multiple of its bytes, however often instances show it."""
+    from reference.scene.loaders import ledger, mitsuba_shapes
+
+    monkeypatch.setattr(ledger, "ROOM", 0)
+    monkeypatch.setattr(mitsuba_shapes, "BYTES", 0)
+    mesh = '<shape type="ply"><string name="filename" value="colored.ply"/></shape>'
+    group = f'<shape type="shapegroup" id="g">{mesh}</shape>'
+    instance = '<shape type="instance"><ref id="g"/></shape>'
+    lamp = '<emitter type="constant"/>'
+    assert outcome(folder, scene(lamp + group + instance)) == ""
+    monkeypatch.setattr(ledger, "MOST_EXPANSION", 2)
+    assert "memory" in outcome(folder, scene(lamp + group + 99 * instance))

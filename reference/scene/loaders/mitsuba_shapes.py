@@ -184,6 +184,9 @@ def build_shape(plan: Plan, materials: Materials) -> Mesh | Sphere:
     if plan.node.kind == "sphere":
         return _sphere(plan, ledger)
     look = plan.look
+    if plan.path is not None and plan.path not in materials.weighed:
+        materials.weighed.add(plan.path)
+        ledger.read(str(plan.path))  # counted for what the scene may take
     mesh = read_mesh(
         materials.mi,
         plan.node,
