@@ -127,29 +127,98 @@ class Node:
     folders: list[Path] = field(default_factory=list)
 
     def inside(self, type_name: str) -> "list[Node]":
-        """Plugins of one type inside this one, in the order of the file."""
+        """Plugins of one type inside this one.
+
+        Parameters
+        ----------
+        type_name : str
+            "bsdf", "emitter", ...
+
+        Returns
+        -------
+        list of Node
+            In the order of the file.
+        """
         return [node for node in self.children.values() if node.type == type_name]
 
     def get(self, key: str, default: Any = None) -> Any:
-        """Value of a parameter as Mitsuba parsed it."""
+        """Value of a parameter as Mitsuba parsed it.
+
+        Parameters
+        ----------
+        key : str
+            Name of the parameter.
+        default : Any
+            What it is if the file does not say.
+
+        Returns
+        -------
+        Any
+            Number, string, colour, transform.
+        """
         return self.values.get(key, default)
 
     def number(self, key: str, default: float, ledger: Ledger) -> float:
-        """Value of a parameter that is a number."""
+        """Value of a parameter that is a number.
+
+        Parameters
+        ----------
+        key : str
+            Name of the parameter.
+        default : float
+            What it is if the file does not say.
+        ledger : Ledger
+            Of the file.
+
+        Returns
+        -------
+        float
+            As in the file.
+        """
         value = self.values.get(key, default)
         if isinstance(value, bool) or not isinstance(value, int | float):
             self._refuse_value(key, "a number", ledger)
         return float(value)
 
     def flag(self, key: str, default: bool, ledger: Ledger) -> bool:
-        """Value of a parameter that is true or false."""
+        """Value of a parameter that is true or false.
+
+        Parameters
+        ----------
+        key : str
+            Name of the parameter.
+        default : bool
+            What it is if the file does not say.
+        ledger : Ledger
+            Of the file.
+
+        Returns
+        -------
+        bool
+            As in the file.
+        """
         value = self.values.get(key, default)
         if not isinstance(value, bool):
             self._refuse_value(key, "true or false", ledger)
         return value
 
     def text(self, key: str, default: str, ledger: Ledger) -> str:
-        """Value of a parameter that is a string."""
+        """Value of a parameter that is a string.
+
+        Parameters
+        ----------
+        key : str
+            Name of the parameter.
+        default : str
+            What it is if the file does not say.
+        ledger : Ledger
+            Of the file.
+
+        Returns
+        -------
+        str
+            As in the file.
+        """
         value = self.values.get(key, default)
         if not isinstance(value, str):
             self._refuse_value(key, "a string", ledger)
@@ -262,13 +331,34 @@ class Node:
             self.refuse_word(key, word, ledger)
 
     def refuse_word(self, key: str, word: Word, ledger: Ledger) -> None:
-        """Refuse, or note, a parameter or an inner plugin."""
+        """Refuse, or note, a parameter or an inner plugin.
+
+        Parameters
+        ----------
+        key : str
+            Name of the parameter.
+        word : Word
+            What becomes of it.
+        ledger : Ledger
+            Of the file.
+        """
         inner = self.children.get(key)
         what = f'parameter "{key}"' if inner is None else f"{inner.type} {inner.name}"
         ledger.replace(f"{self.name}: its {what} is not modelled", word.remark)
 
     def is_modelled(self, ledger: Ledger) -> bool:
-        """Whether the plugin itself is modelled; if not, it is refused or noted."""
+        """Whether the plugin itself is modelled; if not, it is refused or noted.
+
+        Parameters
+        ----------
+        ledger : Ledger
+            Of the file.
+
+        Returns
+        -------
+        bool
+            By the table of words.
+        """
         word = find(self.type, self.kind)
         if word.fate is Fate.MODELLED:
             return True

@@ -126,13 +126,41 @@ class Textures:
         return color(mean_color(texture))
 
     def number(self, node: Node, key: str, default: float) -> float:
-        """Number that a plugin takes from a parameter: the mean of a colour."""
+        """Number that a plugin takes from a parameter: the mean of a colour.
+
+        Parameters
+        ----------
+        node : Node
+            The plugin.
+        key : str
+            Name of the parameter.
+        default : float
+            What it is if the file does not say.
+
+        Returns
+        -------
+        float
+            Of a texture the mean, if lenient.
+        """
         shades = self.color(node, key, default)
         # The mean of three equal numbers is rounded.
         return shades[0] if len(set(shades)) == 1 else float(np.mean(shades))
 
     def attribute(self, node: Node, key: str) -> str:
-        """Name of the colours of the mesh that a parameter takes, "" for none."""
+        """Name of the colours of the mesh that a parameter takes, "" for none.
+
+        Parameters
+        ----------
+        node : Node
+            The plugin.
+        key : str
+            Name of the parameter.
+
+        Returns
+        -------
+        str
+            By Mitsuba: "vertex_color".
+        """
         texture = node.children.get(key)
         if texture is None or texture.kind != "mesh_attribute":
             return ""
@@ -241,6 +269,17 @@ def _same(a: Scalars | None, b: Scalars | None) -> bool:
 
 
 def as_bitmap(checker: Checker) -> Bitmap:
-    """The same checker as a picture of two by two."""
+    """The same checker as a picture of two by two.
+
+    Parameters
+    ----------
+    checker : Checker
+        Any.
+
+    Returns
+    -------
+    Bitmap
+        Read without interpolation.
+    """
     one, other = checker.color0, checker.color1
     return Bitmap(np.array([[other, one], [one, other]]), "nearest", checker.scale)

@@ -240,6 +240,17 @@ def find(element: str, name: str) -> Word:
 
 
 def modelled(element: str) -> str:
-    """Plugins of a kind that are modelled, for messages."""
+    """Plugins of a kind that are modelled, for messages.
+
+    Parameters
+    ----------
+    element : str
+        "bsdf", "shape", ...
+
+    Returns
+    -------
+    str
+        Their names, separated by commas.
+    """
     names = [w.name for w in WORDS if (w.element, w.fate) == (element, Fate.MODELLED)]
     return ", ".join(names)
