@@ -245,7 +245,7 @@ def test_a_medium_is_refused_or_left_out(write):
         '<shape type="sphere" id="ball"><bsdf type="dielectric"/>'
         '<medium type="homogeneous" name="interior"/></shape>'
     )
-    with pytest.raises(UsageError, match='"ball": its inner homogeneous'):
+    with pytest.raises(UsageError, match='"ball": its medium homogeneous'):
         load_scene(path)
     scene = load_scene(path, lenient=True)
     assert noted(scene, "ball", "left empty")
