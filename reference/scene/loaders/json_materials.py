@@ -6,6 +6,7 @@ from reference.scene.materials.kinds import (
     Coated,
     Conductor,
     Dielectric,
+    Distribution,
     Lambertian,
     Material,
 )
@@ -14,7 +15,9 @@ from reference.scene.textures import Color
 ROUGH_METAL = ("ggx_conductor", "roughconductor", "rough_conductor")
 SMOOTH_METAL = ("mirror", "conductor")
 ROUGH_COAT = ("roughplastic", "rough_plastic", "ggx_plastic")
-KNOWN = ("diffuse", *ROUGH_METAL, *SMOOTH_METAL, *ROUGH_COAT, "plastic", "dielectric")
+ROUGH_GLASS = ("roughdielectric", "rough_dielectric")
+GLASS = (*ROUGH_GLASS, "dielectric")
+KNOWN = ("diffuse", *ROUGH_METAL, *SMOOTH_METAL, *ROUGH_COAT, "plastic", *GLASS)
 MATT = Lambertian((0.5, 0.5, 0.5), two_sided=False)
 WHITE = (1.0, 1.0, 1.0)
 
@@ -44,8 +47,10 @@ def read_material(entry: Entry) -> Material:
             "taken as diffuse with reflectance 0.5",
         )
         return MATT
-    if kind == "dielectric":
-        material: Material = Dielectric(_ior(entry))
+    if kind in GLASS:
+        rough = kind in ROUGH_GLASS
+        lobe = (_alpha(entry), _distribution(entry)) if rough else ()
+        material: Material = Dielectric(_ior(entry), *lobe)
         entry.get("twosided")
     else:
         two_sided = bool(entry.get("twosided", False))
@@ -79,6 +84,7 @@ def _metal(entry: Entry, rough: bool, two_sided: bool) -> Conductor:
         eta=eta,
         k=k,
         two_sided=two_sided,
+        distribution=_distribution(entry) if rough else "ggx",
     )
 
 
@@ -91,17 +97,22 @@ def _coat(entry: Entry, rough: bool, two_sided: bool) -> Coated:
         nonlinear=bool(entry.get("nonlinear", False)),
         specular=entry.color("specular_reflectance", WHITE),
         two_sided=two_sided,
+        distribution=_distribution(entry) if rough else "ggx",
     )
 
 
 def _alpha(entry: Entry) -> float:
-    distribution = entry.get("distribution", "ggx")
-    if distribution != "ggx":
-        entry.ledger.replace(
-            f"{entry.name}: the distribution {distribution!r} is not modelled, ggx is",
-            "taken as GGX of the same alpha",
-        )
     return roughness(entry.number("alpha"), entry.name, entry.ledger)
+
+
+def _distribution(entry: Entry) -> Distribution:
+    given = entry.get("distribution", "ggx")
+    known: dict[object, Distribution] = {"ggx": "ggx", "beckmann": "beckmann"}
+    if not isinstance(given, str) or given not in known:
+        entry.ledger.stop(
+            f"{entry.name}: the distribution is {given!r}; it can be ggx or beckmann"
+        )
+    return known[given]
 
 
 def _ior(entry: Entry) -> float:

@@ -198,6 +198,8 @@ def _meshes(entry: Entry, material: Material, glow: _Glow) -> list[Mesh]:
         )
     if any(part.normals is not None for part in parts):
         ledger.note(f"{path.name}: its vertex normals are ignored, faces are flat")
+    if any(part.colors is not None for part in parts):
+        ledger.note(f"{path.name}: its vertex colours are ignored")
     meshes = [
         Mesh(
             name=entry.id,

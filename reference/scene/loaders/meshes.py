@@ -7,17 +7,20 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reference.arrays import Indices, Scalars, Vec3s
 from reference.files import read_file
 from reference.scene.loaders.framing import camera_or_framing, default_environment
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.mtl import PLAIN, Look, read_looks
+from reference.scene.loaders.pictures import decode_srgb
 from reference.scene.loaders.triangles import (
     check_indices,
     drop_texture_without_uv,
     turn_faces_to_normals,
 )
+from reference.scene.materials.kinds import Lambertian
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh
 
@@ -38,6 +41,8 @@ class Part:
         Vertex normals, where the file has them.
     uv : (V, 2) float64 or None
         Texture coordinates, where the file has them.
+    colors : (V, 3) float64 or None
+        Linear colours of the vertices, where the file has them.
     """
 
     name: str
@@ -45,6 +50,7 @@ class Part:
     faces: Indices
     normals: Vec3s | None
     uv: Scalars | None
+    colors: Vec3s | None
 
 
 def load(ledger: Ledger) -> Scene:
@@ -87,7 +93,11 @@ def _mesh(part: Part, look: Look | None, ledger: Ledger) -> Mesh:
     if look is None:
         # trimesh names what has no name.
         name, look = ledger.path.stem, PLAIN
-        ledger.note(f'"{name}" has no material: it is matt with reflectance 0.8')
+        told = "reflectance 0.8"
+        if part.colors is not None:
+            look = replace(look, material=Lambertian((1.0, 1.0, 1.0)))
+            told = "the colours of its vertices"
+        ledger.note(f'"{name}" has no material: it is matt with {told}')
     mesh = Mesh(
         name=name,
         vertices=part.vertices,
@@ -96,6 +106,7 @@ def _mesh(part: Part, look: Look | None, ledger: Ledger) -> Mesh:
         emission=look.emission,
         normals=part.normals,
         uv=part.uv,
+        colors=part.colors,
     )
     check_indices(mesh, ledger)
     return drop_texture_without_uv(turn_faces_to_normals(mesh), ledger)
@@ -137,8 +148,6 @@ def read_parts(path: Path, ledger: Ledger) -> list[Part]:
             f"it yields {found} triangles from {faces} faces and {vertices} vertices;"
             " it is truncated or corrupt"
         )
-    if any(entry.get("vertex_colors") is not None for entry in decoded):
-        ledger.note(f"{path.name}: its vertex colours are ignored")
     return sorted(parts, key=lambda part: part.name)
 
 
@@ -170,7 +179,18 @@ def _part(entry: dict[str, Any], path: Path) -> Part:
         faces=np.array(mesh.faces, np.int64),
         normals=None if normals is None else np.array(normals, np.float64),
         uv=None if uv is None else np.array(uv, np.float64)[:, :2],
+        colors=_linear(entry.get("vertex_colors")),
     )
+
+
+def _linear(colors: NDArray[Any] | None) -> Vec3s | None:
+    """Integers are sRGB, as in pictures of 8 bit; other numbers are linear."""
+    if colors is None:
+        return None
+    channels = colors[:, :3]
+    if channels.dtype.kind not in "iu":
+        return np.array(channels, np.float64)
+    return decode_srgb(channels / np.iinfo(channels.dtype).max)
 
 
 def _declared(contents: bytes, kind: str, ledger: Ledger) -> tuple[int, int]:
