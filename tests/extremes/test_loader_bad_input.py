@@ -259,11 +259,14 @@ def test_gltf_textures_that_cannot_be_read(put, image):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (OBJ.replace("f 1 2 3", "f 1 2 9"), "not a valid OBJ"),
-        (OBJ.replace("f 1 2 3", "f 1 2"), "truncated or corrupt"),
-        (OBJ.replace("v 1 0 0", "v 1 x 0"), "not a valid OBJ"),
-        (OBJ.replace("f 1 2 3", "# no face"), "no triangles"),
-        ("hello world\n", "no triangles"),
+        (
+            OBJ.replace("f 1 2 3", "f 1 2 9"),
+            "line 4: a face names vertex 9; they are 1 to 3",
+        ),
+        (OBJ.replace("f 1 2 3", "f 1 2"), "line 4: a face has 2 corners; it needs 3"),
+        (OBJ.replace("v 1 0 0", "v 1 x 0"), 'line 2: v has "x"; it needs numbers'),
+        (OBJ.replace("f 1 2 3", "# no face"), "no faces"),
+        ("hello world\n", 'line 1: "hello" is not modelled'),
     ],
 )
 def test_obj(put, text, message):
@@ -292,7 +295,10 @@ def test_ply(put, text, message):
         ({**JSON, "materials": [1]}, "no object of names"),
         ({**JSON, "materials": {"m": 1}}, 'material "m" is no object'),
         ({**JSON, "camera": {"origin": [0, 0, 0]}}, "camera: "),
-        ({**JSON, "shapes": [{"id": "w", "file": "a.ply"}]}, 'no material "None"'),
+        (
+            {**JSON, "shapes": [{"id": "w", "file": "a.ply"}]},
+            "its material is missing",
+        ),
         ({**JSON, "lights": 3}, '"lights" is no list'),
     ],
 )
