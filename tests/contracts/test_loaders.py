@@ -5,6 +5,7 @@ Mitsuba XML has `test_mitsuba_loader.py`; files that are broken,
 """
 
 import json
+from dataclasses import replace
 from io import BytesIO
 
 import numpy as np
@@ -19,6 +20,7 @@ from reference.scene.lights import (
     DirectionalLight,
     LatLongEnvironment,
     PointLight,
+    SpotLight,
 )
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.load import load_scene
@@ -187,6 +189,24 @@ def test_obj_missing_files(tmp_path):
     scene = load_scene(path, lenient=True)
     assert scene.meshes[0].material.reflectance == (0.5, 0.5, 0.5)
     assert noted(scene, "no.png", "mid grey")
+
+
+def test_obj_emission_of_a_picture(tmp_path):
+    """map_Ke times Ke, or alone."""
+    stored = np.array([[[0, 0, 0], [255, 255, 255]]], np.uint8)
+    (tmp_path / "a.png").write_bytes(png(stored))
+    face = f"mtllib a.mtl\n{QUAD}vt 0.75 0.5\nusemtl x\nf 1/1 2/1 3/1\n"
+    for ke, wanted in (("Ke 2 3 4\n", (2, 3, 4)), ("", (1, 1, 1))):
+        mtl = f"newmtl x\nKd 0 0 0\n{ke}map_Ke a.png\n"
+        scene = load_scene(write_obj(tmp_path, face, mtl))
+        (mesh,) = scene.meshes
+        assert_allclose(read(mesh.emission, mesh.uv), [wanted] * 3)
+        assert scene.environment is None
+    path = write_obj(tmp_path, face, "newmtl x\nKe 2 3 4\nmap_Ke no.png\n")
+    with pytest.raises(UsageError, match=r"a\.mtl: material \"x\": .*no\.png"):
+        load_scene(path)
+    scene = load_scene(path, lenient=True)
+    assert scene.meshes[0].emission == (2, 3, 4)
 
 
 def test_a_texture_without_coordinates_has_its_mean_colour(tmp_path):
@@ -408,6 +428,50 @@ def test_json_camera(write_json, axis):
     camera["fov_axis"] = "z"
     with pytest.raises(UsageError, match="fov_axis is 'z'"):
         load_scene(write_json(camera=camera))
+
+
+def test_json_emission_of_a_picture(write_json, tmp_path):
+    """A sixteenth of the square shines; the triangle has its lower left half."""
+    stored = np.zeros((4, 4, 3), np.uint8)
+    stored[2, 1] = 255
+    (tmp_path / "lamp.png").write_bytes(png(stored))
+    (tmp_path / "t.obj").write_text(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"
+    )
+    shape = {"file": "t.obj", "emission": {"file": "lamp.png", "scale": 5}}
+    (mesh,) = load_scene(write_json(shape={**shape, "two_sided_emission": True})).meshes
+    assert mesh.two_sided_emission
+    inside = np.array([[0.375, 0.375], [0.1, 0.1]])
+    assert_allclose(read(mesh.emission, inside), [[5.0] * 3, [0.0] * 3])
+    assert not load_scene(write_json(shape=shape)).meshes[0].two_sided_emission
+    shape["emission"]["file"] = "none.png"
+    with pytest.raises(UsageError, match=r'emission of shape "wall": .*none\.png'):
+        load_scene(write_json(shape=shape))
+    dark = load_scene(write_json(shape=shape), lenient=True)
+    assert dark.meshes[0].emission == (0.0, 0.0, 0.0)
+    assert noted(dark, "none.png", "taken as dark")
+
+
+def test_json_emission_without_coordinates_has_its_mean_colour(write_json, tmp_path):
+    stored = np.array([[[0, 0, 0], [255, 255, 255]]], np.uint8)
+    (tmp_path / "lamp.png").write_bytes(png(stored))
+    path = write_json(shape={"emission": {"file": "lamp.png"}})
+    with pytest.raises(UsageError, match="no texture coordinates"):
+        load_scene(path)
+    (mesh,) = load_scene(path, lenient=True).meshes
+    assert mesh.emission == (0.5, 0.5, 0.5)
+
+
+def test_json_spot(write_json):
+    spot = {"type": "spot", "position": [1, 2, 3], "direction": [0, -2, 0]}
+    spot |= {"intensity": 4, "cutoff_deg": 30, "beam_deg": 20}
+    scene = load_scene(write_json(lights=[spot, {**spot, "falloff": "smooth"}]))
+    wanted = SpotLight((1.0, 2, 3), (0.0, -1, 0), (4.0, 4, 4), cutoff=30.0, beam=20.0)
+    assert scene.spots == (wanted, replace(wanted, falloff="smooth"))
+    with pytest.raises(UsageError, match="light 0: falloff is 'cubic'; it can be"):
+        load_scene(write_json(lights=[{**spot, "falloff": "cubic"}]))
+    with pytest.raises(UsageError, match="light 0: beam_deg is None"):
+        load_scene(write_json(lights=[{**spot, "beam_deg": None}]))
 
 
 def test_json_lights(write_json, tmp_path):
