@@ -359,6 +359,17 @@ def test_gltf_all_that_is_refused_is_told_at_once_before_meshes_are_read(tmp_pat
     assert material.alpha == pytest.approx(0.4**2)
 
 
+def test_gltf_materials_that_nothing_wears_do_not_matter(tmp_path):
+    gltf = triangle_file({})
+    bumpy = {"normalTexture": {"index": 0}, "extensions": {"EXT_unheard_of": {}}}
+    gltf.tree["materials"].append(bumpy)
+    gltf.tree = dict(reversed(gltf.tree.items()))  # whatever the order of the file
+    load_gltf(gltf, tmp_path)
+    gltf.tree["meshes"][0]["primitives"][0]["material"] = 1
+    with pytest.raises(UsageError, match="2 faults"):
+        load_gltf(gltf, tmp_path)
+
+
 def test_gltf_metallic_roughness_textures_of_one_value_are_factors(tmp_path):
     """Only the channels count that the factors let through."""
     pbr = {"metallicRoughnessTexture": {"index": 0}, "metallicFactor": 0}

@@ -131,13 +131,13 @@ def test_damaged_files_are_scenes_or_refused(tmp_path):
 
 @pytest.mark.slow
 def test_thousands_of_damaged_files_are_scenes_or_refused(tmp_path):
-    assert tried(range(10_000, 14_000), tmp_path) > 100
+    assert tried(range(10_000, 13_000), tmp_path) > 80
 
 
 @pytest.mark.slow
 def test_pictures_of_damaged_files_are_finite_and_not_negative(tmp_path):
     shown = 0
-    for seed in range(20_000, 20_400):
+    for seed in range(20_000, 20_200):
         scene = outcome(mutant(seed, tmp_path), lenient=True)
         if isinstance(scene, str):
             continue
@@ -146,7 +146,7 @@ def test_pictures_of_damaged_files_are_finite_and_not_negative(tmp_path):
         assert np.isfinite(image).all(), seed
         assert (image >= 0).all(), seed
         shown += 1
-    assert shown > 20
+    assert shown > 10
 
 
 # ---------------------------------------------------------------- memory
