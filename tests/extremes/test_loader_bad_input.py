@@ -324,9 +324,9 @@ def test_json_with_a_missing_mesh(put, tmp_path):
 @pytest.mark.parametrize(
     ("body", "message"),
     [
-        ("<shape", "Error parsing start element"),
+        ("<shape", "line 1, column 30: not well-formed"),
         ('<shape type="obj"><ref id="zz"/></shape>', '"zz"'),
-        ('<shape type="obj"/>', "has no filename"),
+        ('<shape type="obj"/>', "it names no file"),
         ('<shape type="nonsense" id="it"/>', 'nonsense "it" is not modelled'),
         ('<shape type="sphere"><bsdf type="velvet" id="it"/></shape>', 'velvet "it"'),
         ('<shape type="sphere"><float name="radius" value="$r"/></shape>', "$r"),
