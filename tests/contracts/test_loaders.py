@@ -470,7 +470,7 @@ def test_json_spot(write_json):
     assert scene.spots == (wanted, replace(wanted, falloff="smooth"))
     with pytest.raises(UsageError, match='light 0: falloff is "cubic"; it can be'):
         load_scene(write_json(lights=[{**spot, "falloff": "cubic"}]))
-    with pytest.raises(UsageError, match="light 0: beam_deg is None"):
+    with pytest.raises(UsageError, match="light 0: beam_deg is missing"):
         load_scene(write_json(lights=[{**spot, "beam_deg": None}]))
 
 
