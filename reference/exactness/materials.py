@@ -1,5 +1,6 @@
 """Kernels of microfacets and Fresnel reflectance."""
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,13 @@ from reference.scene.materials.fresnel import (
     fresnel_dielectric,
     fresnel_schlick,
 )
-from reference.scene.materials.microfacet import ggx_density, reflect, smith_g1
+from reference.scene.materials.microfacet import (
+    beckmann_density,
+    beckmann_g1,
+    ggx_density,
+    reflect,
+    smith_g1,
+)
 
 
 def _draw_lobe(draws: Draws) -> dict[str, Scalars]:
@@ -57,6 +64,59 @@ MASKING = Kernel(
     "Smith masking G1", "", _draw_lobe, _run_masking, _masking,
     {
         "edge-on": "0 below the surface, and to 2 cos / α above it",
+        "smooth": "to 1",
+        "in a corner": "as edge-on",
+    },
+)  # fmt: skip
+
+
+def _run_beckmann(given: Inputs) -> Scalars:
+    return beckmann_density(given["cosine"], given["alpha"])
+
+
+def _beckmann(row: Row) -> Any:
+    cosine, alpha = row["cosine"], row["alpha"]
+    if cosine.value <= 0:
+        return cosine * 0
+    cos2 = cosine * cosine
+    width = alpha * alpha * cos2
+    exponent = (1 - cos2) / width
+    return (-exponent).exp() / (literal(EXACT.pi, width.type) * width * cos2)
+
+
+BECKMANN_DENSITY = Kernel(
+    "Beckmann density D", "", _draw_lobe, _run_beckmann, _beckmann,
+    {
+        "edge-on": "0 below the surface, and to 0 above it",
+        "smooth": "finite for α > 0; 0 where α² is too small for the type",
+        "in a corner": "as edge-on",
+    },
+)  # fmt: skip
+
+
+def _run_beckmann_masking(given: Inputs) -> Scalars:
+    return beckmann_g1(given["cosine"], given["alpha"])
+
+
+def _beckmann_masking(row: Row) -> Any:
+    cosine, alpha = row["cosine"], row["alpha"]
+    if cosine.value <= 0:
+        return cosine * 0
+    number = partial(literal, type_=cosine.type)
+    spread = alpha * (1 - cosine * cosine).sqrt()
+    if cosine >= number(EXACT.mpf(1.6)) * spread:
+        return cosine * 0 + 1
+    a = cosine / spread
+    above = a * (a * number(2.181) + number(3.535))
+    fit = above / (a * (a * number(2.577) + number(2.276)) + 1)
+    return fit if fit.value < 1 else cosine * 0 + 1
+
+
+BECKMANN_MASKING = Kernel(
+    "Smith masking G1, Beckmann", "", _draw_lobe, _run_beckmann_masking,
+    _beckmann_masking,
+    {
+        "edge-on": "0 below the surface, and to 3.535 cos / α above it",
         "smooth": "to 1",
         "in a corner": "as edge-on",
     },
@@ -171,4 +231,7 @@ SCHLICK = Kernel(
     {"edge-on": "to 1", "in a corner": "to 1", "black and white": "(1 − cos)⁵, and 1"},
 )  # fmt: skip
 
-MATERIALS = (DENSITY, MASKING, MIRROR, DIELECTRIC, CONDUCTOR, SCHLICK)
+MATERIALS = (
+    DENSITY, MASKING, BECKMANN_DENSITY, BECKMANN_MASKING, MIRROR, DIELECTRIC, CONDUCTOR,
+    SCHLICK,
+)  # fmt: skip

@@ -209,12 +209,13 @@ def emitted(
     if emitters is None:
         return radiance
     if len(emitters.primitive):
-        rows, lights = _lights_seen(emitters, geometry, points)
+        rows = _lights_seen(emitters, geometry, points)
+        primitive = points.primitive[rows]
         if geometry.emission_texture is None:
-            radiance[rows] = geometry.emission[lights.primitive]
+            radiance[rows] = geometry.emission[primitive]
         else:
-            x = contact(geometry, lights)
-            radiance[rows] = radiance_at(geometry, lights.primitive, x)
+            x = contact(geometry, take(points, rows))
+            radiance[rows] = radiance_at(geometry, primitive, x)
     if emitters.environment is not None:
         rows = np.flatnonzero(~points.hit)
         radiance[rows] = environment_radiance(emitters.environment, -points.wo[rows])
@@ -223,13 +224,12 @@ def emitted(
 
 def _lights_seen(
     emitters: Emitters, geometry: Geometry, points: SurfacePoints
-) -> tuple[Indices, SurfacePoints]:
-    """Rows that met an emitting side of a light, and these points."""
+) -> Indices:
+    """Rows that met a side of a light that emits."""
     shown = points.front
     if geometry.emits_behind is not None:
         shown = shown | geometry.emits_behind[points.primitive]
-    rows = np.flatnonzero(shown & (emitters.entry[points.primitive] >= 0))
-    return rows, take(points, rows)
+    return np.flatnonzero(shown & (emitters.entry[points.primitive] >= 0))
 
 
 def pdf_light(
@@ -255,7 +255,8 @@ def pdf_light(
     """
     pdf = np.zeros(len(points))
     if len(emitters.primitive):
-        rows, lights = _lights_seen(emitters, geometry, points)
+        rows = _lights_seen(emitters, geometry, points)
+        lights = take(points, rows)
         x_to = contact(geometry, lights)
         offset = x_to - x[rows]
         cosine = dot(lights.normal, lights.wo)

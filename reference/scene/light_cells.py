@@ -3,9 +3,10 @@
 A point of a light is the image of a place (s, t) of the unit square, under a map that
 keeps areas in proportion.  The square of a textured triangle is cut into n × n cells.
 A cell is a light of its own: the table of all lights chooses it, and the point on it is
-uniform.  Its weight is the mean luminance of the texels that reach into the rectangle
-around it in the texture.  Every colour in the cell is a weighted mean of these texels:
-where anything is emitted, the weight is positive, which makes the estimate unbiased.
+uniform.  Half of its weight is the mean luminance of some points in it, half that of
+all texels that reach into the rectangle around it.  Every colour in the cell is a
+weighted mean of these texels: where anything is emitted, the weight is positive, which
+makes the estimate unbiased.
 """
 
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from reference.arrays import Indices, Scalars, Vec3s, normalize
+from reference.images import luminance
 from reference.records import take
 from reference.sampling import invert_triangle, sample_triangle
 from reference.scene.geometry import Geometry, barycentric, texture_coordinates
@@ -159,35 +161,36 @@ def cut_lights(
         Primitive of each cell, in the order of primitives and of their cells; those
         whose texture is black all over have none.
     (C, 3) float64, W/(m² sr)
-        Colour of the mean luminance of the texels around each cell, or of the whole
-        primitive where it has one colour.
+        A grey of about the mean luminance of each cell, or the colour of a primitive
+        that has one.
     """
     texture = np.full(len(geometry.emission), -1)
     if geometry.emission_texture is not None:
         texture = geometry.emission_texture
-    maps = [TexelSums.of(t) for t in geometry.emission_textures]
+    sums = [TexelSums.of(t) for t in geometry.emission_textures]
     # Leave out what lies in the dark of its texture, then cut the rest.
     one = np.ones(len(primitive), np.int64)
     whole = _cells(geometry, primitive, one)
-    shines = _weights(geometry, maps, texture, whole) > 0
+    shines = _weights(geometry, sums, texture, whole) > 0
     primitive = primitive[shines | (texture[primitive] < 0)]
     side = np.ones(len(geometry.emission), np.int64)
     side[primitive] = _sides(geometry, texture, primitive)
     cells = _cells(geometry, primitive, side[primitive])
     color: Vec3s = geometry.emission[cells.primitive]
     textured = texture[cells.primitive] >= 0
-    weight = _weights(geometry, maps, texture, cells)
+    weight = _weights(geometry, sums, texture, cells)
     color[textured] = weight[textured, None]
     return LightCells(side), cells.primitive, color
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Cells:
-    """Primitives of cells, and the rectangles around them in (u, v)."""
+    """Primitives of cells, rectangles around them in (u, v), and points in them."""
 
     primitive: Indices
     low: Scalars
     high: Scalars
+    inside: list[Scalars]
 
 
 def _cells(geometry: Geometry, primitive: Indices, side: Indices) -> _Cells:
@@ -196,22 +199,21 @@ def _cells(geometry: Geometry, primitive: Indices, side: Indices) -> _Cells:
     side = np.repeat(side, count)
     cell = np.arange(len(of)) - np.repeat(np.cumsum(count) - count, count)
     row, column = np.divmod(cell, side)
-    nowhere = np.zeros((len(of), 3))
-    corners = [
-        texture_coordinates(
-            geometry,
-            # Of a sphere the whole texture counts.
-            np.minimum(of, max(geometry.triangles - 1, 0)),
-            *sample_triangle((row + s) / side, (column + t) / side),
-            nowhere,
-        )
-        for s in (0, 1)
-        for t in (0, 1)
-    ]
-    low, high = np.min(corners, axis=0), np.max(corners, axis=0)
     on_sphere = of >= geometry.triangles
+    triangle, nowhere = np.where(on_sphere, 0, of), np.zeros((len(of), 3))
+
+    def lattice(steps: tuple[float, ...]) -> list[Scalars]:
+        places = [((row + s) / side, (column + t) / side) for s in steps for t in steps]
+        return [
+            texture_coordinates(geometry, triangle, *sample_triangle(*place), nowhere)
+            for place in places
+        ]
+
+    corners = lattice((0.0, 1.0))
+    low, high = np.min(corners, axis=0), np.max(corners, axis=0)
+    # Of a sphere the whole texture counts.
     low[on_sphere], high[on_sphere] = 0.0, 1.0
-    return _Cells(of, low, high)
+    return _Cells(of, low, high, lattice((1 / 6, 3 / 6, 5 / 6)))
 
 
 def _sides(geometry: Geometry, texture: Indices, primitive: Indices) -> Indices:
@@ -232,10 +234,15 @@ def _sides(geometry: Geometry, texture: Indices, primitive: Indices) -> Indices:
 
 
 def _weights(
-    geometry: Geometry, maps: list[TexelSums], texture: Indices, cells: _Cells
+    geometry: Geometry, sums: list[TexelSums], texture: Indices, cells: _Cells
 ) -> Scalars:
+    """Half from the texels around, which hides nothing, half from points inside."""
     weight = np.zeros(len(cells.primitive))
-    for k, one in enumerate(maps):
+    for k, one in enumerate(geometry.emission_textures):
         rows = np.flatnonzero(texture[cells.primitive] == k)
-        weight[rows] = one.around(cells.low[rows], cells.high[rows])
+        around = sums[k].around(cells.low[rows], cells.high[rows])
+        shown = [luminance(read(one, uv[rows])) for uv in cells.inside]
+        on_sphere = cells.primitive[rows] >= geometry.triangles
+        within = np.where(on_sphere, around, np.mean(shown, axis=0))
+        weight[rows] = (around + within) / 2
     return weight

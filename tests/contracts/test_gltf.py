@@ -1,5 +1,7 @@
 """glTF against files written here: values, pixels, and the fate of every word."""
 
+import json
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
@@ -357,6 +359,17 @@ def test_gltf_all_that_is_refused_is_told_at_once_before_meshes_are_read(tmp_pat
     assert material.alpha == pytest.approx(0.4**2)
 
 
+def test_gltf_materials_that_nothing_wears_do_not_matter(tmp_path):
+    gltf = triangle_file({})
+    bumpy = {"normalTexture": {"index": 0}, "extensions": {"EXT_unheard_of": {}}}
+    gltf.tree["materials"].append(bumpy)
+    gltf.tree = dict(reversed(gltf.tree.items()))  # whatever the order of the file
+    load_gltf(gltf, tmp_path)
+    gltf.tree["meshes"][0]["primitives"][0]["material"] = 1
+    with pytest.raises(UsageError, match="2 faults"):
+        load_gltf(gltf, tmp_path)
+
+
 def test_gltf_metallic_roughness_textures_of_one_value_are_factors(tmp_path):
     """Only the channels count that the factors let through."""
     pbr = {"metallicRoughnessTexture": {"index": 0}, "metallicFactor": 0}
@@ -592,6 +605,177 @@ def test_a_file_without_camera_or_light_gets_both_with_a_note(tmp_path):
     reach = scene.camera.half_width * (offset @ forward)
     assert (np.abs(offset @ right) < reach).all()
     assert (np.abs(offset @ up) < reach).all()
+
+
+# ---------------------------------------------------------------- hostile files
+
+
+def refusal(gltf, tmp_path, lenient=False):
+    """What is told of a file, without its path."""
+    path = gltf.write(tmp_path / "a.gltf") if isinstance(gltf, Gltf) else gltf
+    with pytest.raises(UsageError) as caught:
+        load_scene(path, lenient)
+    return str(caught.value).removeprefix(f"{path}: ")
+
+
+ELSEWHERE = {
+    "/dev/zero": "outside the scene's folder",
+    "../outside.bin": "outside the scene's folder",
+    "https://example.org/a.bin": "not on this machine",
+    "missing.bin": "No such file",
+    "%00": "no path of a file",
+    "%ff": "no name of a file",
+    "data:;base64,?": "no base64",
+}
+
+
+@pytest.mark.parametrize("uri", ELSEWHERE)
+@pytest.mark.parametrize("lenient", [False, True])
+def test_gltf_buffers_are_files_of_the_folder(tmp_path, uri, lenient):
+    gltf = triangle_file()
+    path = gltf.write(tmp_path / "a.gltf")
+    path.write_text(
+        json.dumps(gltf.tree | {"buffers": [{"byteLength": 9, "uri": uri}]})
+    )
+    told = refusal(path, tmp_path, lenient)
+    assert told.startswith("buffer 0: ")
+    assert ELSEWHERE[uri] in told
+
+
+@pytest.mark.parametrize("uri", ELSEWHERE)
+def test_gltf_images_are_files_of_the_folder(tmp_path, uri):
+    gltf = triangle_file(
+        {"name": "paint", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}},
+        TEXCOORD_0=np.zeros((3, 2), np.float32),
+    )
+    gltf.texture(np.zeros((1, 1, 3), np.uint8))
+    gltf.tree["images"] = [{"uri": uri}]
+    told = refusal(gltf, tmp_path)
+    assert told.startswith('material "paint": texture 0: image 0: ')
+    assert ELSEWHERE[uri] in told
+    grey = load_gltf(gltf, tmp_path, lenient=True).meshes[0].material.reflectance
+    assert_array_equal(grey.pixels, [[[0.5, 0.5, 0.5]]])
+
+
+def test_gltf_files_elsewhere_are_read_if_that_is_allowed(tmp_path):
+    gltf = triangle_file()
+    (tmp_path / "outside.bin").write_bytes(gltf.data)
+    (tmp_path / "scene").mkdir()
+    path = gltf.write(tmp_path / "scene" / "a.gltf")
+    gltf.tree["buffers"][0]["uri"] = "../outside.bin"
+    path.write_text(json.dumps(gltf.tree))
+    assert "--allow-outside" in refusal(path, tmp_path)
+    assert len(load_scene(path, allow_outside=True).meshes) == 1
+
+
+def test_gltf_names_cannot_reach_a_terminal(tmp_path):
+    name = "a\x1b[31m\nb\ud800 Stühle"
+    gltf = triangle_file({"name": name, "normalTexture": {"index": 0}})
+    gltf.tree["nodes"][0]["name"] = name
+    gltf.texture(np.zeros((1, 1, 3), np.uint8))
+    told = refusal(gltf, tmp_path)
+    assert told.isprintable()
+    assert "Stühle" in told
+    scene = load_gltf(gltf, tmp_path, lenient=True)
+    assert scene.meshes[0].name.isprintable()
+    assert all(note.isprintable() for note in scene.notes)
+
+
+def accessor(**words):
+    return lambda tree: tree["accessors"][0].update(words)
+
+
+def view(**words):
+    return lambda tree: tree["bufferViews"][0].update(words)
+
+
+def sparse(index):
+    """One sparse element, whose index the file has at some byte."""
+    at = {"bufferView": 0, "byteOffset": index, "componentType": 5121}
+    return accessor(
+        sparse={"count": 1, "indices": at, "values": {"bufferView": 0}}, count=3
+    )
+
+
+def lamp(factor, strength=1):
+    extension = {"KHR_materials_emissive_strength": {"emissiveStrength": strength}}
+    words = {"emissiveFactor": [factor] * 3, "extensions": extension}
+    return lambda tree: tree["materials"][0].update(words)
+
+
+FAULTS = [
+    (view(byteOffset=-36), "buffer view 0: byteOffset is -36; it must be a whole"),
+    (view(byteOffset=8), "buffer view 0 reaches beyond its buffer: to byte 44 of 36"),
+    (view(byteLength=10**15), "buffer view 0 reaches beyond its buffer"),
+    (view(byteStride=4), "elements of 12 bytes every 4 bytes; they must not overlap"),
+    (accessor(count=-1), "accessor 0: count is -1; it must be a whole number"),
+    (accessor(count=4), 'mesh "mesh 0", POSITION (accessor 0) reads beyond buffer'),
+    (accessor(count=True), "accessor 0: count is true"),
+    (accessor(count=10**12), "POSITION (accessor 0) has 1000000000000 elements"),
+    (accessor(type="SCALAR"), "(accessor 0) is of type SCALAR; it must be VEC3"),
+    (accessor(byteOffset=1), "reads beyond buffer view 0: to byte 37 of 36"),
+    (sparse(15), "has 3 elements, but sparse ones up to number 63"),
+    (lamp(1e308), "material 0: emissiveFactor is [1e+308, 1e+308, 1e+308]"),
+    (lamp(3e38, 2), "material 0 emits 6e+38"),
+    (lamp(10**400), "material 0: emissiveFactor is [1000"),
+    (lambda tree: tree["nodes"][0].update(rotation=[0, 0, 1, 1]), "of length 1.41"),
+    (lambda tree: tree["nodes"][0].update(matrix=[0] * 16), "is not affine"),
+]
+
+
+@pytest.mark.parametrize(("change", "message"), FAULTS, ids=[m for _, m in FAULTS])
+def test_gltf_faults_are_named(tmp_path, change, message):
+    gltf = triangle_file({})
+    change(gltf.tree)
+    assert message in refusal(gltf, tmp_path)
+
+
+def test_gltf_a_tree_of_large_scales_is_refused(tmp_path):
+    gltf = triangle_file()
+    chain = [{"scale": [1e30] * 3, "children": [i + 1]} for i in range(20)]
+    gltf.tree["nodes"] = [*chain, {"mesh": 0}]
+    assert refusal(gltf, tmp_path) == "node 1 stands beyond the range of numbers"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[" * 100_000, "nested too deep"),
+        ('{"asset": ' + "9" * 5000 + "}", "thousands of digits"),
+        ('{"asset": NaN}', "a number of its JSON is none"),
+        ('{"asset": 1,\n}', "line 2, column 1"),
+        ("[]", "its JSON is no object"),
+        ('{"asset": {"version": 2}}', 'no "asset" with a "version"'),
+        ('{"asset": {"version": "2\\u001b"}}', "this is glTF 2\\u001b;"),
+    ],
+)
+def test_gltf_json_that_is_none(tmp_path, text, message):
+    path = tmp_path / "a.gltf"
+    path.write_text(text)
+    assert message in refusal(path, tmp_path)
+
+
+def test_glb_chunks_end_with_the_file(tmp_path):
+    path = triangle_file().write(tmp_path / "a.glb")
+    whole = path.read_bytes()
+    path.write_bytes(whole[:12] + (10**6).to_bytes(4, "little") + whole[16:])
+    told = "the chunk at byte 12 reaches beyond the end of the file"
+    assert refusal(path, tmp_path) == told
+
+
+def test_huge_texture_coordinates_stay_within_the_texture(tmp_path):
+    """Interpolation loses them, and the look-up must not make them worse."""
+    pbr = {"baseColorTexture": {"index": 0}}
+    stored = np.random.default_rng(5).integers(60, 200, (4, 4, 3)).astype(np.uint8)
+    coordinates = np.float32([[-1e38, 3e38], [1e38, -2e30], [7e20, 1e38], [0, 1e19]])
+    gltf = quad_file({"pbrMetallicRoughness": pbr}, stored, TEXCOORD_0=coordinates)
+    points, image = seen(gltf, tmp_path)
+    assert points.hit.all()
+    linear = decode_srgb(stored / 255)
+    rounding = 4 * np.finfo(float).eps  # of a mean of means
+    assert points.color.min() >= linear.min() - rounding
+    assert points.color.max() <= linear.max() + rounding
+    assert (image >= 0).all()
 
 
 # ---------------------------------------------------------------- pixels

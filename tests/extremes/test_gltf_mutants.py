@@ -13,6 +13,7 @@ from reference.scene.loaders.gltf_buffers import Document
 from reference.scene.loaders.load import load_scene
 from reference.scene.validation import validate
 from tests.analytic.rendering import path_traced, world_of
+from tests.contracts.gltf_files import png
 from tests.contracts.test_gltf_words import whole_file
 
 PYTHON = re.compile(
@@ -131,13 +132,13 @@ def test_damaged_files_are_scenes_or_refused(tmp_path):
 
 @pytest.mark.slow
 def test_thousands_of_damaged_files_are_scenes_or_refused(tmp_path):
-    assert tried(range(10_000, 14_000), tmp_path) > 100
+    assert tried(range(10_000, 13_000), tmp_path) > 80
 
 
 @pytest.mark.slow
 def test_pictures_of_damaged_files_are_finite_and_not_negative(tmp_path):
     shown = 0
-    for seed in range(20_000, 20_400):
+    for seed in range(20_000, 20_200):
         scene = outcome(mutant(seed, tmp_path), lenient=True)
         if isinstance(scene, str):
             continue
@@ -146,69 +147,78 @@ def test_pictures_of_damaged_files_are_finite_and_not_negative(tmp_path):
         assert np.isfinite(image).all(), seed
         assert (image >= 0).all(), seed
         shown += 1
-    assert shown > 20
+    assert shown > 10
 
 
 # ---------------------------------------------------------------- memory
 
 
 def peak_of(path):
-    """Bytes of memory that loading takes at most."""
+    """Bytes of memory that loading takes at most, and what is told."""
+    told = ""
     tracemalloc.start()
     try:
         load_scene(path)
-    except UsageError:
-        pass
+    except UsageError as error:
+        told = str(error)
     finally:
         _, peak = tracemalloc.get_traced_memory()
         tracemalloc.stop()
-    return peak
+    return peak, told
 
 
-def swollen(tree, count):
+def swollen(gltf, count):
     """An accessor of many elements and no bytes."""
-    tree["accessors"][2] = {"componentType": 5121, "count": count, "type": "VEC2"}
+    words = {"componentType": 5121, "count": count, "type": "VEC2"}
+    gltf.tree["accessors"][2] = words
 
 
-def crowded(tree, count):
-    """Many nodes with one mesh."""
-    first = len(tree["nodes"])
-    tree["nodes"] += [{"mesh": 0}] * count
-    tree["scenes"][1]["nodes"] += list(range(first, first + count))
+def crowded(gltf, count):
+    """Many nodes with one mesh, of a thousand triangles."""
+    corners = np.random.default_rng(0).random((3000, 3)).astype(np.float32)
+    gltf.mesh({"POSITION": corners})
+    first = len(gltf.tree["nodes"])
+    gltf.tree["nodes"] += [{"mesh": 1}] * count
+    gltf.tree["scenes"][1]["nodes"] += list(range(first, first + count))
 
 
-def papered(tree, count):
+def papered(gltf, count):
     """Many materials with one picture, each with a factor of its own."""
-    first = len(tree["materials"])
-    tree["materials"] += [tree["materials"][0]] * count
-    primitive = tree["meshes"][0]["primitives"][0]
+    picture = gltf.view(png(np.full((128, 128, 3), 99, np.uint8)))
+    gltf.tree["images"][0] = {"bufferView": picture}
+    first = len(gltf.tree["materials"])
+    gltf.tree["materials"] += [gltf.tree["materials"][0]] * count
+    primitive = gltf.tree["meshes"][0]["primitives"][0]
     worn = [primitive | {"material": first + i} for i in range(count)]
-    tree["meshes"][0]["primitives"] += worn
+    gltf.tree["meshes"][0]["primitives"] += worn
 
 
-BOMBS = {swollen: (1_000, 30_000_000), crowded: (10, 400), papered: (10, 100)}
+BOMBS = {swollen: 3_000_000, crowded: 50, papered: 50}
 
 
 @pytest.fixture
 def small_room(monkeypatch):
     """So little memory besides the multiple of the bytes that small files show it."""
-    monkeypatch.setattr(ledger, "ROOM", 2**16)
-    monkeypatch.setattr(ledger, "MOST_EXPANSION", 400)
+    monkeypatch.setattr(ledger, "ROOM", 2**20)
+    monkeypatch.setattr(ledger, "MOST_EXPANSION", 200)
 
 
 @pytest.mark.parametrize("bomb", BOMBS, ids=lambda bomb: bomb.__name__)
-@pytest.mark.parametrize("size", [0, 1])
-def test_memory_stays_within_the_stated_multiple(tmp_path, small_room, bomb, size):
-    gltf = whole_file()
-    bomb(gltf.tree, BOMBS[bomb][size])
-    path = gltf.write(tmp_path / "a.glb")
+def test_memory_stays_within_the_stated_multiple(tmp_path, small_room, bomb):
     load_scene(whole_file().write(tmp_path / "b.glb"))  # all imports
-    assert peak_of(path) < ledger.ROOM + ledger.MOST_EXPANSION * path.stat().st_size
+    for count in (1, BOMBS[bomb]):
+        gltf = whole_file()
+        bomb(gltf, count)
+        path = gltf.write(tmp_path / "a.glb")
+        peak, told = peak_of(path)
+        assert peak < ledger.ROOM + ledger.MOST_EXPANSION * path.stat().st_size
+    assert "with it the scene takes more memory" in told
 
 
 def test_control_without_the_claims_the_bound_is_exceeded(tmp_path, monkeypatch):
     gltf = whole_file()
-    swollen(gltf.tree, 3_000_000)
+    swollen(gltf, 3_000_000)
     path = gltf.write(tmp_path / "a.glb")
     monkeypatch.setattr(Document, "claim", lambda *_: None)
-    assert peak_of(path) > 400 * path.stat().st_size
+    peak, _ = peak_of(path)
+    assert peak > 2**20 + 200 * path.stat().st_size

@@ -145,6 +145,24 @@ def test_the_scenes_of_every_format_keep_to_their_folder(tmp_path):
         assert len(scene.meshes) == 1
 
 
+def test_impossible_names_in_scenes(tmp_path):
+    long = "a" * 300
+    shape = {"file": f"{long}.ply", "material": "m"}
+    tree = {"materials": {"m": {"type": "diffuse", "reflectance": 1}}}
+    (tmp_path / "a.json").write_text(json.dumps({**tree, "shapes": [shape]}))
+    (tmp_path / "a.obj").write_text(f"mtllib {long}.mtl\n{OBJ}f 1 2 3\n")
+    for name in ("a.json", "a.obj"):
+        assert "is no path of a file" in refusal(tmp_path / name)
+
+
+def test_impossible_names_in_mitsuba_scenes(tmp_path):
+    pytest.importorskip("mitsuba", reason="reads Mitsuba XML by the package mitsuba")
+    name = f'<string name="filename" value="{"a" * 300}.obj"/>'
+    text = f'<scene version="3.0.0"><shape type="obj">{name}</shape></scene>'
+    (tmp_path / "a.xml").write_text(text)
+    assert "is no path of a file" in refusal(tmp_path / "a.xml")
+
+
 # ---------------------------------------------------------------- what is promised
 
 

@@ -33,6 +33,7 @@ FLOORS = {
     "rough coat": Coated((0.5, 0.3, 0.2), alpha=0.3),
     "smooth coat": Coated((0.5, 0.3, 0.2), alpha=0.0),
     "glass": Dielectric(1.5),
+    "rough glass": Dielectric(1.5, 0.3, "beckmann"),
 }
 """Materials of the blocks of a Cornell box."""
 

@@ -24,7 +24,7 @@ from scipy import stats
 
 from reference.exr import write_exr
 from reference.images import Image
-from reference.path_tracer import camera_radiance
+from reference.path_tracer import camera_radiance, first_hits
 from reference.rng import KeyedUniforms, Stream
 from reference.scene.loaders.load import load_scene
 from reference.scene.scene import Scene
@@ -194,3 +194,46 @@ def test_a_textured_lamp_and_a_spot(tmp_path: Path, kind: str) -> None:
     )
     plain = all_light(replace(scene, meshes=even), *size, samples=4)
     assert judge(plain, nothing, theirs)[2] > bound
+
+
+@pytest.mark.slow
+def test_rough_glass_and_beckmann_in_one_room():
+    """All light of paths of up to four bounces, by the plain path tracer.
+
+    Without reuse there is nothing else to bring a bias.  Lights are reached through
+    glass by choice and by chance; metal, lacquer and a ball of glass are Beckmann's.
+    """
+    path = Path(__file__).with_name("frosted.xml")
+    width, height, copies, rounds = 32, 24, 16, 40
+    world = small_world(load_scene(path), width, height)
+    rng = np.random.default_rng(11)
+    column, row = (g.ravel() for g in np.meshgrid(range(width), range(height)))
+    pixels = width * height * copies
+    rows = []
+    for sample in range(rounds):
+        x = np.tile(column, copies) + rng.random(pixels)
+        y = np.tile(row, copies) + rng.random(pixels)
+        seen = first_hits(world, x, y)
+        key = np.arange(pixels, dtype=np.uint32)
+        u = KeyedUniforms(key, sample, 0, Stream.PATH)
+        light = camera_radiance(world, seen, "full", 4, u)
+        rows.append(light.reshape(copies, -1, 3).mean(axis=0))
+    ours = means(rows, width)
+    mitsuba.set_variant("scalar_rgb")
+    scene = mitsuba.load_file(str(path))
+    options = {"type": "path", "max_depth": 6, "rr_depth": 1000}
+    integrator = mitsuba.load_dict(options)
+    pictures = [
+        mitsuba.render(scene, integrator=integrator, seed=batch, spp=48)
+        for batch in range(BATCHES)
+    ]
+    theirs = means(
+        [np.array(p, np.float64)[..., :3].reshape(-1, 3) for p in pictures], width
+    )
+    nothing = Means(np.zeros_like(ours.values))
+    bias, error, t = judge(nothing, ours, theirs)
+    print(f"frosted: bias {bias:+.3%} +- {error:.3%}, largest |t| {t:.2f}")
+    assert t <= threshold(len(ours.mean) - 1, FAMILY, BATCHES)
+    assert abs(bias) <= LIMIT
+    planted, _, _ = judge(nothing, ours, Means(theirs.values * 1.02))
+    assert abs(planted) > LIMIT

@@ -60,6 +60,7 @@ PLANS = [
     Plan("smooth coat", 2),
     Plan("glass", 4),
     Plan("glass", 5, mis="balance"),
+    Plan("rough glass", 3, 40, mis="balance"),
     Plan("door-ajar", 2),
     Plan("glossy-floor", 2),
     Plan("many-lights", 1),

@@ -99,6 +99,7 @@ CANDIDATES = {
     "rough metal": (2, LightSettings(chance="balance")),
     "smooth coat": (3, LightSettings(candidates=1)),
     "glass": (3, LightSettings()),
+    "rough glass": (3, LightSettings(candidates=2)),
     "many-lights": (1, LightSettings(chance="balance")),
     "checker": (2, LightSettings(candidates=3)),
 }

@@ -1,6 +1,7 @@
 """The JSON of a glTF file against the table of words, before anything else is read."""
 
 import re
+from functools import cached_property
 from typing import Any
 
 from reference.scene.loaders.gltf_forms import Many, One, fault, shown
@@ -83,16 +84,24 @@ def named(element: str, entry: dict[str, Any], index: int) -> str:
 class _Check:
     """One pass over a file.
 
-    Names of extensions are gathered on the way, and judged at the end.
+    Names of extensions are gathered on the way, and judged at the end.  Materials that
+    nothing wears must be well formed, but what they are made of does not matter.
     """
 
     def __init__(self, tree: dict[str, Any], ledger: Ledger) -> None:
         self.tree = tree
         self.ledger = ledger
         self.met: dict[str, None] = {}
+        self.worn = True
+
+    def replace(self, problem: str, instead: str) -> None:
+        if self.worn:
+            self.ledger.replace(problem, instead)
 
     def object(self, element: str, entry: dict[str, Any], where: str) -> None:
-        for key, value in entry.items():
+        # Materials come after the meshes that wear them.
+        for key in sorted(entry, key=lambda key: key == "materials"):
+            value = entry[key]
             if key == "extensions":
                 self.extensions(value, where)
             elif key != "extras":
@@ -105,7 +114,7 @@ class _Check:
         word = _row(element, key)
         if word is None:
             problem = f"{where}: glTF 2.0 has no word {shown(key)} here"
-            self.ledger.replace(problem, "ignored")
+            self.replace(problem, "ignored")
             return
         needs = fault(word.form, value, self.tree)
         if needs is not None:
@@ -113,28 +122,39 @@ class _Check:
             self.ledger.stop(f"{where}: {problem}")
         at_once = word.fate is Fate.REPLACED and not word.judged
         if at_once and value not in word.neutral:
-            self.ledger.replace(f"{where}: {key} is not modelled", word.remark)
+            self.replace(f"{where}: {key} is not modelled", word.remark)
         if isinstance(word.form, One):
             self.object(word.form.element, value, f"{where}, {key}")
         if isinstance(word.form, Many):
             for i, entry in enumerate(value):
+                if word.form.element == "material":
+                    self.worn = i in self.materials
                 inner = named(word.form.element, entry, i)
                 is_part = element not in ("file", "KHR_lights_punctual")
                 inner = f"{where}, {inner}" if is_part else inner
                 self.object(word.form.element, entry, inner)
+            self.worn = True
+
+    @cached_property
+    def materials(self) -> set[int]:
+        """Those that some mesh wears."""
+        meshes = self.tree.get("meshes", [])
+        primitives = [each for mesh in meshes for each in mesh["primitives"]]
+        return {each["material"] for each in primitives if "material" in each}
 
     def extensions(self, value: Any, where: str) -> None:
         if not isinstance(value, dict):
             self.ledger.stop(f"{where}: extensions is {shown(value)}, no object")
         for name, entry in value.items():
-            self.met[name] = None
+            if self.worn:
+                self.met[name] = None
             word = TABLE.get(("extension", name))
             if word is not None and name in ELEMENTS:
                 if not isinstance(entry, dict):
                     self.ledger.stop(f"{where}: {name} is {shown(entry)}, no object")
                 self.object(name, entry, f"{where}, {name}")
             elif word is not None and word.fate is Fate.REPLACED:
-                self.ledger.replace(f"{where}: {name} is not modelled", word.remark)
+                self.replace(f"{where}: {name} is not modelled", word.remark)
 
     def extensions_by_name(self) -> None:
         required = self.tree.get("extensionsRequired", [])

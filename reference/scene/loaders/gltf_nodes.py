@@ -9,6 +9,8 @@ from reference.arrays import Scalars
 from reference.scene.loaders.gltf_buffers import Document, read_accessor
 from reference.scene.loaders.gltf_check import named
 
+OFF_UNIT = 0.01
+"""By how much a quaternion may be off length 1: four bytes, each off by 1/254."""
 FARTHEST = 1e50
 """Entries of matrices, of which three may still be multiplied."""
 
@@ -114,7 +116,12 @@ def _local_matrix(node: dict[str, Any], where: str, document: Document) -> Scala
             document.ledger.stop(f"{problem}; its last row must be 0, 0, 0, 1")
         return matrix
     matrix = np.eye(4)
-    x, y, z, w = np.array(node.get("rotation", [0, 0, 0, 1]), float)
+    quaternion = np.array(node.get("rotation", [0, 0, 0, 1]), float)
+    size = float(np.hypot(np.hypot(*quaternion[:2]), np.hypot(*quaternion[2:])))
+    if not abs(size - 1) <= OFF_UNIT:
+        problem = f"{where}: its rotation is a quaternion of length {size:.3g}"
+        document.ledger.stop(f"{problem}; it must be 1")
+    x, y, z, w = quaternion
     rotation = np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],

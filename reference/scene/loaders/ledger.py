@@ -81,8 +81,11 @@ class Ledger:
         path = self.path.parent / plain
         try:
             folder, target = self.path.parent.resolve(), path.resolve()
-        except (OSError, ValueError, RuntimeError) as error:  # a NUL, a ring of links
-            raise UsageError(f"{name!r} is no path of a file") from error
+            path.exists()
+        # A NUL, a ring of links, too many letters.
+        except (OSError, ValueError, RuntimeError) as error:
+            shown = name if len(name) <= 60 else f"{name[:57]}..."
+            raise UsageError(f"{shown!r} is no path of a file") from error
         if not self.allow_outside and not target.is_relative_to(folder):
             raise UsageError(
                 f'"{name}" lies outside the scene\'s folder; move it there, or read it'

@@ -1,5 +1,6 @@
 """A Mitsuba 3 file as Mitsuba's own parser understands it: a tree of plugins."""
 
+import os
 import re
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
@@ -299,7 +300,7 @@ class Node:
             ledger.locate(name)  # which refuses it
         places = [str((folder / name).absolute()) for folder in self.folders]
         # The first that exists, as Mitsuba; else the last, which is the scene's own.
-        there = [place for place in places if Path(place).exists()]
+        there = list(filter(os.path.exists, places))
         place = there[0] if there else places[-1]
         try:
             path = ledger.locate(place)

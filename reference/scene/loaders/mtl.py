@@ -388,6 +388,9 @@ def _textured(
     try:
         pixels = read_picture(name, entry.ledger)
     except UsageError as error:
+        if key == "map_ke":
+            entry.replace(key, str(error), "its Ke taken alone")
+            return factor
         entry.replace(key, str(error), "taken as mid grey")
         return MID_GREY
     with np.errstate(over="ignore"):  # the validation's to report

@@ -160,7 +160,8 @@ def beckmann_g1(cos: Scalars, alpha: Scalars) -> Scalars:
     hides = cos < 1.6 * spread
     a = np.divide(cos, spread, out=np.zeros_like(spread), where=hides)
     fit = a * (3.535 + 2.181 * a) / (1.0 + a * (2.276 + 2.577 * a))
-    g1: Scalars = np.where(hides, np.minimum(fit, 1.0), np.where(cos > 0, 1.0, 0.0))
+    seen = (cos > 0).astype(spread.dtype)
+    g1: Scalars = np.where(hides, np.minimum(fit, 1.0), seen)
     return g1
 
 
