@@ -63,6 +63,10 @@ def moved(scene, matrix):
     def direction(d):
         return tuple(matrix[:3, :3] @ np.array(d, float) / scale)
 
+    def lamp(light):
+        intensity = tuple(scale**2 * np.array(light.intensity))
+        return replace(light, position=point(light.position), intensity=intensity)
+
     camera = scene.camera
     return replace(
         scene,
@@ -77,13 +81,9 @@ def moved(scene, matrix):
             replace(s, center=point(s.center), radius=float(scale * s.radius))
             for s in scene.spheres
         ),
-        points=tuple(
-            replace(
-                p,
-                position=point(p.position),
-                intensity=tuple(scale**2 * np.array(p.intensity)),
-            )
-            for p in scene.points
+        points=tuple(lamp(p) for p in scene.points),
+        spots=tuple(
+            replace(lamp(s), direction=direction(s.direction)) for s in scene.spots
         ),
         suns=tuple(replace(s, direction=direction(s.direction)) for s in scene.suns),
     )

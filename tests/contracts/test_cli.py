@@ -271,9 +271,79 @@ def test_render_for_a_program(restir, tmp_path):
     results = json.loads(text)
     assert results["out"] == str(out)
     assert results["layers"] == ["color", "depth"]
+    assert results["black"] is None
     assert results["metadata"] == dict(read_exr(out).metadata)
     assert Path(results["png"]).read_bytes().startswith(b"\x89PNG")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["x.exr", "x.png"]
+
+
+BALL = {
+    "name": "ball",
+    "camera": {"origin": [0, 0, 4], "target": [0, 0, 0], "fov_deg": 45},
+    "materials": {"m": {"type": "diffuse", "reflectance": 0.8, "twosided": True}},
+    "shapes": [{"type": "sphere", "center": [0, 0, 0], "radius": 1, "material": "m"}],
+    "environment": 1,
+}
+ONE_SIDED = {"m": {"type": "diffuse", "reflectance": 0.8}}
+LAMP = {"type": "point", "position": [0, 0, 5], "intensity": 1}
+
+
+def eye(z, target):
+    return {"camera": {"origin": [0, 0, z], "target": target, "fov_deg": 45}}
+
+
+BLACK = {
+    "one convex object": ({}, (), "a second time.*--light full"),
+    "in the shade": (
+        {"environment": 0, "lights": [LAMP]} | eye(-4, [0, 0, 0]),
+        ("--light", "direct"),
+        "no light was found",
+    ),
+    "looking away": (eye(4, [0, 0, 8]), (), "sees no surface"),
+    "seen from behind": (
+        {
+            "materials": ONE_SIDED,
+            "shapes": [{**BALL["shapes"][0], "inward": True}],
+            "environment": 0,
+            "lights": [LAMP],
+        },
+        ("--light", "full"),
+        "backs of one-sided materials",
+    ),
+}
+
+
+@pytest.mark.parametrize("method", ["path", "restir-gi-unbiased"])
+@pytest.mark.parametrize("case", BLACK)
+def test_a_black_picture_says_why(restir, tmp_path, method, case):
+    changes, arguments, reason = BLACK[case]
+    scene, out = tmp_path / "ball.json", tmp_path / "x.exr"
+    scene.write_text(json.dumps(BALL | changes))
+    command = ("render", scene, "--method", method, "--size", "8x8", *arguments)
+    command = (*command, "--out", out)
+    text = restir(*command)
+    assert not read_exr(out).color.any()
+    (line,) = [s for s in text.splitlines() if s.startswith("Every pixel is black: ")]
+    assert re.search(reason, line)
+    told = json.loads(restir(*command, "--json"))["black"]
+    assert line == f"Every pixel is black: {told}"
+
+
+def test_a_light_that_has_gone_out_is_why(restir, tmp_path):
+    text = restir(
+        "render", "light-switch", "--frame", "40", "--method", "path", "--size", "8x8",
+        "--out", tmp_path / "x.exr",
+    )  # fmt: skip
+    assert "Every pixel is black: nothing emits light in frame 40" in text
+
+
+def test_a_demo_of_a_black_picture_says_so(restir, tmp_path):
+    scene = tmp_path / "ball.json"
+    scene.write_text(json.dumps(BALL))
+    quick = ("--spp", 4, "--frames", 2, "--runs", 2, "--size", "8x8", "--json")
+    results = json.loads(restir("demo", scene, "--out", tmp_path / "d", *quick))
+    assert "a second time" in results["black"]
+    assert "a second time" in (tmp_path / "d" / "index.html").read_text()
 
 
 def test_a_scene_from_a_file(restir, tmp_path):

@@ -18,6 +18,7 @@ from reference.scene.lights import (
     DirectionalLight,
     LatLongEnvironment,
     PointLight,
+    SpotLight,
 )
 from reference.scene.materials.kinds import Coated, Conductor, Dielectric, Lambertian
 from reference.scene.scene import Scene
@@ -40,6 +41,7 @@ def plain():
         ),
         spheres=(Sphere(name="ball", center=(0, 0.5, 0), radius=0.3, material=GREY),),
         points=(PointLight((0, 3, 0), (1.0, 1.0, 1.0)),),
+        spots=(SpotLight((0, 3, 0), (0, -1, 0), (1.0, 1.0, 1.0), 30.0, 30.0),),
         suns=(DirectionalLight((0, -1, 0), (1.0, 1.0, 1.0)),),
         environment=ConstantEnvironment((0.1, 0.1, 0.1)),
     )
@@ -67,6 +69,11 @@ def camera(**changes):
 
 def lights(**changes):
     return replace(plain(), **changes)
+
+
+def spot(**changes):
+    light = SpotLight((0, 2, 0), (0, -1, 0), (1.0, 1, 1), cutoff=30.0, beam=20.0)
+    return lights(spots=(replace(light, **changes),))
 
 
 def sky_map(pixels, **changes):
@@ -199,6 +206,29 @@ BAD = {
         "point light 0",
         "intensity",
     ),
+    "texture of radiance negative": (
+        floor(emission=Bitmap(-WHITE_PIXELS)),
+        'mesh "floor"',
+        "emission in the bitmap",
+        "-1",
+    ),
+    "checker of radiance NaN": (
+        ball(emission=Checker((NAN, 0, 0), (1.0, 1, 1))),
+        'sphere "ball"',
+        "emission of the checker",
+    ),
+    "texture of radiance in one channel": (
+        floor(emission=Bitmap(np.ones((2, 2)))),
+        "bitmap of its emission",
+        "2x2",
+    ),
+    "spot without direction": (spot(direction=(0, 0, 0)), "spot light 0", "length 1"),
+    "spot negative": (spot(intensity=(0, -1, 0)), "spot light 0", "intensity"),
+    "spot far out": (spot(position=(0, 1e60, 0)), "spot light 0", "position"),
+    "spot too narrow": (spot(cutoff=0.001, beam=0.0), "cutoff", "0.01 to 180"),
+    "spot beyond the sphere": (spot(cutoff=181.0), "cutoff", "0.01 to 180"),
+    "spot of a wide beam": (spot(beam=31.0), "beam is 31", "at most cutoff, 30"),
+    "spot of no falloff": (spot(falloff="cubic"), "falloff", "linear or smooth"),
     "lamp NaN": (
         lights(points=(*plain().points, PointLight((0, NAN, 0), (1.0, 0, 0)))),
         "point light 1",

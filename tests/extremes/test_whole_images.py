@@ -20,6 +20,7 @@ from reference.scene.validation import validate
 from reference.schedule import Schedule
 from reference.world import build_world
 from tests.analytic.rendering import moved
+from tests.properties.path_scenes import lamps
 
 METHODS = method_names()
 BOX = find_scene("cornell-box")
@@ -82,6 +83,15 @@ def test_light_from_1e_minus_60_to_1e60(name, power):
     bright = pictures(name, sized(brightened(BOX, 2.0**power)))
     assert plain.any()
     assert np.array_equal(bright, plain * 2.0**power)
+
+
+@methods
+def test_light_of_textured_lamps_and_spots_times_a_power_of_two(name):
+    """Of a texture, cells are cut alike however bright it is."""
+    plain = pictures(name, sized(lamps()))
+    bright = pictures(name, sized(brightened(lamps(), 2.0**9)))
+    assert plain.any()
+    assert np.array_equal(bright, plain * 2.0**9)
 
 
 @methods

@@ -16,10 +16,12 @@ from reference.records import scatter, where
 from reference.rng import KeyedUniforms, Stream
 from reference.scene.camera import pixel_centers
 from reference.scene.catalogue.registry import find_scene
+from reference.scene.lights import SpotLight
 from reference.scene.materials.kinds import Coated, Conductor, Dielectric, mirror
 from reference.scene.materials.parameters import Kind
 from reference.scene.origins import contact, step_before
 from reference.scene.surface import direction_and_distance
+from reference.scene.textures import Bitmap
 from reference.scene.validation import validate
 from reference.world import build_world
 
@@ -74,7 +76,23 @@ def bright():
     return replace(found, meshes=meshes)
 
 
-ROOMS = {"far": far, "near": near, "bright": bright}
+def lamps():
+    """A lamp of which some parts shine, on both sides, and a spot."""
+    found, pixels = find_scene("cornell-box"), np.zeros((4, 4, 3))
+    pixels[1, 2], pixels[2, :2] = (90.0, 60.0, 20.0), (5.0, 40.0, 40.0)
+    glow = {"emission": Bitmap(pixels, "nearest"), "two_sided_emission": True}
+    light = next(mesh for mesh in found.meshes if mesh.name == "light")
+    uv = light.vertices[:, [0, 2]] - light.vertices[:, [0, 2]].min(axis=0)
+    low = light.vertices - [0.0, 0.3, 0.0]
+    shining = replace(light, uv=uv / uv.max(axis=0), vertices=low, **glow)
+    meshes = tuple(shining if mesh is light else mesh for mesh in found.meshes)
+    top = float(low[:, 1].min()) - 0.2
+    aim = (0.6, -0.8, 0.0)
+    spot = SpotLight((-0.5, top, 0.2), aim, (4.0, 2.0, 6.0), 40.0, 20.0, "smooth")
+    return replace(found, meshes=meshes, spots=(spot,))
+
+
+ROOMS = {"far": far, "near": near, "bright": bright, "lamps": lamps}
 
 
 @cache

@@ -12,17 +12,17 @@ from hashgrid.light_settings import LightSettings
 from hashgrid.lights import GONE, draw_lights, in_sight, reflected, same_lights
 from hashgrid.world_reservoirs import render_light_frames
 from reference.direct_light import choose_light
-from reference.passes.neighbors import NONE
-from reference.records import take
+from reference.records import NONE, take
 from reference.resampling.reservoir import Reservoirs
 from reference.rng import KeyedUniforms, Stream
 from reference.scene.catalogue.registry import find_animation, find_scene
+from reference.scene.light_cells import LightCells
 from reference.scene.validation import validate
 from reference.schedule import Schedule
 from reference.world import build_world, next_world
 from tests.properties.path_scenes import points, world
 
-SCENES = ["paint", "rough metal", "many-lights", "checker", "sunlit-wall"]
+SCENES = ["paint", "rough metal", "many-lights", "checker", "sunlit-wall", "lamps"]
 
 
 def keyed(size, seed=1, stream=Stream.LIGHTS):
@@ -78,6 +78,21 @@ def test_lights_keep_their_shapes_when_others_go_out():
     kept = there != GONE
     before, now = all_three.primitive[kept], middle_out.primitive[there[kept]]
     assert_array_equal(before, now)
+
+
+def test_cells_of_a_textured_light_keep_their_places():
+    """A lamp before it goes out; one whose texture is cut otherwise is another."""
+    lit = world("lamps").emitters
+    size, areas = len(lit.probability), len(lit.primitive)
+    assert areas == 2 * 8 * 8
+    again = replace(lit)
+    assert same_lights(lit, again).tolist() == list(range(size))
+    before = lamps(1.0)
+    moved = replace(lit, entry=np.where(lit.entry >= 0, lit.entry + 2, lit.entry))
+    assert same_lights(lit, moved)[:areas].tolist() == list(range(2, areas + 2))
+    coarser = replace(lit, cells=LightCells(np.minimum(lit.cells.side, 7)))
+    assert (same_lights(lit, coarser)[:areas] == GONE).all()
+    assert same_lights(before, lit)[: len(before.primitive)].tolist() == [GONE] * 2
 
 
 def test_no_light_and_the_same_lights():

@@ -7,7 +7,7 @@ import numpy as np
 from reference.arrays import Masks, Scalars, cross, divide_or_zero, dot
 from reference.scene.checks.materials import check_material
 from reference.scene.checks.textures import check_texture
-from reference.scene.checks.values import need_numbers, need_rows, refuse
+from reference.scene.checks.values import BRIGHTEST, need_numbers, need_rows, refuse
 from reference.scene.geometry import world_corners
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh, Sphere
@@ -43,7 +43,7 @@ def check_mesh(where: str, mesh: Mesh) -> None:
         need_rows(where, "texture coordinate", uv, 2)
         need_numbers(where, "a texture coordinate", uv, -LARGEST, LARGEST)
         _need_one_a_vertex(where, "texture coordinates", len(mesh.uv), mesh)
-    check_texture(where, "emission", mesh.emission, np.inf)
+    check_texture(where, "emission", mesh.emission, BRIGHTEST)
     if mesh.colors is not None:
         need_rows(where, "vertex colour", np.asarray(mesh.colors), 3)
         _need_one_a_vertex(where, "vertex colours", len(mesh.colors), mesh)
@@ -140,7 +140,7 @@ def check_sphere(where: str, sphere: Sphere) -> None:
     need_numbers(where, "radius", sphere.radius, high=LARGEST)
     if sphere.radius <= 0:
         refuse(where, f"radius is {sphere.radius:g}", "it must be above 0")
-    check_texture(where, "emission", sphere.emission, np.inf)
+    check_texture(where, "emission", sphere.emission, BRIGHTEST)
     check_material(where, sphere.material)
 
 
