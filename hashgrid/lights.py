@@ -223,7 +223,7 @@ def _others(emitters: Emitters) -> tuple[int, int, int]:
 
 
 def lends(world: World, points: SurfacePoints) -> Masks:
-    """Whether a vertex can receive light from chosen points at all.
+    """Whether a vertex can receive light from chosen points that others may take.
 
     Parameters
     ----------
@@ -235,7 +235,8 @@ def lends(world: World, points: SurfacePoints) -> Masks:
     Returns
     -------
     (K,) bool
-        False for misses and for what scatters into single directions alone.
+        False for misses, for what scatters into single directions alone, and for rough
+        dielectrics, whose light is not reused.
     """
     able: Masks = roughness(world.materials, points) >= 0
     return able
