@@ -3,7 +3,7 @@
 import numpy as np
 
 from reference.arrays import Scalars
-from reference.scene.checks.shapes import LARGEST
+from reference.scene.checks.shapes import BRIGHTEST, LARGEST
 from reference.scene.checks.values import need_numbers, refuse, told
 from reference.scene.lights import (
     ConstantEnvironment,
@@ -37,14 +37,14 @@ def check_lights(scene: Scene) -> None:
     for i, point in enumerate(scene.points):
         where = f"{scene.name}: point light {i}"
         need_numbers(where, "position", point.position, -LARGEST, LARGEST, count=3)
-        need_numbers(where, "intensity", point.intensity, 0, count=3)
+        need_numbers(where, "intensity", point.intensity, 0, BRIGHTEST, count=3)
     for i, spot in enumerate(scene.spots):
         _check_spot(f"{scene.name}: spot light {i}", spot)
     for i, sun in enumerate(scene.suns):
         where = f"{scene.name}: sun {i}"
         need_numbers(where, "direction", sun.direction, count=3)
         _need_unit(where, np.asarray(sun.direction, float))
-        need_numbers(where, "irradiance", sun.irradiance, 0, count=3)
+        need_numbers(where, "irradiance", sun.irradiance, 0, BRIGHTEST, count=3)
     if scene.environment is not None:
         check_environment(f"{scene.name}: environment", scene.environment)
 
@@ -83,13 +83,13 @@ def check_environment(where: str, environment: Environment) -> None:
         Names the property.
     """
     if isinstance(environment, ConstantEnvironment):
-        need_numbers(where, "radiance", environment.radiance, 0, count=3)
+        need_numbers(where, "radiance", environment.radiance, 0, BRIGHTEST, count=3)
         return
     pixels = environment.pixels
     if pixels.ndim != 3 or pixels.shape[2] != 3 or pixels.size == 0:
         size = "x".join(map(str, pixels.shape))
         refuse(where, f"its map is {size}", "it must be (h, w, 3), not empty")
-    need_numbers(where, "radiance in the map", pixels, 0)
+    need_numbers(where, "radiance in the map", pixels, 0, BRIGHTEST)
     turn = np.asarray(environment.to_world, float)
     need_numbers(where, "rotation", turn, count=9)
     if np.abs(turn @ turn.T - np.eye(3)).max() > UNIT:
@@ -125,7 +125,7 @@ def _check_spot(where: str, spot: SpotLight) -> None:
     need_numbers(where, "position", spot.position, -LARGEST, LARGEST, count=3)
     need_numbers(where, "direction", spot.direction, count=3)
     _need_unit(where, np.asarray(spot.direction, float))
-    need_numbers(where, "intensity", spot.intensity, 0, count=3)
+    need_numbers(where, "intensity", spot.intensity, 0, BRIGHTEST, count=3)
     need_numbers(where, "cutoff", spot.cutoff, NARROWEST, 180, count=1)
     need_numbers(where, "beam", spot.beam, 0, 180, count=1)
     if spot.beam > spot.cutoff:

@@ -16,6 +16,9 @@ from reference.scene.textures import Bitmap
 LARGEST = 1e50
 """Coordinates in metres that may still be squared and multiplied."""
 
+BRIGHTEST = 1e100
+"""Radiance, irradiance and intensity that may still be multiplied by an area."""
+
 
 def check_mesh(where: str, mesh: Mesh) -> None:
     """Require a mesh whose every number has a meaning.
@@ -43,7 +46,7 @@ def check_mesh(where: str, mesh: Mesh) -> None:
         need_rows(where, "texture coordinate", uv, 2)
         need_numbers(where, "a texture coordinate", uv, -LARGEST, LARGEST)
         _need_one_a_vertex(where, "texture coordinates", len(mesh.uv), mesh)
-    check_texture(where, "emission", mesh.emission, np.inf)
+    check_texture(where, "emission", mesh.emission, BRIGHTEST)
     if mesh.colors is not None:
         need_rows(where, "vertex colour", np.asarray(mesh.colors), 3)
         _need_one_a_vertex(where, "vertex colours", len(mesh.colors), mesh)
@@ -140,7 +143,7 @@ def check_sphere(where: str, sphere: Sphere) -> None:
     need_numbers(where, "radius", sphere.radius, high=LARGEST)
     if sphere.radius <= 0:
         refuse(where, f"radius is {sphere.radius:g}", "it must be above 0")
-    check_texture(where, "emission", sphere.emission, np.inf)
+    check_texture(where, "emission", sphere.emission, BRIGHTEST)
     check_material(where, sphere.material)
 
 
