@@ -1,5 +1,6 @@
 """A scene by the words that name it: what a worker elsewhere needs to open it."""
 
+import os
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -62,7 +63,7 @@ def find_scene_or_file(
         There is none, or it cannot be read.
     """
     path = Path(name)
-    is_file = path.suffix.lower() in LOADERS or path.exists()
+    is_file = path.suffix.lower() in LOADERS or os.path.exists(path)
     if is_file and name not in CATALOGUE:
         return load_scene(path, lenient, allow_outside)
     try:

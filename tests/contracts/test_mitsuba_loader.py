@@ -17,6 +17,7 @@ from reference.scene.lights import (
     LatLongEnvironment,
     PointLight,
 )
+from reference.scene.loaders import mitsuba_shapes
 from reference.scene.loaders.load import load_scene
 from reference.scene.loaders.mitsuba_nodes import mitsuba_session
 from reference.scene.materials.kinds import Coated, Conductor, Dielectric, Lambertian
@@ -569,6 +570,42 @@ def test_old_files_are_upgraded(tmp_path):
     )
     (mesh,) = load_scene(tmp_path / "a.xml").meshes
     assert np.abs(mesh.vertices).max() == 2
+
+
+def test_all_refusals_are_told_before_any_mesh_is_read(write, monkeypatch):
+    def never(*_):
+        raise AssertionError
+
+    monkeypatch.setattr(mitsuba_shapes, "read_mesh", never)
+    path = write(
+        """
+        <sensor type="orthographic" id="eye"/>
+        <shape type="obj"><string name="filename" value="flat.obj"/>
+          <bsdf type="principled" id="paint"/></shape>
+        <shape type="ply" id="gone"><string name="filename" value="no.ply"/></shape>
+        <emitter type="sunsky" id="sky"/>
+        """
+    )
+    with pytest.raises(UsageError, match="4 faults") as refusal:
+        load_scene(path)
+    for name in ("eye", "paint", "gone", "sky"):
+        assert f'"{name}"' in str(refusal.value)
+
+
+def test_files_are_looked_for_where_mitsuba_looks(write, tmp_path):
+    (tmp_path / "more").mkdir()
+    near, far = ((tmp_path / name / "x.obj") for name in ("", "more"))
+    body = '<path value="more"/><shape type="obj">'
+    path = write(f'{body}<string name="filename" value="x.obj"/></shape>')
+    flat = (tmp_path / "flat.obj").read_text()
+    near.write_text(flat)
+    for _ in range(2):  # beside the scene alone, then in both
+        ours = load_scene(path).meshes[0].vertices
+        assert np.abs(ours).max() == mi.load_file(str(path)).bbox().max[0]
+        far.write_text(flat.replace("v 1", "v 3"))
+    folders = [str(folder) for folder in mi.file_resolver()]
+    load_scene(path)
+    assert [str(folder) for folder in mi.file_resolver()] == folders
 
 
 def test_no_default_light_but_a_default_camera(write):

@@ -86,10 +86,9 @@ def test_both_forms_of_the_plain_ajar_are_one_scene(mitsuba):
 
 
 def test_the_whole_ajar_is_refused_for_what_it_lacks(mitsuba):
-    with pytest.raises(
-        UsageError, match=r'"DoorHandleBSDF": the distribution "beckmann"'
-    ):
+    with pytest.raises(UsageError) as refusal:
         load("veach-ajar/scene.xml")
+    assert str(refusal.value).count("is missing (with --lenient: left out)") == 6
 
 
 def test_the_whole_ajar_leniently(mitsuba):
@@ -102,8 +101,7 @@ def test_the_whole_ajar_leniently(mitsuba):
     assert len(missing) == len(pots)
     for pot in pots:
         assert any(pot in note for note in missing)
-    assert any("beckmann" in note and "GGX" in note for note in scene.notes)
-    assert len(scene.notes) == len(pots) + 1
+    assert len(scene.notes) == len(pots)
 
     materials = {mesh.name: mesh.material for mesh in scene.meshes}
     floor = materials["Floor"]
@@ -133,7 +131,7 @@ def test_the_staircase_leniently(mitsuba):
     assert not camera.mirrored
     for words in (("principled", "FloorTiles"), ("Glass", "homogeneous"), ("Disks",)):
         assert any(all(word in note for word in words) for note in scene.notes)
-    assert len(scene.notes) == 3
+    assert len(scene.notes) == 4  # and what the principled one is taken as
 
     # 19 models; 5 disks of 126 triangles and 8 rectangles of 2.
     counts = Counter(mesh.name.split()[0] for mesh in scene.meshes)

@@ -150,7 +150,7 @@ except UsageError as error:
 
 @pytest.mark.parametrize(
     ("name", "reason"),
-    [("missing", "No such file"), ("folder", "Is a directory"), ("a\nb", "No such")],
+    [("missing", "No such file"), ("folder", "it is a folder"), ("a\nb", "No such")],
 )
 def test_what_cannot_be_read(tmp_path, name, reason):
     (tmp_path / "folder").mkdir()

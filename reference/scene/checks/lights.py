@@ -3,8 +3,8 @@
 import numpy as np
 
 from reference.arrays import Scalars
-from reference.scene.checks.shapes import BRIGHTEST, LARGEST
-from reference.scene.checks.values import need_numbers, refuse, told
+from reference.scene.checks.shapes import LARGEST
+from reference.scene.checks.values import BRIGHTEST, need_numbers, refuse, told
 from reference.scene.lights import (
     ConstantEnvironment,
     Environment,

@@ -7,7 +7,7 @@ import numpy as np
 from reference.arrays import Masks, Scalars, cross, divide_or_zero, dot
 from reference.scene.checks.materials import check_material
 from reference.scene.checks.textures import check_texture
-from reference.scene.checks.values import need_numbers, need_rows, refuse
+from reference.scene.checks.values import BRIGHTEST, need_numbers, need_rows, refuse
 from reference.scene.geometry import world_corners
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh, Sphere
@@ -15,9 +15,6 @@ from reference.scene.textures import Bitmap
 
 LARGEST = 1e50
 """Coordinates in metres that may still be squared and multiplied."""
-
-BRIGHTEST = 1e100
-"""Radiance, irradiance and intensity that may still be multiplied by an area."""
 
 
 def check_mesh(where: str, mesh: Mesh) -> None:

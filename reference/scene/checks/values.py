@@ -7,6 +7,12 @@ import numpy as np
 from reference.arrays import Scalars
 from reference.errors import UsageError
 
+BRIGHTEST = 1e30
+"""Largest radiance, intensity or irradiance.
+
+A pixel may sum many of it, and is float32 in a file, which ends at 3.4e38.
+"""
+
 
 def refuse(where: str, wrong: str, right: str) -> NoReturn:
     """Stop: the scene cannot be rendered as it is.

@@ -63,16 +63,20 @@ def framing_camera(meshes: Sequence[Mesh], spheres: Sequence[Sphere]) -> Camera:
         Square, y up; its image contains the sphere about the bounding box, at any
         size.
     """
-    corners = [mesh.vertices[np.isfinite(mesh.vertices).all(axis=1)] for mesh in meshes]
-    for sphere in spheres:
-        center = np.array(sphere.center)
-        corners.append(np.array([center - sphere.radius, center + sphere.radius]))
+    corners = [mesh.vertices for mesh in meshes]
+    # Numbers that are not finite are the validation's to report.
+    with np.errstate(invalid="ignore", over="ignore"):
+        for sphere in spheres:
+            center = np.array(sphere.center)
+            corners.append(np.array([center - sphere.radius, center + sphere.radius]))
     points = np.concatenate([np.zeros((0, 3)), *corners])
+    points = points[np.isfinite(points).all(axis=1)]
     if not len(points):
         points = np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]])
     low, high = points.min(axis=0), points.max(axis=0)
     center = low / 2 + high / 2
-    radius = float(np.linalg.norm(high - low)) / 2 or 1.0
+    with np.errstate(over="ignore"):  # the validation's to report
+        radius = float(np.linalg.norm(high - low)) / 2 or 1.0
     direction = np.array(VIEW) / np.linalg.norm(VIEW)
     distance = radius / np.sin(np.radians(FOV) / 2)
     return Camera(

@@ -1,6 +1,7 @@
 """Materials of scene.json files."""
 
-from reference.scene.loaders.json_entries import Entry
+from reference.scene.loaders.json_entries import Entry, shown
+from reference.scene.loaders.json_words import names
 from reference.scene.loaders.ledger import roughness
 from reference.scene.materials.kinds import (
     Coated,
@@ -17,7 +18,7 @@ SMOOTH_METAL = ("mirror", "conductor")
 ROUGH_COAT = ("roughplastic", "rough_plastic", "ggx_plastic")
 ROUGH_GLASS = ("roughdielectric", "rough_dielectric")
 GLASS = (*ROUGH_GLASS, "dielectric")
-KNOWN = ("diffuse", *ROUGH_METAL, *SMOOTH_METAL, *ROUGH_COAT, "plastic", *GLASS)
+KNOWN = names("material type")
 MATT = Lambertian((0.5, 0.5, 0.5), two_sided=False)
 WHITE = (1.0, 1.0, 1.0)
 
@@ -41,9 +42,9 @@ def read_material(entry: Entry) -> Material:
         The type or a key is not understood, unless lenient.
     """
     kind = entry.get("type")
-    if kind not in KNOWN:
+    if not isinstance(kind, str) or kind not in KNOWN:
         entry.ledger.replace(
-            f"{entry.name} has the type {kind!r}; known are {', '.join(KNOWN)}",
+            f"{entry.name} has the type {shown(kind)}; known are {', '.join(KNOWN)}",
             "taken as diffuse with reflectance 0.5",
         )
         return MATT
@@ -110,7 +111,8 @@ def _distribution(entry: Entry) -> Distribution:
     known: dict[object, Distribution] = {"ggx": "ggx", "beckmann": "beckmann"}
     if not isinstance(given, str) or given not in known:
         entry.ledger.stop(
-            f"{entry.name}: the distribution is {given!r}; it can be ggx or beckmann"
+            f"{entry.name}: the distribution is {shown(given)}; it can be ggx or"
+            " beckmann"
         )
     return known[given]
 

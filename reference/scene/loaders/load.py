@@ -8,7 +8,7 @@ from reference.errors import UsageError
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.scene import Scene
 
-# The loader of a format is imported when a file of it comes: trimesh takes 0.3 s.
+# The loader of a format is imported when a file of it comes.
 LOADERS = {
     ".gltf": "gltf",
     ".glb": "gltf",

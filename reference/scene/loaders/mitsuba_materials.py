@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -71,12 +72,15 @@ class Materials:
         Of the file.
     made : dict
         What was converted already.
+    weighed : set of Path
+        Files of triangles whose bytes were counted already.
     """
 
     mi: Any
     ledger: Ledger
     textures: Textures
     made: dict[tuple[int, bool], Look | None] = field(default_factory=dict)
+    weighed: set[Path] = field(default_factory=set)
 
     def of(self, node: Node, two_sided: bool = False) -> Look | None:
         """Look of a BSDF.

@@ -29,6 +29,7 @@ def read_mesh(
     matrix: Scalars,
     path: Path | None,
     attribute: str,
+    textured: bool,
     ledger: Ledger,
 ) -> Mesh:
     """Triangles of a shape, without its look.
@@ -45,6 +46,8 @@ def read_mesh(
         Where its triangles are, if they are in a file.
     attribute : str
         Which of its attributes are its colours; "" for none.
+    textured : bool
+        Whether its texture coordinates matter.
     ledger : Ledger
         Of the file.
 
@@ -60,7 +63,7 @@ def read_mesh(
         return _placed(node, matrix, corners, faces, (corners[:, :2] + 1) / 2, flip)
     if node.kind == "disk":
         ledger.note(f"Disks are taken as polygons of {SIDES} sides and the same area")
-        return _placed(node, matrix, *_disk(), flip)
+        return _placed(node, matrix, *_disk(textured), flip)
     if node.kind == "cylinder":
         ledger.note(
             f"Cylinders are taken as prisms of {SIDES} sides and the same volume"
@@ -157,11 +160,18 @@ def _circle() -> tuple[Scalars, Scalars, Scalars]:
     return angle, radius * np.cos(angle), radius * np.sin(angle)
 
 
-def _disk() -> tuple[Vec3s, Scalars, Scalars]:
-    """A fan about the centre; u is the distance from it, v the azimuth over 2 π."""
+def _disk(textured: bool) -> tuple[Vec3s, Scalars, Scalars | None]:
+    """A fan from a corner, or from the centre if a texture lies on it.
+
+    Then u is the distance from the centre and v the azimuth over 2 π.
+    """
     angle, x, y = _circle()
-    count = np.arange(SIDES)
     rim = np.stack([x, y, np.zeros(SIDES + 1)], axis=-1)
+    if not textured:
+        first = np.arange(1, SIDES - 1)
+        faces = np.stack([np.zeros_like(first), first, first + 1], axis=-1)
+        return rim[:-1], faces, None
+    count = np.arange(SIDES)
     rim_uv = np.stack([np.ones(SIDES + 1), angle / (2 * np.pi)], axis=-1)
     centre_uv = np.stack([np.zeros(SIDES), (count + 0.5) / SIDES], axis=-1)
     corners = np.concatenate([np.zeros((SIDES, 3)), rim])
@@ -179,11 +189,8 @@ def _cylinder(mi: Any, node: Node, matrix: Scalars, flip: bool, ledger: Ledger) 
         ledger.stop(f"{node.name}: p0 and p1 have to be two different points")
     frame = mi.Frame3f(mi.Vector3f((axis / length).tolist()))
     own = np.eye(4)
-    own[:3, :3] = np.stack([frame.s, frame.t, frame.n], axis=-1) * [
-        radius,
-        radius,
-        length,
-    ]
+    own[:3, :3] = np.stack([frame.s, frame.t, frame.n], axis=-1)
+    own[:3, :3] *= [radius, radius, length]
     own[:3, 3] = start
     matrix = matrix @ own
     angle, x, y = _circle()
@@ -204,10 +211,8 @@ def _cylinder(mi: Any, node: Node, matrix: Scalars, flip: bool, ledger: Ledger) 
     mesh = _placed(node, matrix, corners, faces, uv, flip)
     # Away from the axis, by the inverse transpose.
     outward = np.concatenate([np.stack([x, y, z], axis=-1)] * 2)
-    cofactors = np.stack(
-        [cross(matrix[None, :3, i - 2], matrix[None, :3, i - 1])[0] for i in range(3)],
-        axis=-1,
-    )
-    normals = normalize(outward @ cofactors.T)
+    linear = matrix[:3, :3]
+    cofactors = cross(linear.T[[1, 2, 0]], linear.T[[2, 0, 1]])
+    normals = normalize(outward @ cofactors)
     mirrored = np.linalg.det(matrix[:3, :3]) < 0
     return replace(mesh, normals=-normals if mirrored != flip else normals)

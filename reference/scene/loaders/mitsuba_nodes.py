@@ -12,7 +12,7 @@ import numpy as np
 
 from reference.arrays import Scalars, Vec3s
 from reference.errors import UsageError
-from reference.scene.loaders.ledger import Ledger
+from reference.scene.loaders.ledger import ELSEWHERE, Ledger
 from reference.scene.loaders.mitsuba_source import DEEPEST, check_source
 from reference.scene.loaders.mitsuba_words import find, modelled
 from reference.scene.loaders.words import Fate, Word
@@ -21,9 +21,10 @@ TYPES = {"ReconstructionFilter": "rfilter", "PhaseFunction": "phase"}
 INTERNAL = re.compile(
     r"\[[\w.]+(:\d+)?\] ?"
     r'|At dictionary node "root": failed to instantiate \w+ plugin of type "\w+": '
-    r"|Error while loading (?=[^ ]+ \()"
+    r'|Error while loading (?:(?=[^ ]+ \()|XML file "[^"]*": )'
 )
 """What Mitsuba's messages say about itself."""
+LARGEST = 1e50
 VARIANT = "scalar_rgb"  # the one that needs no compiler at run time
 
 
@@ -81,12 +82,18 @@ def reading(what: str, ledger: Ledger) -> Iterator[None]:
     ------
     None
         Nothing.
+
+    Raises
+    ------
+    UsageError
+        In place of whatever Mitsuba raises.
     """
     with ledger.reading(what):
         try:
             yield
         except RuntimeError as error:
-            raise RuntimeError(INTERNAL.sub("", str(error))) from error
+            error.args = (INTERNAL.sub("", str(error)),)
+            raise
 
 
 @dataclass(slots=True, eq=False)
@@ -149,7 +156,22 @@ class Node:
         return value
 
     def point(self, key: str, default: Vec3s, ledger: Ledger) -> Vec3s:
-        """Value of a parameter that is a point or a vector."""
+        """Value of a parameter that is a point or a vector.
+
+        Parameters
+        ----------
+        key : str
+            Name of the parameter.
+        default : (3,) float64
+            What it is if the file does not say.
+        ledger : Ledger
+            Of the file.
+
+        Returns
+        -------
+        (3,) float64
+            As in the file.
+        """
         value = self.values.get(key, default)
         try:
             point = np.array(value, np.float64)
@@ -179,7 +201,9 @@ class Node:
             return np.eye(4)
         if not hasattr(transform, "matrix"):
             self._refuse_value(key, "a transform", ledger)
-        return np.array(transform.matrix, np.float64)
+        matrix = np.array(transform.matrix, np.float64)
+        check_matrix(matrix, f'{self.name}: "{key}"', ledger)
+        return matrix
 
     def file(self, ledger: Ledger) -> Path:
         """The file that it names.
@@ -199,9 +223,11 @@ class Node:
         UsageError
             It names none, or one that is missing or may not be read.
         """
-        name = self.text("filename", "", ledger)
+        name = self.text("filename", "", ledger).replace("\\", "/")
         if not name:
             raise UsageError("it names no file; it needs a filename")
+        if ELSEWHERE.match(name):
+            ledger.locate(name)  # which refuses it
         places = [str((folder / name).absolute()) for folder in self.folders]
         # The first that exists, as Mitsuba; else the last, which is the scene's own.
         there = [place for place in places if Path(place).exists()]
@@ -253,6 +279,27 @@ class Node:
     def _refuse_value(self, key: str, right: str, ledger: Ledger) -> NoReturn:
         value = " ".join(str(self.values[key]).split())
         ledger.stop(f'{self.name}: "{key}" is {value:.60}; it has to be {right}')
+
+
+def check_matrix(matrix: Scalars, where: str, ledger: Ledger) -> None:
+    """Refuse a transform whose determinant may not be computed with.
+
+    Parameters
+    ----------
+    matrix : (4, 4) float64
+        The transform.
+    where : str
+        What it is of, for the message.
+    ledger : Ledger
+        Of the file.
+
+    Raises
+    ------
+    UsageError
+        A number is not finite, or beyond `LARGEST`.
+    """
+    if not (np.abs(matrix) <= LARGEST).all():
+        ledger.stop(f"{where} holds numbers beyond {LARGEST:g}")
 
 
 def parse(mi: Any, ledger: Ledger) -> Node:

@@ -1,6 +1,5 @@
 """Mitsuba's shapes: first what they are, then their triangles."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -12,13 +11,13 @@ from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.mitsuba_materials import Look, Materials
 from reference.scene.loaders.mitsuba_meshes import FILES, read_mesh
-from reference.scene.loaders.mitsuba_nodes import Node
+from reference.scene.loaders.mitsuba_nodes import Node, check_matrix
 from reference.scene.loaders.triangles import drop_texture_without_uv, place
 from reference.scene.materials.kinds import Dielectric, Lambertian
 from reference.scene.shapes import Mesh, Sphere
 from reference.scene.textures import Pattern, Texture, mean_color, shines
 
-BYTES = 4096
+BYTES = 2**14
 """Of memory for a shape without its triangles, generously."""
 
 
@@ -36,23 +35,32 @@ class Plan:
         How it scatters, and where.
     emission : Texture
         Radiance of its front.
-    turn : (2, 3) float64 or None
-        What becomes of its texture coordinates.
     path : Path or None
         The file of its triangles.
+    turn : (2, 3) float64 or None
+        What becomes of its texture coordinates.
     """
 
     node: Node
     matrix: Scalars
     look: Look
     emission: Texture
-    turn: Scalars | None
     path: Path | None
+    turn: Scalars | None = None
+
+    @property
+    def patterns(self) -> list[Pattern]:
+        """All its textures."""
+        material = self.look.material
+        textures = [self.emission, self.look.opacity]
+        if not isinstance(material, Dielectric):
+            textures.insert(0, material.reflectance)
+        return [texture for texture in textures if isinstance(texture, Pattern)]
 
 
 def plan_shapes(
-    node: Node, materials: Materials, outer: Scalars | None = None
-) -> Iterator[Plan]:
+    node: Node, materials: Materials, plans: list[Plan], outer: Scalars | None = None
+) -> None:
     """Read the words of a shape and of those inside it.
 
     Parameters
@@ -61,31 +69,29 @@ def plan_shapes(
         The shape.
     materials : Materials
         Of the file.
+    plans : list of Plan
+        Grows, by each shape that is not left out, which is noted.
     outer : (4, 4) float64 or None
         What an instance does with it.
-
-    Yields
-    ------
-    Plan
-        Of each that is not left out, which is noted.
     """
     ledger = materials.ledger
     if not node.is_modelled(ledger):
         return
     node.check_words(ledger)
     ledger.take(BYTES, f"{node.name} is one of very many shapes")
-    matrix = node.matrix(ledger) if outer is None else outer @ node.matrix(ledger)
+    matrix = node.matrix(ledger)
+    if outer is not None:
+        matrix = outer @ matrix
+        check_matrix(matrix, f"{node.name}: with its instance, its place", ledger)
     if node.kind == "shapegroup":
         return  # only its instances are seen
     if node.kind in ("instance", "merge"):
         for group in node.inside("shape"):
             inner = group.inside("shape") if group.kind == "shapegroup" else [group]
             for shape in inner:
-                yield from plan_shapes(shape, materials, matrix)
-        return
-    plan = _plan(node, matrix, materials)
-    if plan is not None:
-        yield plan
+                plan_shapes(shape, materials, plans, matrix)
+    elif plan := _plan(node, matrix, materials):
+        plans.append(plan)
 
 
 def _plan(node: Node, matrix: Scalars, materials: Materials) -> Plan | None:
@@ -103,13 +109,9 @@ def _plan(node: Node, matrix: Scalars, materials: Materials) -> Plan | None:
     if node.kind == "sphere":
         emission = _plain(node, emission, ledger)
         look = _plain_look(node, look, ledger)
-    textures = [emission]
-    if not isinstance(look.material, Dielectric):
-        textures.insert(0, look.material.reflectance)
-    if look.opacity is not None:
-        textures.append(look.opacity)
-    turn = materials.textures.placement(textures, node.name)
-    return Plan(node, matrix, look, emission, turn, path)
+    plan = Plan(node, matrix, look, emission, path)
+    turn = materials.textures.placement(plan.patterns, node.name)
+    return replace(plan, turn=turn)
 
 
 def _look(node: Node, materials: Materials, emits: bool) -> Look | None:
@@ -182,8 +184,17 @@ def build_shape(plan: Plan, materials: Materials) -> Mesh | Sphere:
     if plan.node.kind == "sphere":
         return _sphere(plan, ledger)
     look = plan.look
+    if plan.path is not None and plan.path not in materials.weighed:
+        materials.weighed.add(plan.path)
+        ledger.read(str(plan.path))  # counted for what the scene may take
     mesh = read_mesh(
-        materials.mi, plan.node, plan.matrix, plan.path, look.attribute, ledger
+        materials.mi,
+        plan.node,
+        plan.matrix,
+        plan.path,
+        look.attribute,
+        bool(plan.patterns),
+        ledger,
     )
     if look.attribute and mesh.colors is None:
         ledger.replace(

@@ -138,13 +138,13 @@ class Textures:
             return ""
         return texture.text("name", "", self.ledger)
 
-    def placement(self, textures: Sequence[Texture], where: str) -> Scalars | None:
+    def placement(self, textures: Sequence[Pattern], where: str) -> Scalars | None:
         """What becomes of the texture coordinates of a shape.
 
         Parameters
         ----------
-        textures : sequence of Texture
-            All those of the shape; colours do not matter.
+        textures : sequence of Pattern
+            All those of the shape.
         where : str
             The shape, for messages.
 
@@ -153,11 +153,7 @@ class Textures:
         (2, 3) float64 or None
             ``None`` where they stay as they are.
         """
-        turns = [
-            self.turned.get(id(texture))
-            for texture in textures
-            if isinstance(texture, Pattern)
-        ]
+        turns = [self.turned.get(id(texture)) for texture in textures]
         first = turns[0] if turns else None
         if any(turn is not first and not _same(turn, first) for turn in turns):
             self.ledger.replace(

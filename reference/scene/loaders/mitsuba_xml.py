@@ -9,7 +9,7 @@ from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.mitsuba_lights import Lights, add_light
 from reference.scene.loaders.mitsuba_materials import Materials
 from reference.scene.loaders.mitsuba_nodes import Node, mitsuba_session, parse
-from reference.scene.loaders.mitsuba_shapes import build_shape, plan_shapes
+from reference.scene.loaders.mitsuba_shapes import Plan, build_shape, plan_shapes
 from reference.scene.loaders.mitsuba_textures import Textures
 from reference.scene.loaders.mitsuba_words import find
 from reference.scene.scene import Scene
@@ -43,11 +43,9 @@ def load(ledger: Ledger) -> Scene:
         # All that the words say comes first: triangles may take long to read.
         textures = Textures(mi, ledger)
         materials = Materials(mi, ledger, textures)
-        plans = [
-            plan
-            for node in root.inside("shape")
-            for plan in plan_shapes(node, materials)
-        ]
+        plans: list[Plan] = []
+        for node in root.inside("shape"):
+            plan_shapes(node, materials, plans)
         lights = Lights()
         for node in root.inside("emitter"):
             add_light(lights, node, textures)

@@ -102,7 +102,7 @@ def drop_texture_without_uv(mesh: Mesh, ledger: Ledger) -> Mesh:
     -------
     Mesh
         Its material and its emission have one colour each if it has no texture
-        coordinates.
+        coordinates, and no part of it is masked.
     """
     if mesh.uv is not None:
         return mesh
@@ -113,13 +113,14 @@ def drop_texture_without_uv(mesh: Mesh, ledger: Ledger) -> Mesh:
         material = replace(material, reflectance=mean)
     if isinstance(emission, Pattern):
         emission = color(mean_color(emission))
-    if material is mesh.material and emission is mesh.emission:
+    kept = material is mesh.material and emission is mesh.emission
+    if kept and mesh.opacity is None:
         return mesh
     ledger.replace(
         f'mesh "{mesh.name}" has a texture but no texture coordinates',
         "taken in the mean colour of the texture",
     )
-    return replace(mesh, material=material, emission=emission)
+    return replace(mesh, material=material, emission=emission, opacity=None)
 
 
 def place(vertices: Vec3s, matrix: Scalars) -> Vec3s:
