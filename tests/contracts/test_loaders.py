@@ -203,10 +203,8 @@ def test_obj_emission_of_a_picture(tmp_path):
         assert_allclose(read(mesh.emission, mesh.uv), [wanted] * 3)
         assert scene.environment is None
     path = write_obj(tmp_path, face, "newmtl x\nKe 2 3 4\nmap_Ke no.png\n")
-    with pytest.raises(UsageError, match=r"a\.mtl: material \"x\": .*no\.png"):
+    with pytest.raises(UsageError, match=r"a\.mtl: .*material \"x\": .*no\.png"):
         load_scene(path)
-    scene = load_scene(path, lenient=True)
-    assert scene.meshes[0].emission == (2, 3, 4)
 
 
 def test_a_texture_without_coordinates_has_its_mean_colour(tmp_path):
@@ -468,7 +466,7 @@ def test_json_spot(write_json):
     scene = load_scene(write_json(lights=[spot, {**spot, "falloff": "smooth"}]))
     wanted = SpotLight((1.0, 2, 3), (0.0, -1, 0), (4.0, 4, 4), cutoff=30.0, beam=20.0)
     assert scene.spots == (wanted, replace(wanted, falloff="smooth"))
-    with pytest.raises(UsageError, match="light 0: falloff is 'cubic'; it can be"):
+    with pytest.raises(UsageError, match="light 0: falloff is .cubic.; it can be"):
         load_scene(write_json(lights=[{**spot, "falloff": "cubic"}]))
     with pytest.raises(UsageError, match="light 0: beam_deg is None"):
         load_scene(write_json(lights=[{**spot, "beam_deg": None}]))
