@@ -466,9 +466,9 @@ def test_json_spot(write_json):
     scene = load_scene(write_json(lights=[spot, {**spot, "falloff": "smooth"}]))
     wanted = SpotLight((1.0, 2, 3), (0.0, -1, 0), (4.0, 4, 4), cutoff=30.0, beam=20.0)
     assert scene.spots == (wanted, replace(wanted, falloff="smooth"))
-    with pytest.raises(UsageError, match="light 0: falloff is .cubic.; it can be"):
+    with pytest.raises(UsageError, match='light 0: falloff is "cubic"; it can be'):
         load_scene(write_json(lights=[{**spot, "falloff": "cubic"}]))
-    with pytest.raises(UsageError, match="light 0: beam_deg is None"):
+    with pytest.raises(UsageError, match="light 0: beam_deg is "):
         load_scene(write_json(lights=[{**spot, "beam_deg": None}]))
 
 
