@@ -206,6 +206,13 @@ BAD = {
         "point light 0",
         "intensity",
     ),
+    "emission beyond all measure": (
+        floor(emission=(1e308, 1.0, 1.0)),
+        'mesh "floor"',
+        "emission",
+        "0 to 1e+30",
+    ),
+    "sky beyond all measure": (sky_map(1e101 * WHITE_PIXELS), "radiance", "1e+30"),
     "texture of radiance negative": (
         floor(emission=Bitmap(-WHITE_PIXELS)),
         'mesh "floor"',
