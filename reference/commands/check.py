@@ -1,6 +1,7 @@
 """``restir check``: the verdict on a backend, and the name of the bug."""
 
 import argparse
+import os
 import time
 from collections.abc import Iterator
 from concurrent.futures import Executor
@@ -11,7 +12,8 @@ from typing import Any
 
 from reference.commands.arguments import add_json, add_scheduler
 from reference.commands.console import emit, progress, show
-from reference.commands.values import four_times, seconds, whole
+from reference.commands.targets import new_folder
+from reference.commands.values import amount, four_times, seconds, whole
 from reference.errors import UsageError
 from reference.oracle.backends.command import PLACE
 from reference.oracle.backends.files import FilesBackend
@@ -30,7 +32,6 @@ from reference.oracle.verdict import Verdict, climb
 from reference.scene.named import find_scene_or_file
 from reference.workers import ahead, workers
 
-NAME = "check"
 BUDGET = 600.0
 SCENE = "cornell-box"
 TRUTH_SAMPLES = 4096
@@ -109,11 +110,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--bound",
-        type=seconds,
+        type=amount,
         metavar="B",
         help="your word that no tile's mean in one picture exceeds B times its truth",
     )
-    parser.add_argument("--out", type=Path, metavar="DIR", help="folder for the report")
+    parser.add_argument(
+        "--out", type=new_folder, metavar="DIR", help="folder for the report"
+    )
     add_scheduler(parser)
     add_json(parser)
 
@@ -155,7 +158,8 @@ def _judge(arguments: argparse.Namespace) -> Verdict:
     if "{out}" in backend:
         return _judge_renderer(arguments)
     folder = Path(backend)
-    if folder.is_dir() and not is_python(backend):
+    # A command line may be longer than any name: that is no error.
+    if os.path.isdir(backend) and not is_python(backend):
         against = folder if against is None else against
         backend = FilesBackend(folder, read_golden(against)[0])
     if arguments.scheduler and against is not None:

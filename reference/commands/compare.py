@@ -7,11 +7,10 @@ from rich.table import Table
 
 from reference.commands.arguments import add_json
 from reference.commands.console import emit, show
+from reference.commands.targets import new_folder
 from reference.comparison import Comparison, compare
 from reference.comparison.labels import NUMBERS
 from reference.exr import read_exr
-
-NAME = "compare"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("a", type=Path, metavar="A.exr", help="the picture")
     parser.add_argument("b", type=Path, metavar="B.exr", help="the truth")
     parser.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder for maps and an HTML page"
+        "--out", type=new_folder, metavar="DIR", help="folder for maps and an HTML page"
     )
     add_json(parser)
 

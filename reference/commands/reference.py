@@ -22,7 +22,6 @@ from reference.truth import accumulate_truth, checkpoint_beside, truth_image
 from reference.workers import workers
 from reference.world import build_world
 
-NAME = "reference"
 EVERY = 30.0  # seconds between checkpoints
 TRUTH_SEED = 1_000_003  # another than anybody's first seeds
 """Default seed: another one than that of `render`, so that a picture is not compared
@@ -86,7 +85,6 @@ def run(arguments: argparse.Namespace) -> None:
     """
     settings = with_values(PathSettings(), arguments.set)
     out = arguments.out
-    check_file(out)
     if arguments.png:
         check_file(out.with_suffix(".png"), ".png")
     named, animation = open_named(arguments)

@@ -18,9 +18,8 @@ from reference.metadata import metadata
 from reference.methods import Layers, Method, drive, method_named, method_names
 from reference.methods.discovery import BUILT_IN
 from reference.options import with_values
+from reference.suggestions import unknown
 from reference.world import World, build_world
-
-NAME = "render"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -80,7 +79,6 @@ def run(arguments: argparse.Namespace) -> None:
     counts = _counts(method, arguments)
     aovs = _aovs(method, arguments.aov)
     out, png = arguments.out, arguments.out.with_suffix(".png")
-    check_file(out)
     if arguments.png:
         check_file(png, ".png")
     animation = open_frames(arguments)
@@ -136,11 +134,11 @@ def _counts(method: Method, arguments: argparse.Namespace) -> dict[str, int]:
 
 
 def _aovs(method: Method, names: tuple[str, ...]) -> tuple[str, ...]:
+    known = ("color", *method.aovs)
     for name in names:
-        if name not in ("color", *method.aovs):
+        if name not in known:
             raise UsageError(
-                f"--aov {name!r} is not known to method {method.name!r}; known are"
-                f" {', '.join(('color', *method.aovs))}"
+                f"--aov: {unknown('layer', name, known)} (method {method.name!r})"
             )
     return tuple(name for name in names if name != "color")
 

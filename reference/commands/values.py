@@ -9,6 +9,7 @@ MOST_PIXELS_A_SIDE = 2**14
 # bits alone have dependent streams (reference.rng).
 MOST_SAMPLES = 2**27 - 1
 MOST_SEED = 2**27 - 1
+MOST = 1e9
 Size = tuple[int, int]
 
 
@@ -28,7 +29,7 @@ def whole(least: int, most: int) -> Callable[[str], int]:
 
     def convert(text: str) -> int:
         try:
-            value = int(text)
+            value = int(text)  # no more than some thousand digits
         except ValueError:
             value = least - 1
         if not least <= value <= most:
@@ -91,6 +92,33 @@ def four_times(text: str) -> int:
     return side
 
 
+def amount(text: str) -> float:
+    """A quantity from text: a time, a percentage, a bound.
+
+    Parameters
+    ----------
+    text : str
+        A number.
+
+    Returns
+    -------
+    float
+        0 to 10⁹.
+
+    Raises
+    ------
+    ArgumentTypeError
+        It is no such number.
+    """
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0 <= value <= MOST:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number from 0 to {MOST:g}")
+    return value
+
+
 def seconds(text: str) -> float:
     """Time from text.
 
@@ -102,7 +130,7 @@ def seconds(text: str) -> float:
     Returns
     -------
     float, s
-        0 or more.
+        0 to 10⁹, some thirty years: clocks take no more.
 
     Raises
     ------
@@ -110,9 +138,8 @@ def seconds(text: str) -> float:
         It is no such number.
     """
     try:
-        value = float(text)
-    except ValueError:
-        value = -1.0
-    if not value >= 0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds")
-    return value
+        return amount(text)
+    except argparse.ArgumentTypeError as error:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a number of seconds from 0 to {MOST:g}"
+        ) from error
