@@ -94,10 +94,23 @@ def as_text(settings: Any) -> dict[str, str]:
     dict of str to str
         In the order of the fields.
     """
-    return {
-        key: str(value).lower() if isinstance(value, bool) else str(value)
-        for key, value in asdict(settings).items()
-    }
+    return {key: text_of(value) for key, value in asdict(settings).items()}
+
+
+def text_of(value: Any) -> str:
+    """One value as text, as `with_values` would read it.
+
+    Parameters
+    ----------
+    value : str, int, float or bool
+        Of a setting.
+
+    Returns
+    -------
+    str
+        "true" and "false" for what is either.
+    """
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _parse(kind: Any, text: str) -> Any:

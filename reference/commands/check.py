@@ -111,6 +111,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         f" (default: the shape of the scene's camera, about {PIXELS} pixels)",
     )
     parser.add_argument(
+        "--layer",
+        metavar="NAME",
+        help="which picture of a renderer's file of several, such as Combined",
+    )
+    parser.add_argument(
         "--bound",
         type=amount,
         metavar="B",
@@ -191,7 +196,12 @@ def _judge_renderer(arguments: argparse.Namespace) -> Verdict:
     size = arguments.size or size_in_shape(scene.camera, PIXELS, TILES)
     limits = Limits(arguments.limit)
     renderer = Renderer(
-        arguments.backend, arguments.scene, arguments.frames, size, limits
+        arguments.backend,
+        arguments.scene,
+        arguments.frames,
+        size,
+        limits,
+        arguments.layer,
     )
     start = time.monotonic()
 

@@ -15,7 +15,7 @@ from reference.demo.runs import Runs, runs_of_frames, runs_of_paths
 from reference.demo.score import scores
 from reference.exr import write_exr
 from reference.files import make_folder
-from reference.metadata import metadata
+from reference.metadata import header, metadata
 from reference.methods import method_named
 from reference.methods.path import PATH
 from reference.scene.catalogue.registry import CATALOGUE
@@ -88,7 +88,7 @@ def run(arguments: argparse.Namespace) -> None:
     with progress(f"{scene.name}, truth") as tick:
         state = accumulate_truth(scene, true_job, checkpoint, EVERY, tick)
     words = metadata(scene, PATH, true_job, state.rays, state.seconds)
-    truth = truth_image(state, true_job, words)
+    truth = truth_image(state, true_job, header(words))
     write_exr(out / "truth.exr", truth)
 
     with progress(f"{scene.name}, {arguments.runs} runs of each method") as tick:

@@ -60,6 +60,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="the scene file was read with --lenient",
     )
+    parser.add_argument(
+        "--layer",
+        metavar="NAME",
+        help="which picture of a file of several, such as ViewLayer.Combined; it is"
+        " shown as the file has it",
+    )
     options.add_schedule(parser)
     options.add_json(parser)
 
@@ -81,7 +87,7 @@ def run(arguments: argparse.Namespace) -> None:
     paths, out = arguments.runs, arguments.out
     if len(paths) > 2:
         raise UsageError(f"one run or two, not {len(paths)}")
-    images = [read_exr(path) for path in paths]
+    images = [read_exr(path, arguments.layer) for path in paths]
     sizes = {(image.width, image.height) for image in images}
     if len(sizes) > 1:
         a, b = (f"{image.width}x{image.height}" for image in images)
@@ -108,7 +114,7 @@ def _run(
         "width": image.width,
         "height": image.height,
     }
-    method = method_of(image)
+    method = None if arguments.layer else method_of(image)
     if method is None:
         return about | {
             "standing": f"Shown as the file has it: {', '.join(image.layers)}. How it"

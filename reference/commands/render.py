@@ -14,7 +14,7 @@ from reference.effects import planner_of, prepared_for_all
 from reference.errors import UsageError
 from reference.exr import write_exr
 from reference.images import Image, to_image
-from reference.metadata import metadata
+from reference.metadata import Words, header, metadata
 from reference.methods import Layers, Method, drive, method_named, method_names
 from reference.methods.discovery import BUILT_IN
 from reference.options import with_values
@@ -106,14 +106,12 @@ def _described(name: str) -> str:
     return f"  {name:20} {summary}"
 
 
-def _image(
-    method: Method, layers: Layers, world: World, words: dict[str, str]
-) -> Image:
+def _image(method: Method, layers: Layers, world: World, words: Words) -> Image:
     width, height = world.camera.width, world.camera.height
     try:
         return Image(
             {name: to_image(rows, width, height) for name, rows in layers.items()},
-            words,
+            header(words),
         )
     except (ValueError, AttributeError) as error:
         raise UsageError(
@@ -147,7 +145,7 @@ def _report(
     arguments: argparse.Namespace,
     out: Path,
     png: Path,
-    words: dict[str, str],
+    words: Words,
     layers: Layers,
 ) -> None:
     if arguments.json:
