@@ -11,6 +11,7 @@ from reference.errors import UsageError
 from reference.suggestions import unknown
 
 Channels = dict[str, NDArray[Any]]  # each (H, W)
+MOST_LISTED = 20  # layers in a message
 Layers = dict[str, NDArray[Any]]  # each (H, W, 1) or (H, W, 3)
 
 
@@ -113,11 +114,12 @@ def _asked_for(channels: Channels, layer: str, path: Path) -> list[str]:
     ends = [name for name in names if name.endswith(f".{layer}")]
     if layer not in names and len(ends) > 1:
         raise UsageError(
-            f"{path} has several layers {layer!r}: {', '.join(ends)}; name one in full"
+            f"{path} has several layers {layer!r}, such as {ends[0]} and {ends[1]}; name"
+            " one in full"
         )
     name = layer if layer in names or not ends else ends[0]
     if name not in names:
-        raise UsageError(f"{path}: {unknown('layer', layer, names)}")
+        raise UsageError(f"{path}: {unknown('layer', layer, names, _listed(channels))}")
     if name == "color" and {"R", "G", "B"} <= channels.keys():
         return ["R", "G", "B"]
     return _triple(name) if name in _roots(channels) else [name] * 3
@@ -133,7 +135,9 @@ def _names(channels: Channels) -> list[str]:
 
 
 def _listed(channels: Channels) -> str:
-    return ", ".join(_names(channels)) or "none"
+    names = _names(channels)
+    more = f" and {len(names) - MOST_LISTED} others" if names[MOST_LISTED:] else ""
+    return (", ".join(names[:MOST_LISTED]) or "none") + more
 
 
 def _roots(channels: Channels) -> list[str]:
