@@ -114,8 +114,8 @@ def _asked_for(channels: Channels, layer: str, path: Path) -> list[str]:
     ends = [name for name in names if name.endswith(f".{layer}")]
     if layer not in names and len(ends) > 1:
         raise UsageError(
-            f"{path} has several layers {layer!r}, such as {ends[0]} and {ends[1]}; name"
-            " one in full"
+            f"{path} has several layers {layer!r}, such as {ends[0]} and {ends[1]};"
+            " name one in full"
         )
     name = layer if layer in names or not ends else ends[0]
     if name not in names:

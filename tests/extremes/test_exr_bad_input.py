@@ -1,6 +1,7 @@
 """Files that are no image for us: one line each, and nothing else on any stream."""
 
 import os
+import re
 import struct
 import sys
 
