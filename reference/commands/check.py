@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from reference.commands.arguments import add_json, add_scheduler
+from reference.commands.arguments import add_json, add_reading, add_scheduler
 from reference.commands.console import emit, progress, show
 from reference.commands.opening import size_in_shape
 from reference.commands.targets import new_folder
@@ -89,6 +89,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="SCENE",
         help=f"what a renderer renders: built-in or a file (default {SCENE})",
     )
+    add_reading(parser)
     parser.add_argument(
         "--bounces",
         type=whole(1, 30),
@@ -192,7 +193,9 @@ def _cluster(arguments: argparse.Namespace, stack: ExitStack) -> Executor | None
 
 
 def _judge_renderer(arguments: argparse.Namespace) -> Verdict:
-    scene = find_scene_or_file(arguments.scene)
+    scene = find_scene_or_file(
+        arguments.scene, arguments.lenient, arguments.allow_outside
+    )
     size = arguments.size or size_in_shape(scene.camera, PIXELS, TILES)
     limits = Limits(arguments.limit)
     renderer = Renderer(

@@ -2,7 +2,7 @@
 
 import argparse
 
-from reference.commands.arguments import add_json
+from reference.commands.arguments import add_json, add_reading
 from reference.commands.console import emit, progress, show
 from reference.commands.targets import new_folder
 from reference.commands.values import whole
@@ -29,6 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "scene", metavar="SCENE", help="built-in scene or file, of paint alone"
     )
+    add_reading(parser)
     parser.add_argument(
         "--out", type=new_folder, required=True, metavar="DIR", help="new folder"
     )
@@ -69,7 +70,9 @@ def run(arguments: argparse.Namespace) -> None:
         No such scene, or the folder cannot be written.
     """
     precision, out = arguments.precision, arguments.out
-    scene = find_scene_or_file(arguments.scene)
+    scene = find_scene_or_file(
+        arguments.scene, arguments.lenient, arguments.allow_outside
+    )
     at = stage(scene, arguments.size, arguments.seed)
     probes = [*kernel_probes(precision), *lattice_probes(precision)]
     names = frozenset(whole_contract())

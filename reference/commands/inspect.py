@@ -55,11 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="SCENE",
         help="file that the pictures were rendered from, where it is not built in",
     )
-    parser.add_argument(
-        "--lenient",
-        action="store_true",
-        help="the scene file was read with --lenient",
-    )
+    options.add_reading(parser)
     parser.add_argument(
         "--layer",
         metavar="NAME",
@@ -123,7 +119,14 @@ def _run(
             "frames": [as_it_is(image)],
         }
     schedule = options.schedule(arguments, image.width * image.height)
-    job = job_of(path, image, arguments.scene, arguments.lenient, schedule)
+    job = job_of(
+        path,
+        image,
+        scene=arguments.scene,
+        lenient=arguments.lenient,
+        allow_outside=arguments.allow_outside,
+        schedule=schedule,
+    )
     with progress(str(path)) as tick:
         found = recorded(
             method,

@@ -8,7 +8,6 @@ derives the horizontal angle of view by proportion, all without a word.
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -43,15 +42,13 @@ class _Parts:
     suns: list[DirectionalLight] = field(default_factory=list)
 
 
-def load(path: Path, lenient: bool) -> Scene:
+def load(ledger: Ledger) -> Scene:
     """Scene of a glTF file.
 
     Parameters
     ----------
-    path : Path
-        .gltf with its buffers, or .glb.
-    lenient : bool
-        Replace rather than refuse.
+    ledger : Ledger
+        Of the file: .gltf with its buffers, or .glb.
 
     Returns
     -------
@@ -63,7 +60,6 @@ def load(path: Path, lenient: bool) -> Scene:
     UsageError
         Not glTF 2, truncated, or (unless lenient) with something not modelled.
     """
-    ledger = Ledger(path, lenient)
     with ledger.reading("glTF file"):
         document = read_document(ledger)
         required = document.tree.get("extensionsRequired", [])
@@ -80,7 +76,7 @@ def load(path: Path, lenient: bool) -> Scene:
     meshes = tuple(parts.meshes)
     camera = parts.cameras[0] if parts.cameras else None
     scene = Scene(
-        name=path.stem,
+        name=ledger.path.stem,
         camera=camera_or_framing(camera, meshes, (), ledger),
         meshes=meshes,
         points=tuple(parts.points),

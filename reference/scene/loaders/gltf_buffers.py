@@ -3,7 +3,6 @@
 import base64
 import json
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 from urllib.parse import unquote_to_bytes
 
@@ -11,7 +10,6 @@ import numpy as np
 
 from reference.arrays import Scalars
 from reference.errors import UsageError
-from reference.files import read_file
 from reference.scene.loaders.ledger import Ledger
 
 MAGIC, JSON_CHUNK, BINARY_CHUNK = b"glTF", b"JSON", b"BIN\0"
@@ -57,7 +55,7 @@ def read_document(ledger: Ledger) -> Document:
     UsageError
         No glTF 2 file, truncated, or with a buffer missing.
     """
-    contents = read_file(ledger.path)
+    contents = ledger.contents()
     binary = b""
     if contents.startswith(MAGIC):
         contents, binary = _split_glb(contents, ledger)
@@ -121,25 +119,7 @@ def resolve_uri(uri: str, ledger: Ledger) -> bytes:
         if header.endswith(";base64"):
             return base64.b64decode(payload, validate=True)
         return unquote_to_bytes(payload)
-    return read_file(uri_path(uri, ledger))
-
-
-def uri_path(uri: str, ledger: Ledger) -> Path:
-    """Where a relative URI points.
-
-    Parameters
-    ----------
-    uri : str
-        Percent-encoded.
-    ledger : Ledger
-        Of the scene file.
-
-    Returns
-    -------
-    Path
-        Beside the scene file.
-    """
-    return ledger.path.parent / unquote_to_bytes(uri).decode("utf-8")
+    return ledger.read(unquote_to_bytes(uri).decode("utf-8"))
 
 
 def view_bytes(document: Document, index: int) -> bytes:

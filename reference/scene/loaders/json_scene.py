@@ -2,13 +2,11 @@
 
 import json
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from reference.errors import UsageError
-from reference.files import read_file
 from reference.scene.camera import Camera
 from reference.scene.lights import (
     ConstantEnvironment,
@@ -32,15 +30,13 @@ KNOWN = {"name", "camera", "materials", "shapes", "lights", "environment"}
 LIGHTS = ("point", "directional", "constant", "envmap")
 
 
-def load(path: Path, lenient: bool) -> Scene:
+def load(ledger: Ledger) -> Scene:
     """Scene of a scene.json file.
 
     Parameters
     ----------
-    path : Path
-        .json; meshes and pictures are looked for beside it.
-    lenient : bool
-        Replace rather than refuse.
+    ledger : Ledger
+        Of the file: .json; meshes and pictures are looked for beside it.
 
     Returns
     -------
@@ -52,9 +48,8 @@ def load(path: Path, lenient: bool) -> Scene:
     UsageError
         Not such a file, or (unless lenient) with something not understood.
     """
-    ledger = Ledger(path, lenient)
     with ledger.reading("scene.json file"):
-        tree = json.loads(read_file(path).decode("utf-8"))
+        tree = json.loads(ledger.contents().decode("utf-8"))
     if not isinstance(tree, dict) or not isinstance(tree.get("shapes"), list):
         ledger.stop('an object with a list "shapes" is needed at the top')
     if ignored := sorted(tree.keys() - KNOWN):
@@ -79,7 +74,7 @@ def load(path: Path, lenient: bool) -> Scene:
     framed = camera_or_framing(camera, meshes, spheres, ledger)
     ledger.settle()
     return Scene(
-        name=str(tree.get("name", path.stem)),
+        name=str(tree.get("name", ledger.path.stem)),
         camera=framed,
         meshes=tuple(meshes),
         spheres=tuple(spheres),
@@ -207,13 +202,13 @@ def _light(entry: Entry) -> PointLight | DirectionalLight | Environment | None:
     elif kind == "constant":
         light = ConstantEnvironment(entry.color("radiance"))
     elif kind == "envmap":
-        path = entry.ledger.path.parent / str(entry.get("file"))
         scale = entry.number("scale", 1.0)
         try:
-            light = LatLongEnvironment(read_picture(path, entry.ledger) * scale)
+            pixels = read_picture(str(entry.get("file")), entry.ledger)
         except UsageError as error:
             entry.ledger.replace(f"{entry.name}: {error}", "left out")
             return None
+        light = LatLongEnvironment(pixels * scale)
     else:
         entry.ledger.replace(
             f"{entry.name} has the type {kind!r}; known are {', '.join(LIGHTS)}",

@@ -90,7 +90,7 @@ def _environment_map(node: Node, ledger: Ledger) -> Environment | None:
         ledger.replace(f"{node.name} has no filename; it needs one", "left out")
         return None
     try:
-        pixels = read_picture(ledger.path.parent / filename, ledger)
+        pixels = read_picture(filename, ledger)
     except UsageError as error:
         ledger.replace(f"{node.name}: {error}", "left out")
         return None

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from reference.arrays import Vec3s
+from reference.errors import UsageError
 from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.mitsuba_materials import Materials
@@ -95,7 +96,11 @@ def _file(node: Node, ledger: Ledger) -> Path | None:
     filename = node.get("filename")
     if filename is None:
         ledger.stop(f"{node.name} has no filename; it needs one")
-    path: Path = ledger.path.parent / filename
+    try:
+        path = ledger.locate(filename)
+    except UsageError as error:
+        ledger.replace(f"{node.name}: {error}", "left out")
+        return None
     if not path.is_file():
         ledger.replace(f'{node.name}: the file "{filename}" is missing', "left out")
         return None

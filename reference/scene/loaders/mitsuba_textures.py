@@ -117,7 +117,7 @@ def _bitmap(node: Node, ledger: Ledger) -> Texture:
     if filename is None:
         ledger.stop(f"{node.name} has no filename; it needs one")
     try:
-        pixels = read_picture(ledger.path.parent / filename, ledger, raw)
+        pixels = read_picture(filename, ledger, raw)
     except UsageError as error:
         ledger.replace(f"{node.name}: {error}", "taken as mid grey")
         return MID_GREY

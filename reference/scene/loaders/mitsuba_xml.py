@@ -1,7 +1,5 @@
 """Mitsuba 3 scenes (.xml): sensor, lights, and all the rest together."""
 
-from pathlib import Path
-
 import numpy as np
 
 from reference.arrays import normalize
@@ -18,15 +16,13 @@ from reference.scene.shapes import Mesh
 FULL_FRAME = float(np.hypot(36.0, 24.0))  # mm, the diagonal that focal lengths mean
 
 
-def load(path: Path, lenient: bool) -> Scene:
+def load(ledger: Ledger) -> Scene:
     """Scene of a Mitsuba 3 file.
 
     Parameters
     ----------
-    path : Path
-        .xml; the files that it names are looked for beside it.
-    lenient : bool
-        Replace rather than refuse.
+    ledger : Ledger
+        Of the file: .xml; the files that it names are looked for beside it.
 
     Returns
     -------
@@ -39,7 +35,6 @@ def load(path: Path, lenient: bool) -> Scene:
         The package is missing, the file is not well-formed, or (unless lenient) it
         holds something that is not modelled.
     """
-    ledger = Ledger(path, lenient)
     with mitsuba_session() as mi:
         root = parse(mi, ledger)
         materials = Materials(mi, ledger)
@@ -53,7 +48,7 @@ def load(path: Path, lenient: bool) -> Scene:
     framed = camera_or_framing(camera, meshes, spheres, ledger)
     ledger.settle()
     return Scene(
-        name=path.stem,
+        name=ledger.path.stem,
         camera=framed,
         meshes=meshes,
         spheres=spheres,

@@ -61,14 +61,20 @@ def read_looks(path: Path, ledger: Ledger) -> dict[str, Look]:
     looks: dict[str, Look] = {}
     for name in re.findall(r"^[ \t]*mtllib[ \t]+(.*?)[ \t\r]*$", text, re.MULTILINE):
         try:
-            lines = read_file(path.parent / name).decode("utf-8", "replace")
+            lines = ledger.read(name).decode("utf-8", "replace")
         except UsageError as error:
             ledger.replace(
                 f'the material file "{name}" cannot be read ({error})',
                 "all its materials taken as matt with reflectance 0.8",
             )
             continue
-        own = Ledger(path.parent / name, ledger.lenient, ledger.notes, ledger.refusals)
+        own = Ledger(
+            path.parent / name,
+            ledger.lenient,
+            ledger.allow_outside,
+            ledger.notes,
+            ledger.refusals,
+        )
         with own.reading("MTL file"):
             for material, entries in _materials(lines):
                 looks[material] = _look(material, entries, own)
@@ -111,8 +117,10 @@ def _texture(name: str, text: str, factor: Color, ledger: Ledger) -> Color | Bit
         )
         text = text.split()[-1]
     try:
-        pixels = read_picture(ledger.path.parent / text.replace("\\", "/"), ledger)
+        pixels = read_picture(text, ledger)
     except UsageError as error:
-        ledger.replace(f'material "{name}": {error}', "taken as mid grey")
+        ledger.replace(
+            f'{ledger.path.name}: material "{name}": {error}', "taken as mid grey"
+        )
         return MID_GREY
     return Bitmap(pixels * factor)
