@@ -181,7 +181,7 @@ def _pixels_per_area(camera: Camera, x_s: Vec3s, normal: Vec3s) -> Scalars:
     """Pixels that a unit of area fills: f² |n · v| / z³, with f pixels a tangent."""
     offset = x_s - np.asarray(camera.position, float)
     z = view_depth(camera, x_s)
-    per_tangent = camera.width / 2 / np.tan(np.radians(camera.fov_x) / 2)
+    per_tangent = camera.width / 2 / camera.half_width
     across = np.abs(dot(offset, normal)) * per_tangent**2
     density: Scalars = np.divide(across, z**3, out=np.zeros(len(z)), where=z > 0)
     return density

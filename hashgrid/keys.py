@@ -60,7 +60,7 @@ def lattice_of(camera: Camera, facings: int = 1) -> Lattice:
     [Boisse21], with the numbers of the author's later renderer.
     """
     w, h = camera.width, camera.height
-    fov_y = 2 * np.arctan(np.tan(np.radians(camera.fov_x) / 2) * h / w)
+    fov_y = 2 * np.arctan(camera.half_width * h / w)
     base = np.tan(min(fov_y * PIXELS * max(1 / h, h / w**2), np.pi / 4))
     return Lattice(camera.position, float(base), facings)
 

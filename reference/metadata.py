@@ -35,6 +35,8 @@ def metadata(
     words = {
         "scene": scene.name,
         "method": method.name,
+        "fov": f"{scene.camera.fov!r} degrees",
+        "fov_axis": scene.camera.fov_axis,
         "light": job.light,
         "bounces": str(job.bounces),
         "seed": str(job.seed),

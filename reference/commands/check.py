@@ -11,7 +11,8 @@ from typing import Any
 
 from reference.commands.arguments import add_json, add_reading, add_scheduler
 from reference.commands.console import emit, progress, show
-from reference.commands.values import four_times, seconds, whole
+from reference.commands.opening import size_in_shape
+from reference.commands.values import seconds, tiled_size, whole
 from reference.errors import UsageError
 from reference.oracle.backends.command import PLACE
 from reference.oracle.backends.files import FilesBackend
@@ -19,7 +20,7 @@ from reference.oracle.backends.find import backend_names, is_python
 from reference.oracle.backends.running import Limits
 from reference.oracle.blackbox.judge import renderer_rungs
 from reference.oracle.blackbox.renderer import PLACES, Renderer
-from reference.oracle.blackbox.truth import Truth, path_traced
+from reference.oracle.blackbox.truth import TILES, Truth, path_traced
 from reference.oracle.checking import judge
 from reference.oracle.golden import read_golden
 from reference.oracle.parts import whole_contract
@@ -34,6 +35,7 @@ NAME = "check"
 BUDGET = 600.0
 SCENE = "cornell-box"
 TRUTH_SAMPLES = 4096
+PIXELS = 64 * 64
 AHEAD = 32  # pictures that a cluster renders before they are wanted
 EXIT = {"PASS": 0, "FAIL": 1, "UNDECIDED": 3}
 
@@ -103,10 +105,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--size",
-        type=four_times,
-        default=64,
-        metavar="N",
-        help="pixels of a side of the renderer's picture, a multiple of 4 (default 64)",
+        type=tiled_size,
+        metavar="WxH",
+        help="pixels of the renderer's picture, multiples of 4; one number for a square"
+        f" (default: the shape of the scene's camera, about {PIXELS} pixels)",
     )
     parser.add_argument(
         "--bound",
@@ -185,9 +187,10 @@ def _judge_renderer(arguments: argparse.Namespace) -> Verdict:
     scene = find_scene_or_file(
         arguments.scene, arguments.lenient, arguments.allow_outside
     )
+    size = arguments.size or size_in_shape(scene.camera, PIXELS, TILES)
     limits = Limits(arguments.limit)
     renderer = Renderer(
-        arguments.backend, arguments.scene, arguments.frames, arguments.size, limits
+        arguments.backend, arguments.scene, arguments.frames, size, limits
     )
     start = time.monotonic()
 
@@ -195,7 +198,7 @@ def _judge_renderer(arguments: argparse.Namespace) -> Verdict:
         return float(start + arguments.budget - time.monotonic())
 
     def truth() -> Truth:
-        return path_traced(scene, arguments.size, arguments.bounces, TRUTH_SAMPLES)
+        return path_traced(scene, size, arguments.bounces, TRUTH_SAMPLES)
 
     with progress("check") as tick, ExitStack() as stack:
         cluster = _cluster(arguments, stack)

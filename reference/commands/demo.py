@@ -4,11 +4,9 @@ import argparse
 from dataclasses import asdict, replace
 from pathlib import Path
 
-import numpy as np
-
 from reference.commands import arguments as options
 from reference.commands.console import emit, progress, show
-from reference.commands.opening import open_frames
+from reference.commands.opening import open_frames, size_in_shape
 from reference.commands.reference import EVERY, TRUTH_SEED
 from reference.commands.targets import make_folder
 from reference.commands.values import MOST_SAMPLES, whole
@@ -125,9 +123,7 @@ def _quick(scene: Scene) -> tuple[int, int]:
     """
     if scene.name in CATALOGUE:
         return SIZE
-    shape = np.clip(scene.camera.width / max(scene.camera.height, 1), 0.01, 100)
-    pixels = SIZE[0] * SIZE[1]
-    return round((pixels * shape) ** 0.5), round((pixels / shape) ** 0.5)
+    return size_in_shape(scene.camera, SIZE[0] * SIZE[1])
 
 
 def _remarks(arguments: argparse.Namespace) -> list[str]:

@@ -3,10 +3,13 @@
 import argparse
 from collections.abc import Callable
 
+import numpy as np
+
 from reference.commands.console import remark
 from reference.commands.memory import refuse_what_does_not_fit
 from reference.commands.values import Size
 from reference.scene.animation import Animation
+from reference.scene.camera import Camera
 from reference.scene.named import Named, find_scene_or_file, frames_of
 from reference.scene.scene import Scene
 
@@ -82,3 +85,26 @@ def open_frames(
         No such scene, or it cannot be read or rendered.
     """
     return open_named(arguments, size)[1]
+
+
+def size_in_shape(camera: Camera, pixels: int, multiple: int = 1) -> Size:
+    """Size of a picture in the shape of a camera's.
+
+    Parameters
+    ----------
+    camera : Camera
+        Gives width : height, from 1 : 100 to 100 : 1.
+    pixels : int
+        Of the picture, about.
+    multiple : int
+        Of which both sides are multiples.
+
+    Returns
+    -------
+    (int, int), pixels
+        Width and height.
+    """
+    shape = np.clip(camera.width / max(camera.height, 1), 0.01, 100)
+    sides = (pixels * shape) ** 0.5, (pixels / shape) ** 0.5
+    width, height = (max(round(side / multiple), 1) * multiple for side in sides)
+    return width, height

@@ -67,28 +67,32 @@ def size(text: str) -> Size:
     return sides[0], sides[1]
 
 
-def four_times(text: str) -> int:
-    """A side in pixels that can be cut into four.
+def tiled_size(text: str) -> Size:
+    """Width and height of a picture that can be cut into 4 times 4 tiles.
 
     Parameters
     ----------
     text : str
-        An integer.
+        "96x64", or "64" for both.
 
     Returns
     -------
-    int
-        A multiple of 4, from 8 to 4096.
+    (int, int), pixels
+        Multiples of 4, from 8 to 4096.
 
     Raises
     ------
     ArgumentTypeError
-        It is not.
+        It is no such pair.
     """
-    side = whole(8, 4096)(text)
-    if side % 4:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a multiple of 4")
-    return side
+    match = re.fullmatch(r"(\d{1,4})(?:[xX](\d{1,4}))?", text, re.ASCII)
+    width, height = (int(side) for side in match.groups(match[1])) if match else (0, 0)
+    if not all(8 <= side <= 4096 and side % 4 == 0 for side in (width, height)):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not WIDTHxHEIGHT, or one number for both, each a multiple of"
+            " 4 from 8 to 4096"
+        )
+    return width, height
 
 
 def seconds(text: str) -> float:

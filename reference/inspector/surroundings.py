@@ -70,4 +70,4 @@ def edges(geometry: Geometry) -> Any:
 
 def _tangent(camera: Camera) -> float:
     smaller = min(1.0, camera.height / camera.width)
-    return float(np.tan(np.radians(camera.fov_x) / 2.0) * smaller)
+    return camera.half_width * smaller

@@ -1,10 +1,14 @@
 """Pinhole camera."""
 
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 import numpy as np
 
 from reference.arrays import Scalars, Vec3s, dot, normalize
+
+FovAxis = Literal["x", "y", "smaller", "larger", "diagonal"]
+FOV_AXES: tuple[FovAxis, ...] = get_args(FovAxis)
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,8 +23,11 @@ class Camera:
         Seen in the centre of the image.
     up : (float, float, float)
         Not parallel to the view; need not be orthogonal to it or unit.
-    fov_x : float, degrees
-        Horizontal angle of view, between 0 and 180.
+    fov : float, degrees
+        Angle of view, between 0 and 180.
+    fov_axis : 'x', 'y', 'smaller', 'larger' or 'diagonal'
+        What it spans: the width, the height, the smaller or larger of both, or the
+        diagonal.  It spans the same at any size of the image.
     width, height : int, pixels
         Size of the image.
     mirrored : bool
@@ -30,10 +37,23 @@ class Camera:
     position: tuple[float, float, float]
     target: tuple[float, float, float]
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
-    fov_x: float = 60.0
+    fov: float = 60.0
+    fov_axis: FovAxis = "x"
     width: int = 256
     height: int = 256
     mirrored: bool = False
+
+    @property
+    def half_width(self) -> float:
+        """Tangent of half the horizontal angle of view: tan(fov / 2) · width / side."""
+        side = {
+            "x": self.width,
+            "y": self.height,
+            "smaller": min(self.width, self.height),
+            "larger": max(self.width, self.height),
+            "diagonal": np.hypot(self.width, self.height),
+        }[self.fov_axis]
+        return float(np.tan(np.radians(self.fov) / 2) * (self.width / side))
 
     @property
     def axes(self) -> tuple[Vec3s, Vec3s, Vec3s]:
@@ -80,7 +100,7 @@ def camera_rays(camera: Camera, x: Scalars, y: Scalars) -> tuple[Vec3s, Vec3s]:
         Origins, and unit directions.
     """
     right, up, forward = camera.axes
-    half_width = np.tan(np.radians(camera.fov_x) / 2)
+    half_width = camera.half_width
     along_right = (2.0 * x / camera.width - 1.0) * half_width
     # Square pixels: both axes in units of half the width.
     along_up = (camera.height - 2.0 * y) / camera.width * half_width
@@ -110,7 +130,7 @@ def image_points(camera: Camera, points: Vec3s) -> tuple[Scalars, Scalars]:
     right, up, forward = camera.axes
     offset = points - np.asarray(camera.position, float)
     depth = dot(offset, forward)
-    half_width = np.tan(np.radians(camera.fov_x) / 2)
+    half_width = camera.half_width
     scale = np.full(len(depth), np.nan)
     np.divide(camera.width / 2, depth * half_width, out=scale, where=depth > 0)
     x = camera.width / 2 + dot(offset, right) * scale

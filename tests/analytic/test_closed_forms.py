@@ -41,10 +41,8 @@ RUNS = 64
 
 # The floor before the wall, and the lower plate past the upper one: every pixel counts.
 CLOSE = {
-    "sunlit-wall": Camera(position=(0.3, 1.5, 1.2), target=(0.1, 0, 0.9), fov_x=42.0),
-    "parallel-plates": Camera(
-        position=(0.1, 0.9, 0.5), target=(0, 0, 0.05), fov_x=34.0
-    ),
+    "sunlit-wall": Camera(position=(0.3, 1.5, 1.2), target=(0.1, 0, 0.9), fov=42.0),
+    "parallel-plates": Camera(position=(0.1, 0.9, 0.5), target=(0, 0, 0.05), fov=34.0),
 }
 IDENTITY = np.eye(4)
 SMALL_FAR_TURNED = np.eye(4)

@@ -351,7 +351,7 @@ def test_a_convex_body_under_the_sky_lights_nothing_of_itself(shape, scale, offs
     """T30: indirect light is exactly 0; none of its rays may meet it again."""
     scene = Scene(
         name=shape,
-        camera=Camera(position=(1.5, 1.2, 2.5), target=(0, 0, 0), fov_x=50.0),
+        camera=Camera(position=(1.5, 1.2, 2.5), target=(0, 0, 0), fov=50.0),
         environment=ConstantEnvironment((1.0, 1.0, 1.0)),
         **CONVEX[shape],
     )

@@ -185,7 +185,7 @@ def test_fingerprints_tell_scenes_apart():
     vertices[0, 0] = np.nextafter(vertices[0, 0], 9.0)
     others = [
         replace(scene, name="another"),
-        replace(scene, camera=replace(scene.camera, fov_x=38.1)),
+        replace(scene, camera=replace(scene.camera, fov=38.1)),
         replace(scene, meshes=scene.meshes[1:]),
         replace(scene, meshes=(replace(mesh, vertices=vertices), *scene.meshes[1:])),
         replace(scene, meshes=(replace(mesh, emission=(0.0, 0.0, 1.0)),)),

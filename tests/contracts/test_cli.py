@@ -382,7 +382,7 @@ def test_truths_of_other_frames_have_other_checkpoints(restir, tmp_path, capsys)
 
 def test_a_bad_frame_is_told_by_its_number(monkeypatch, tmp_path, capsys):
     def animate(scene):
-        bad = replace(scene, camera=replace(scene.camera, fov_x=-1.0))
+        bad = replace(scene, camera=replace(scene.camera, fov=-1.0))
         return with_change(still(scene), 6, lambda _: bad)
 
     entry = replace(CATALOGUE["cornell-box"], animate=animate)
@@ -391,7 +391,7 @@ def test_a_bad_frame_is_told_by_its_number(monkeypatch, tmp_path, capsys):
     command = ["render", *ROOM, "--method", "restir-gi-biased", "--frames", "3"]
     assert main([*command, "--frame", "5", "--out", str(out)]) == 2
     line = capsys.readouterr().err
-    assert "frame 6 of cornell-box: camera: fov_x is -1" in line
+    assert "frame 6 of cornell-box: camera: fov is -1" in line
     assert line.count("\n") == 1
     assert not list(tmp_path.iterdir())
 

@@ -1,6 +1,7 @@
 """Mitsuba XML: what we load is what Mitsuba itself sees, ray by ray."""
 
 import sys
+from dataclasses import replace
 from textwrap import dedent
 
 import numpy as np
@@ -83,7 +84,11 @@ MIRROR = f'<scale x="-1"/>{LOOK_AT}'  # the first is applied first
 
 
 @pytest.mark.parametrize("transform", [LOOK_AT, MIRROR], ids=["proper", "mirrored"])
-@pytest.mark.parametrize("size", [(40, 30), (30, 40), (32, 32)], ids=str)
+@pytest.mark.parametrize(
+    ("written", "size"),
+    [((40, 30), (40, 30)), ((30, 40), (40, 30)), ((32, 32), (30, 40))],
+    ids=str,
+)
 @pytest.mark.parametrize(
     "fov",
     [
@@ -96,10 +101,12 @@ MIRROR = f'<scale x="-1"/>{LOOK_AT}'  # the first is applied first
         "",
     ],
 )
-def test_camera_rays_are_those_of_mitsuba(write, fov, size, transform):
-    path = write(SENSOR.format(fov=fov, transform=transform, size=size))
-    camera = load_scene(path).camera
+def test_camera_rays_are_those_of_mitsuba(write, fov, written, size, transform):
+    """Also at another size: Mitsuba reads the file with that size written in it."""
+    text = SENSOR.format(fov=fov, transform=transform, size=written)
+    camera = replace(load_scene(write(text)).camera, width=size[0], height=size[1])
     assert camera.mirrored == (transform == MIRROR)
+    path = write(SENSOR.format(fov=fov, transform=transform, size=size))
     sensor = mi.load_file(str(path)).sensors()[0]
     x, y = np.array([0.5, 7.5, size[0] - 0.5, 3.25]), np.array([0.5, 20.5, 0, size[1]])
     origin, direction = camera_rays(camera, x, y)

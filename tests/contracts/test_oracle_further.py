@@ -482,7 +482,7 @@ def test_the_pass_is_what_the_renderer_does_on_a_real_scene():
         corners[:, 0] + corners[:, 1],
         corners[:, 0] + corners[:, 2],
         **settings,
-        fov_x=camera.fov_x,
+        fov_x=camera.fov,
         width=camera.width,
         height=camera.height,
     )

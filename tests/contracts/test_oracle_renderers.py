@@ -20,7 +20,7 @@ class Pictures(Renderer):
     """In place of a program: pictures of a known law."""
 
     def __init__(self, mean, same=False, changes=False):
-        super().__init__("", "", 1, SIZE, Limits())
+        super().__init__("", "", 1, (SIZE, SIZE), Limits())
         object.__setattr__(self, "law", (mean, same, changes))
         object.__setattr__(self, "calls", [])
 
@@ -82,17 +82,17 @@ def test_pictures_that_cannot_be_repeated_are_a_fault():
 
 
 def test_tiles_are_where_they_are_said_to_be():
-    color = np.zeros((SIZE, SIZE, 3))
-    color[2:4, 4:6] = 1  # the second row of tiles, the third column
+    color = np.zeros((SIZE, 2 * SIZE, 3))
+    color[2:4, 8:12] = 1  # the second row of tiles, the third column
     found = statistics(color)
-    assert found[0] == pytest.approx(4 / SIZE**2)
+    assert found[0] == pytest.approx(8 / (2 * SIZE**2))
     assert np.flatnonzero(found[1:]).tolist() == [1 * 4 + 2]
 
 
 def test_the_truth_has_the_error_that_it_says():
     """Two halves of the samples agree within 6 of their errors, in 17 statistics."""
     scene = find_scene("cornell-box")
-    few, many = (path_traced(scene, SIZE, 1, n) for n in (64, 256))
+    few, many = (path_traced(scene, (SIZE, SIZE), 1, n) for n in (64, 256))
     error = np.hypot(few.standard_error, many.standard_error)
     assert (np.abs(few.mean - many.mean) < 6 * error).all()
     assert (many.standard_error < few.standard_error).all()
@@ -101,7 +101,7 @@ def test_the_truth_has_the_error_that_it_says():
 # ---------------------------------------------------------------- programs
 
 
-def program(tmp_path, body, limits=None, size=SIZE):
+def program(tmp_path, body, limits=None, size=(SIZE, SIZE)):
     path = tmp_path / "render.sh"
     path.write_text(f"#!/bin/sh\n{body}\n", encoding="utf-8")
     path.chmod(0o755)
@@ -149,7 +149,15 @@ def test_pictures_that_cannot_be_judged_are_told(tmp_path, color, words):
     assert words in found.reason
 
 
+def test_the_sides_of_an_oblong_picture_are_filled_in_apart(tmp_path):
+    template = "sh -c 'exit {width}{height}' {out}"
+    found = Renderer(template, "x", 1, (4, 2), Limits()).render(1)
+    assert "exit code 42" in found.reason
+    with pytest.raises(UsageError, match=r"4x2; write \{width\} and \{height\}"):
+        program(tmp_path, "exit 0", size=(4, 2)).render(1)
+
+
 def test_a_program_that_does_not_exist_is_bad_usage():
-    renderer = Renderer("/no/such {out}", "x", 1, SIZE, Limits())
+    renderer = Renderer("/no/such {out}", "x", 1, (SIZE, SIZE), Limits())
     with pytest.raises(UsageError, match="cannot run /no/such"):
         renderer.render(1)

@@ -98,7 +98,7 @@ class Stage:
 
 def build(material, place=PLACE, normal=NORMAL, hidden=HIDDEN, unlit=UNLIT):
     """A floor, the camera, and screens half-way between pixels and hidden cells."""
-    camera = Camera((0.0, 2.0, 6.0), (0.0, 0.0, 0.0), fov_x=50.0, width=3, height=1)
+    camera = Camera((0.0, 2.0, 6.0), (0.0, 0.0, 0.0), fov=50.0, width=3, height=1)
     floor = quad("floor", (-9, 0, 9), (18, 0, 0), (0, 0, -18), material)
     bare = build_world(Scene(name="floor", camera=camera, meshes=(floor,)))
     centers = np.array([0.5, 1.5, 2.5]), np.full(3, 0.5)

@@ -118,7 +118,7 @@ def sun_at(elevation, azimuth=20.0):
 def eye_at(elevation, distance=3.0):
     e = np.radians(elevation)
     position = (0.3, distance * np.sin(e), distance * np.cos(e))
-    return Camera(position=position, target=(0, 0, 0), fov_x=30.0)
+    return Camera(position=position, target=(0, 0, 0), fov=30.0)
 
 
 def fine_floor(parts=40):
@@ -180,7 +180,7 @@ def test_a_convex_body_is_lit_where_it_faces_the_sun_and_nowhere_else(place, sha
     for elevation in (70.0, 3.0):
         scene = Scene(
             name="body",
-            camera=Camera((1.5, 1.2, 2.8), (0, 0, 0), fov_x=45.0),
+            camera=Camera((1.5, 1.2, 2.8), (0, 0, 0), fov=45.0),
             suns=(sun_at(elevation),),
             **CONVEX[shape],
         )
@@ -199,7 +199,7 @@ def test_a_convex_body_is_lit_where_it_faces_the_sun_and_nowhere_else(place, sha
 @pytest.mark.parametrize("shape", CONVEX)
 def test_rays_that_leave_a_convex_body_meet_nothing(place, shape):
     """Also those that leave along the surface, 1e-4 above it, and below the shading."""
-    camera = Camera((1.5, 1.2, 2.8), (0, 0, 0), fov_x=40.0)
+    camera = Camera((1.5, 1.2, 2.8), (0, 0, 0), fov=40.0)
     scene = moved(Scene(name="b", camera=camera, **CONVEX[shape]), place)
     world = world_of(scene, 64)
     seen = what_is_seen(world)
@@ -268,7 +268,7 @@ def test_a_closed_body_in_bright_light_is_black_inside(place, shape):
     """Exactly: sky and sun outside, a lamp just behind the wall."""
     scene = Scene(
         name="room",
-        camera=Camera((0.3, 0.002, 0.4), (1, 0, -1), fov_x=110.0),
+        camera=Camera((0.3, 0.002, 0.4), (1, 0, -1), fov=110.0),
         meshes=(CLOSED[shape],),
         suns=(sun_at(40.0), sun_at(0.0, 45.0)),
         points=(PointLight((1.01, 1.01, 1.01), LIGHT),),
@@ -283,7 +283,7 @@ def test_control_a_hole_is_found():
     """One of 1,280 triangles is missing: light gets in."""
     mesh = CLOSED["ball"]
     holed = replace(mesh, faces=mesh.faces[1:])
-    camera = Camera((0.3, 0.002, 0.4), (1, 0, -1), fov_x=110.0)
+    camera = Camera((0.3, 0.002, 0.4), (1, 0, -1), fov=110.0)
     scene = Scene(name="r", camera=camera, meshes=(holed,), environment=SKY)
     assert path_traced(world_of(scene, 48), "full", bounces=6, samples=6).any()
 
@@ -308,7 +308,7 @@ def test_light_stays_in_a_box_that_touches_another(place, how):
     lamp = quad("lamp", (-0.1, -0.5, -0.1), (0, 0, 0.2), (0.2, 0, 0), GREY, LIGHT)
     scene = Scene(
         name="boxes",
-        camera=Camera((4.0, 5.0, 6.0), (0.5, 0.5, 0), fov_x=45.0),
+        camera=Camera((4.0, 5.0, 6.0), (0.5, 0.5, 0), fov=45.0),
         meshes=(
             box("lit", (2, 2, 2), np.eye(4), GREY),
             box("dark", (2, 2, 2), other, GREY),
@@ -330,7 +330,7 @@ def edge_view(size=33):
     """
     half_width = 0.5 * 33 / 24
     fov = float(np.degrees(2 * np.arctan(half_width)))
-    camera = Camera((0, 0, 1), (0, 0, -1), fov_x=fov, width=size, height=size)
+    camera = Camera((0, 0, 1), (0, 0, -1), fov=fov, width=size, height=size)
     room = box("room", (2, 2, 2.5), np.eye(4), GREY, inward=True)
     matrix = np.eye(4)
     matrix[2, 3] = 0.25
@@ -399,7 +399,7 @@ def wedge(angle):
     upper, lower = (2 * np.array([np.cos(a), s * np.sin(a), 0]) for s in (1, -1))
     return Scene(
         name="wedge",
-        camera=Camera((1.5, 0, 0), (0, 0, 0), fov_x=40.0),
+        camera=Camera((1.5, 0, 0), (0, 0, 0), fov=40.0),
         meshes=(
             quad("upper", tuple(-z / 2), tuple(z), tuple(upper), GREY),
             quad("lower", tuple(-z / 2), tuple(lower), tuple(z), GREY),
@@ -441,7 +441,7 @@ def test_a_camera_very_far_away_sees_the_same(far):
         camera=Camera(
             position=(0.6 * far, 0.5 * far, 0.7 * far),
             target=(0, 0, 0),
-            fov_x=float(np.degrees(2 * np.arctan(1.2 / far))),
+            fov=float(np.degrees(2 * np.arctan(1.2 / far))),
         ),
         meshes=(box("b", (1, 0.6, 0.8), np.eye(4), GREY), fine_floor(10)),
         suns=(sun_at(30.0),),
@@ -469,7 +469,7 @@ def test_a_huge_triangle_far_away_opens_no_leak(far):
     )
     scene = Scene(
         name="room",
-        camera=Camera((0.1, 0.2, 0.3), (1, 0, -1), fov_x=110.0),
+        camera=Camera((0.1, 0.2, 0.3), (1, 0, -1), fov=110.0),
         meshes=(CLOSED["box"], outlier),
         environment=SKY,
     )

@@ -18,7 +18,7 @@ ROUNDING = "reference.resampling.packing.rounding"
 
 CENTER = "camera_rays(camera, column + 0.5, line + 0.5)"
 SIDE = "np.where(facing > 0, -1.0, 1.0)"
-HALF_WIDTH = "half_width = np.tan(np.radians(camera.fov_x) / 2)\n"
+HALF_WIDTH = "half_width = camera.half_width\n"
 ALONG_RIGHT = f"{HALF_WIDTH}    along_right"
 SCALE = f"{HALF_WIDTH}    scale"
 OF_HEIGHT = HALF_WIDTH.replace("\n", " * camera.width / camera.height\n")

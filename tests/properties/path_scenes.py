@@ -54,7 +54,7 @@ def far():
 def near():
     """Where the short block stands on the floor: ways of millimetres."""
     found = find_scene("cornell-box")
-    camera = replace(found.camera, target=(0.35, 0.0, 0.6636), fov_x=0.3)
+    camera = replace(found.camera, target=(0.35, 0.0, 0.6636), fov=0.3)
     return replace(found, camera=camera)
 
 

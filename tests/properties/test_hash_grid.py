@@ -243,7 +243,7 @@ def test_levels_are_those_of_the_formula():
 
 
 def test_a_cell_is_some_pixels_wide():
-    camera = Camera((0, 0, 0), (0, 0, -1), fov_x=60.0, width=640, height=480)
+    camera = Camera((0, 0, 0), (0, 0, -1), fov=60.0, width=640, height=480)
     lattice = lattice_of(camera)
     pixel = 2 * np.tan(np.radians(30)) / 640
     size = edges(levels(lattice, np.array([[0.0, 0.0, -7.0]])))[0] / 7.0

@@ -41,7 +41,7 @@ def seen(scene):
 
 
 def looking_from(x):
-    return Camera(position=(x, 1.03, 3.9), target=(0.02, 0.99, 0), fov_x=38.0,
+    return Camera(position=(x, 1.03, 3.9), target=(0.02, 0.99, 0), fov=38.0,
                   width=SIZE, height=SIZE)  # fmt: skip
 
 
@@ -139,7 +139,7 @@ def test_points_go_with_their_shape_and_come_back(yaw, place, yaw_to, place_to):
 
 @given(st.floats(-2, 2), st.floats(20, 100), st.booleans())
 def test_projection_inverts_the_rays_of_the_camera(x_eye, fov, mirrored):
-    camera = replace(looking_from(x_eye), fov_x=fov, mirrored=mirrored, height=17)
+    camera = replace(looking_from(x_eye), fov=fov, mirrored=mirrored, height=17)
     x, y = pixel_centers(SIZE, 17)
     origin, direction = camera_rays(camera, x, y)
     there = image_points(camera, origin + 3.0 * direction)

@@ -14,8 +14,11 @@ from reference.exr import read_exr
 from reference.oracle.backends.running import Limits, run_program
 from reference.oracle.cases import Failure
 
-PLACES = ("{scene}", "{seed}", "{frames}", "{size}", "{out}")
-"""What stands in the template: the last is needed, and so is the seed."""
+SIDES = ("{width}", "{height}", "{size}")
+PLACES = ("{scene}", "{seed}", "{frames}", *SIDES, "{out}")
+"""What stands in the template: the last is needed, and so is the seed.
+
+``{size}`` is both sides of a square picture."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +33,7 @@ class Renderer:
         What the renderer knows the scene by.
     frames : int
         From an empty history to the picture.
-    size : int, pixels
+    size : (int, int), pixels
         Width and height.
     limits : Limits
         Of time and memory.
@@ -39,7 +42,7 @@ class Renderer:
     template: str
     scene: str
     frames: int
-    size: int
+    size: tuple[int, int]
     limits: Limits
 
     def render(self, seed: int) -> NDArray[Any] | Failure:
@@ -52,7 +55,7 @@ class Renderer:
 
         Returns
         -------
-        (size, size, 3) float32, or Failure
+        (height, width, 3) float32, or Failure
             Radiance.
 
         Raises
@@ -73,11 +76,11 @@ class Renderer:
             color = read_exr(out).color
         except UsageError as error:
             return Failure(f"seed {seed}: {error}")
-        if color.shape[:2] != (self.size, self.size):
-            height, width = color.shape[:2]
+        height, width = color.shape[:2]
+        if (width, height) != self.size:
+            asked = "x".join(map(str, self.size))
             return Failure(
-                f"seed {seed}: the picture is {width}x{height} instead of"
-                f" {self.size}x{self.size}"
+                f"seed {seed}: the picture is {width}x{height} instead of {asked}"
             )
         bad = ~np.isfinite(color).all(axis=2)
         if bad.any():
@@ -86,7 +89,14 @@ class Renderer:
         return color
 
     def _words(self, seed: int, out: Path) -> list[str]:
-        given = (self.scene, str(seed), str(self.frames), str(self.size), str(out))
+        width, height = self.size
+        if width != height and "{size}" in self.template:
+            raise UsageError(
+                f"{{size}} is a side of a square picture, and this one is"
+                f" {width}x{height}; write {{width}} and {{height}}, or use --size N"
+            )
+        sides = (str(width), str(height), str(width))
+        given = (self.scene, str(seed), str(self.frames), *sides, str(out))
         try:
             words = shlex.split(self.template)
         except ValueError as error:

@@ -35,12 +35,12 @@ class Truth:
 
 
 def statistics(color: NDArray[np.floating]) -> Scalars:
-    """Mean of a square picture, and those of its tiles.
+    """Mean of a picture, and those of its tiles.
 
     Parameters
     ----------
-    color : (size, size, 3)
-        Of a size that `TILES` divides.
+    color : (height, width, 3)
+        Of sides that `TILES` divides.
 
     Returns
     -------
@@ -48,19 +48,21 @@ def statistics(color: NDArray[np.floating]) -> Scalars:
         Over all channels.
     """
     grey = color.astype(np.float64).mean(axis=2)
-    side = len(grey) // TILES
-    tiles = grey.reshape(TILES, side, TILES, side).mean(axis=(1, 3)).ravel()
+    height, width = (side // TILES for side in grey.shape)
+    tiles = grey.reshape(TILES, height, TILES, width).mean(axis=(1, 3)).ravel()
     return np.concatenate([[grey.mean()], tiles])
 
 
-def path_traced(scene: Scene, size: int, bounces: int, samples: int) -> Truth:
+def path_traced(
+    scene: Scene, size: tuple[int, int], bounces: int, samples: int
+) -> Truth:
     """Indirect light by the plain path tracer, through pixel centres.
 
     Parameters
     ----------
     scene : Scene
         Any that can be rendered.
-    size : int, pixels
+    size : (int, int), pixels
         Width and height.
     bounces : int
         Of indirect light.
@@ -72,15 +74,16 @@ def path_traced(scene: Scene, size: int, bounces: int, samples: int) -> Truth:
     Truth
         The error is that of the mean of independent pictures.
     """
-    camera = replace(scene.camera, width=size, height=size)
+    width, height = size
+    camera = replace(scene.camera, width=width, height=height)
     world = build_world(validate(replace(scene, camera=camera)))
-    points = first_hits(world, *pixel_centers(size, size))
-    pixel = np.arange(size * size, dtype=np.uint32)
+    points = first_hits(world, *pixel_centers(width, height))
+    pixel = np.arange(width * height, dtype=np.uint32)
 
     def one(number: int) -> Scalars:
         uniforms = KeyedUniforms(pixel, number, SEED, Stream.PATH)
         color = camera_radiance(world, points, "indirect", bounces, uniforms)
-        return statistics(color.reshape(size, size, 3))
+        return statistics(color.reshape(height, width, 3))
 
     found = np.stack([one(number) for number in range(samples)])
     error = found.std(axis=0, ddof=1) / np.sqrt(samples)

@@ -37,9 +37,9 @@ def _camera(settings: Mapping[str, Any]) -> Camera:
         vector("eye"),
         vector("target"),
         vector("up"),
-        float(settings["fov_x"]),
-        int(settings["width"]),
-        int(settings["height"]),
+        fov=float(settings["fov_x"]),
+        width=int(settings["width"]),
+        height=int(settings["height"]),
     )
 
 

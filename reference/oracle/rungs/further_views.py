@@ -18,7 +18,12 @@ ROWS = WIDTH * HEIGHT
 SIMILARITY: dict[str, Value] = {"max_angle": 25.0, "max_depth": 0.05}
 
 CAMERA = Camera(
-    (1.3, 2.6, -3.7), (0.25, 0.5, 2.0), (0.1, 1.0, 0.0), 65.0, WIDTH, HEIGHT
+    (1.3, 2.6, -3.7),
+    (0.25, 0.5, 2.0),
+    (0.1, 1.0, 0.0),
+    65.0,
+    width=WIDTH,
+    height=HEIGHT,
 )
 FAR = Camera((1024.5, -300.2, 77.0), (1000.0, -290.0, 50.0), width=4096, height=2048)
 
@@ -31,7 +36,7 @@ def _settings(camera: Camera) -> dict[str, Value]:
         for axis, v in zip("xyz", vector, strict=True)
     }
     return found | {
-        "fov_x": camera.fov_x,
+        "fov_x": camera.fov,
         "width": camera.width,
         "height": camera.height,
     }

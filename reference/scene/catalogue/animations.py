@@ -184,7 +184,7 @@ def sunlit_room() -> Scene:
     )
     return Scene(
         name="sunlight-turns",
-        camera=Camera(position=(1.8, 1.5, 1.7), target=(-0.7, 0.8, -0.6), fov_x=70.0),
+        camera=Camera(position=(1.8, 1.5, 1.7), target=(-0.7, 0.8, -0.6), fov=70.0),
         meshes=meshes,
         suns=(DirectionalLight(MORNING, (40.0, 36.0, 30.0)),),
     )

@@ -60,7 +60,7 @@ def night_market() -> Scene:
         _boxes("roofs", places, (-1.4, 2.6, -0.9), (2.8, 0.06, 2.0), CLOTH),
         _boxes("crates", places, (-1.0, 0.0, -0.6), (0.5, 0.6, 0.5), WOOD),
     )
-    camera = Camera(position=(0.3, 1.9, 8.9), target=(-1.2, 1.3, 0.0), fov_x=60.0)
+    camera = Camera(position=(0.3, 1.9, 8.9), target=(-1.2, 1.3, 0.0), fov=60.0)
     lights = lamps(stall + hung, u, 30_000.0)
     return Scene(name="night-market", camera=camera, meshes=meshes + lights)
 

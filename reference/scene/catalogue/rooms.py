@@ -64,7 +64,7 @@ def cornell_box() -> Scene:
         ),
     )
     # A little aside, so that no edge of the room runs exactly through pixel centres.
-    camera = Camera(position=(0.05, 1.03, 3.9), target=(0.02, 0.99, 0), fov_x=38.0)
+    camera = Camera(position=(0.05, 1.03, 3.9), target=(0.02, 0.99, 0), fov=38.0)
     return Scene(name="cornell-box", camera=camera, meshes=meshes)
 
 
@@ -119,7 +119,7 @@ def door_ajar() -> Scene:
             emission=(120.0, 110.0, 95.0),
         ),
     )
-    camera = Camera(position=(1.85, 1.4, 1.6), target=(-1.0, 0.9, -0.6), fov_x=70.0)
+    camera = Camera(position=(1.85, 1.4, 1.6), target=(-1.0, 0.9, -0.6), fov=70.0)
     return Scene(name="door-ajar", camera=camera, meshes=meshes)
 
 
@@ -142,7 +142,7 @@ def many_lights() -> Scene:
         box("pillar", (0.8, 2.0, 0.8), pose(30, (-1.2, 1.0, -0.5)), WHITE),
         box("bench", (1.6, 0.5, 0.6), pose(-20, (1.3, 0.25, 0.6)), WHITE),
     )
-    camera = Camera(position=(0.3, 1.5, 3.8), target=(0, 0.9, 0), fov_x=65.0)
+    camera = Camera(position=(0.3, 1.5, 3.8), target=(0, 0.9, 0), fov=65.0)
     return Scene(
         name="many-lights", camera=camera, meshes=meshes + lamps(centre, u, 40.0)
     )

@@ -41,7 +41,7 @@ def shaft() -> Scene:
         block("table", (0.9, 0.05, 0.7), pose(10.0, (-0.8, 0.7, 3.2)), WOOD),
         block("chest", (0.6, 0.6, 0.6), pose(-15.0, (-0.9, 0.3, 4.3)), BRICK),
     )
-    camera = Camera(position=(1.1, 1.5, 2.0), target=(-0.7, 0.9, 4.2), fov_x=65.0)
+    camera = Camera(position=(1.1, 1.5, 2.0), target=(-0.7, 0.9, 4.2), fov=65.0)
     return Scene(name="shaft", camera=camera, meshes=meshes)
 
 

@@ -36,7 +36,7 @@ def specular_floor() -> Scene:
         quad("shade, right", (1.0, 0.25, -1.5), (0, 0.5, 0), (0, 0, 0.5), BLACK),
         box("column", (0.35, 1.5, 0.35), pose(25, (-1.1, 0.75, -2.2)), WHITE),
     )
-    camera = Camera(position=(-0.15, 0.85, 1.9), target=(0.02, 0.02, -0.7), fov_x=46.0)
+    camera = Camera(position=(-0.15, 0.85, 1.9), target=(0.02, 0.02, -0.7), fov=46.0)
     lamp = PointLight((0.75, 0.65, -1.25), (90.0, 78.0, 60.0))
     return Scene(name="specular-floor", camera=camera, meshes=meshes, points=(lamp,))
 
@@ -87,7 +87,7 @@ def _furnished(name: str, floor: tuple[Mesh, ...], bottom: float) -> Scene:
             emission=(12.0, 10.0, 7.0),
         ),
     )
-    camera = Camera(position=(0.1, 1.3, 1.95), target=(0.03, 0.5, -1.2), fov_x=64.0)
+    camera = Camera(position=(0.1, 1.3, 1.95), target=(0.03, 0.5, -1.2), fov=64.0)
     return Scene(name=name, camera=camera, meshes=meshes)
 
 

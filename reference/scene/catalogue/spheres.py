@@ -12,7 +12,7 @@ EMISSION = 2.0
 INTENSITY = 3.0
 
 _CAMERA = Camera(
-    position=(0.3, 0.2, 0.1), target=(0.4, 0.9, -0.2), up=(0, 0, 1), fov_x=80.0
+    position=(0.3, 0.2, 0.1), target=(0.4, 0.9, -0.2), up=(0, 0, 1), fov=80.0
 )
 
 

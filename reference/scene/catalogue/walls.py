@@ -30,7 +30,7 @@ def sunlit_wall() -> Scene:
     )
     return Scene(
         name="sunlit-wall",
-        camera=Camera(position=(1.1, 2.2, 3.6), target=(0, 0.55, 0.4), fov_x=52.0),
+        camera=Camera(position=(1.1, 2.2, 3.6), target=(0, 0.55, 0.4), fov=52.0),
         meshes=meshes,
         suns=(DirectionalLight((0.0, 0.0, -1.0), SUN),),
     )
@@ -55,7 +55,7 @@ def parallel_plates() -> Scene:
     direction = (float(slope[0]), float(slope[1]), 0.0)
     return Scene(
         name="parallel-plates",
-        camera=Camera(position=(0.3, 0.62, 1.0), target=(0, 0.33, 0), fov_x=80.0),
+        camera=Camera(position=(0.3, 0.62, 1.0), target=(0, 0.33, 0), fov=80.0),
         meshes=meshes,
         suns=(DirectionalLight(direction, SUN),),
     )
@@ -88,7 +88,7 @@ def glossy_floor() -> Scene:
     )
     return Scene(
         name="glossy-floor",
-        camera=Camera(position=(1.3, 1.5, 3.2), target=(-0.1, 0.35, -0.3), fov_x=42.0),
+        camera=Camera(position=(1.3, 1.5, 3.2), target=(-0.1, 0.35, -0.3), fov=42.0),
         meshes=meshes,
         suns=(DirectionalLight((-0.48, -0.6, -0.64), (9.0, 8.5, 8.0)),),
     )
@@ -112,7 +112,7 @@ def grazing_light() -> Scene:
     )
     return Scene(
         name="grazing-light",
-        camera=Camera(position=(3.6, 1.7, 1.2), target=(0.8, -0.1, -0.1), fov_x=52.0),
+        camera=Camera(position=(3.6, 1.7, 1.2), target=(0.8, -0.1, -0.1), fov=52.0),
         meshes=meshes,
         suns=(DirectionalLight((-1.0, 0.0, 0.0), (30.0, 28.0, 24.0)),),
     )
@@ -135,7 +135,7 @@ def checker() -> Scene:
     )
     return Scene(
         name="checker",
-        camera=Camera(position=(1.5, 1.8, 3.6), target=(0, 0.4, 0), fov_x=50.0),
+        camera=Camera(position=(1.5, 1.8, 3.6), target=(0, 0.4, 0), fov=50.0),
         meshes=meshes,
         environment=ConstantEnvironment((1.0, 1.1, 1.3)),
     )

@@ -3,7 +3,7 @@
 import numpy as np
 
 from reference.arrays import cross, dot
-from reference.scene.camera import Camera
+from reference.scene.camera import FOV_AXES, Camera
 from reference.scene.checks.shapes import LARGEST
 from reference.scene.checks.space import distance_to_triangles
 from reference.scene.checks.values import need_numbers, refuse, told
@@ -46,11 +46,8 @@ def check_camera(where: str, camera: Camera) -> None:
     lengths = dot(view, view) * dot(up, up)
     if dot(right_vector, right_vector) <= 2.0**-80 * lengths:
         refuse(where, "up is parallel to the view", "it must point to the side of it")
-    need_numbers(where, "fov_x", camera.fov_x)
-    if not 0 < camera.fov_x < 180:
-        right = "it must be between 0 and 180 degrees"
-        refuse(where, f"fov_x is {camera.fov_x:g}", right)
     _check_size(where, camera)
+    _check_angle(where, camera)
 
 
 def _check_size(where: str, camera: Camera) -> None:
@@ -61,6 +58,16 @@ def _check_size(where: str, camera: Camera) -> None:
         refuse(where, f"its image is {size} pixels", "use at least 1x1")
     if int(camera.width) * int(camera.height) > MOST_PIXELS:
         refuse(where, f"its image is {size} pixels", f"use at most {MOST_PIXELS}")
+
+
+def _check_angle(where: str, camera: Camera) -> None:
+    need_numbers(where, "fov", camera.fov)
+    if not 0 < camera.fov < 180:
+        right = "it must be between 0 and 180 degrees"
+        refuse(where, f"fov is {camera.fov:g}", right)
+    if camera.fov_axis not in FOV_AXES:
+        right = f"it can be {', '.join(FOV_AXES[:-1])} or {FOV_AXES[-1]}"
+        refuse(where, f"fov_axis is {camera.fov_axis!r}", right)
 
 
 def check_place(where: str, scene: Scene, extent: float) -> None:

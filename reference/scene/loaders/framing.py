@@ -1,11 +1,11 @@
-"""Cameras and lights for files that have none, and the angle of view."""
+"""Cameras and lights for files that have none, and the axis of the angle of view."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
 from reference.arrays import Vec3s
-from reference.scene.camera import Camera
+from reference.scene.camera import FOV_AXES, Camera, FovAxis
 from reference.scene.lights import ConstantEnvironment
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.scene import Scene
@@ -38,38 +38,13 @@ def color(values: Sequence[float] | Vec3s) -> Color:
     return x, y, z
 
 
-def horizontal_fov(fov: float, axis: str, width: float, height: float) -> float:
-    """Horizontal angle of view from one given along some axis.
-
-    Parameters
-    ----------
-    fov : float, degrees
-        Between 0 and 180.
-    axis : {'x', 'y', 'diagonal', 'larger', 'smaller'}
-        The side of the image that it spans.
-    width, height : float
-        Size of the image, in any unit.
-
-    Returns
-    -------
-    float, degrees
-        tan(fov_x / 2) = tan(fov / 2) · width / side.
-
-    Raises
-    ------
-    KeyError
-        For any other axis.
-    """
-    side = {
-        "x": width,
-        "y": height,
-        "diagonal": float(np.hypot(width, height)),
-        "larger": max(width, height),
-        "smaller": min(width, height),
-    }[axis]
-    if side == width:
-        return fov
-    return float(2 * np.degrees(np.arctan(np.tan(np.radians(fov) / 2) * width / side)))
+def fov_axis(where: str, word: object, ledger: Ledger) -> FovAxis:
+    """Axis of the angle of view that a file names; any other word is refused."""
+    named = [axis for axis in FOV_AXES if axis == word]
+    if not named:
+        known = f"{', '.join(FOV_AXES[:-1])} or {FOV_AXES[-1]}"
+        ledger.stop(f"{where}: fov_axis is {word!r}; it can be {known}")
+    return named[0]
 
 
 def framing_camera(meshes: Sequence[Mesh], spheres: Sequence[Sphere]) -> Camera:
@@ -85,7 +60,8 @@ def framing_camera(meshes: Sequence[Mesh], spheres: Sequence[Sphere]) -> Camera:
     Returns
     -------
     Camera
-        Square, y up; its image contains the sphere about the bounding box.
+        Square, y up; its image contains the sphere about the bounding box, at any
+        size.
     """
     corners = [mesh.vertices[np.isfinite(mesh.vertices).all(axis=1)] for mesh in meshes]
     for sphere in spheres:
@@ -100,7 +76,10 @@ def framing_camera(meshes: Sequence[Mesh], spheres: Sequence[Sphere]) -> Camera:
     direction = np.array(VIEW) / np.linalg.norm(VIEW)
     distance = radius / np.sin(np.radians(FOV) / 2)
     return Camera(
-        position=color(center + distance * direction), target=color(center), fov_x=FOV
+        position=color(center + distance * direction),
+        target=color(center),
+        fov=FOV,
+        fov_axis="smaller",
     )
 
 
@@ -132,7 +111,7 @@ def camera_or_framing(
         return camera
     ledger.note(
         "The file has no camera: it is seen from the right, above and in front (y up),"
-        f" as a whole, with a horizontal angle of view of {FOV:g} degrees, 256x256"
+        f" as a whole, with an angle of view of {FOV:g} degrees, 256x256"
     )
     return framing_camera(meshes, spheres)
 

@@ -19,7 +19,6 @@ from reference.scene.loaders.framing import (
     camera_or_framing,
     color,
     default_environment,
-    horizontal_fov,
 )
 from reference.scene.loaders.gltf_buffers import Document, read_document
 from reference.scene.loaders.gltf_materials import (
@@ -172,7 +171,8 @@ def _camera(entry: dict[str, Any], matrix: Scalars, ledger: Ledger) -> Camera | 
         position=color(position),
         target=color(position - normalize(matrix[:3, 2])),
         up=color(normalize(matrix[:3, 1])),
-        fov_x=horizontal_fov(float(np.degrees(lens["yfov"])), "y", aspect, 1.0),
+        fov=float(np.degrees(lens["yfov"])),
+        fov_axis="y",
         width=width,
         height=height,
         mirrored=bool(np.linalg.det(matrix[:3, :3]) < 0),

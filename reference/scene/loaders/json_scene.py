@@ -15,7 +15,7 @@ from reference.scene.lights import (
     LatLongEnvironment,
     PointLight,
 )
-from reference.scene.loaders.framing import camera_or_framing, color, horizontal_fov
+from reference.scene.loaders.framing import camera_or_framing, color, fov_axis
 from reference.scene.loaders.json_entries import Entry
 from reference.scene.loaders.json_materials import MATT, read_material
 from reference.scene.loaders.ledger import Ledger
@@ -96,18 +96,12 @@ def _materials(raw: Any, ledger: Ledger) -> dict[str, Material]:
 
 def _camera(entry: Entry) -> Camera:
     width, height = entry.count("width", 256), entry.count("height", 256)
-    axis = str(entry.get("fov_axis", "x"))
-    try:
-        fov_x = horizontal_fov(entry.number("fov_deg"), axis, width, height)
-    except KeyError:
-        entry.ledger.stop(
-            f"camera: fov_axis is {axis!r}; it can be x, y, diagonal, larger or smaller"
-        )
     camera = Camera(
         position=entry.color("origin"),
         target=entry.color("target"),
         up=entry.color("up", (0.0, 1.0, 0.0)),
-        fov_x=fov_x,
+        fov=entry.number("fov_deg"),
+        fov_axis=fov_axis("camera", entry.get("fov_axis", "x"), entry.ledger),
         width=width,
         height=height,
     )

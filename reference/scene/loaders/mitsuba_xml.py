@@ -3,9 +3,8 @@
 import numpy as np
 
 from reference.arrays import normalize
-from reference.errors import UsageError
-from reference.scene.camera import Camera
-from reference.scene.loaders.framing import camera_or_framing, color, horizontal_fov
+from reference.scene.camera import Camera, FovAxis
+from reference.scene.loaders.framing import camera_or_framing, color, fov_axis
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.mitsuba_lights import Lights, add_light
 from reference.scene.loaders.mitsuba_materials import Materials
@@ -82,13 +81,15 @@ def _camera(sensors: list[Node], ledger: Ledger) -> Camera | None:
             f"{sensor.name}: to_world scales or shears, which a camera cannot",
             "taken as the camera with the same view and up directions",
         )
+    fov, axis = _fov(sensor, ledger)
     # Mitsuba's camera looks along +z of its frame, with +y up and +x to the left.
     _, up, forward = normalize(axes.T)
     camera = Camera(
         position=color(matrix[:3, 3]),
         target=color(matrix[:3, 3] + forward),
         up=color(up),
-        fov_x=_fov(sensor, width, height, ledger),
+        fov=fov,
+        fov_axis=axis,
         width=width,
         height=height,
         mirrored=bool(np.linalg.det(axes) < 0),
@@ -116,19 +117,12 @@ def _film(sensor: Node, ledger: Ledger) -> tuple[int, int]:
     return width, height
 
 
-def _fov(sensor: Node, width: int, height: int, ledger: Ledger) -> float:
-    axis = sensor.get("fov_axis", "x")
+def _fov(sensor: Node, ledger: Ledger) -> tuple[float, FovAxis]:
+    axis = fov_axis(sensor.name, sensor.get("fov_axis", "x"), ledger)
     fov, focal = sensor.get("fov"), sensor.get("focal_length")
-    if fov is None:
-        # Mitsuba's default.
-        with ledger.reading(f"focal length of {sensor.name}"):
-            millimetres = float(str(focal or "50mm").removesuffix("mm"))
-        fov = 2 * np.degrees(np.arctan(FULL_FRAME / 2 / millimetres))
-        axis = "diagonal"
-    try:
-        return horizontal_fov(float(fov), axis, width, height)
-    except KeyError as error:
-        raise UsageError(
-            f"{ledger.path}: {sensor.name}: fov_axis is {axis!r}; it can be x, y,"
-            " diagonal, smaller or larger"
-        ) from error
+    if fov is not None:
+        return float(fov), axis
+    # Mitsuba's default.
+    with ledger.reading(f"focal length of {sensor.name}"):
+        millimetres = float(str(focal or "50mm").removesuffix("mm"))
+    return float(2 * np.degrees(np.arctan(FULL_FRAME / 2 / millimetres))), "diagonal"
