@@ -53,6 +53,7 @@ class RayCaster:
         self._triangles = Triangles(geometry)
         self._center = (geometry.center - geometry.middle) / geometry.extent
         self._radius = geometry.radius / geometry.extent
+        self._transmits = geometry.materials.transmits
 
     def from_camera(self, origin: Vec3s, direction: Vec3s) -> Hits:
         """First primitive along rays that start in free space.
@@ -145,12 +146,15 @@ class RayCaster:
             return active.copy()
         self._count(kind, active)
         step, stop = STEP * self._geometry.extent, STOP * self._geometry.extent
+        origin = points.position
+        if self._transmits:
+            origin = self._outset(points, x_to - origin)
         along = n_to * step
         along += x_to
-        along -= points.position
+        along -= origin
         distance = np.sqrt(dot(along, along))
         reach = np.where(active, 1.0 - stop / np.maximum(distance, stop), NOT_TRACED)
-        free = self._triangles.free(points.position, along, reach)
+        free = self._triangles.free(origin, along, reach)
         if len(self._radius):
             free = free & self._no_sphere(points, x_to - points.position, reach)
         return free
@@ -183,10 +187,19 @@ class RayCaster:
         self._count(kind, active)
         along = direction * self._geometry.extent
         reach = np.where(active, ENDLESS, NOT_TRACED)
-        free = self._triangles.free(points.position, along, reach)
+        origin = points.position
+        if self._transmits:
+            origin = self._outset(points, along)
+        free = self._triangles.free(origin, along, reach)
         if len(self._radius):
             free = free & self._no_sphere(points, along, reach)
         return free
+
+    def _outset(self, points: SurfacePoints | Viewpoints, direction: Vec3s) -> Vec3s:
+        """Where rays of visibility start: from points with a normal, to either side."""
+        if isinstance(points, Viewpoints):
+            return points.position
+        return leaving(self._geometry, points, direction)
 
     def _normalized(self, x: Vec3s) -> Vec3s:
         moved: Vec3s = (x - self._geometry.middle) / self._geometry.extent

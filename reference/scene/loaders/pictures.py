@@ -103,6 +103,34 @@ def decode_picture(
     return _decoded(stored, raw)
 
 
+def decode_alpha(contents: bytes, name: str, ledger: Ledger) -> Scalars:
+    """Alpha channel of a picture in memory.
+
+    Parameters
+    ----------
+    contents : bytes
+        What Pillow reads.
+    name : str
+        For messages.
+    ledger : Ledger
+        Of the scene: it bounds the memory.
+
+    Returns
+    -------
+    (h, w) float64
+        In [0, 1]; 1 everywhere if the picture has none.
+
+    Raises
+    ------
+    UsageError
+        As of `decode_picture`.
+    """
+    stored = _stored(contents, name, ledger, "RGBA")
+    if stored.ndim == 2:  # 16 bits of grey
+        return np.ones(stored.shape)
+    return _decoded(stored[..., 3], True)
+
+
 def read_mask(name: str, ledger: Ledger) -> Vec3s:
     """How opaque a picture file says that a surface is.
 
@@ -128,9 +156,9 @@ def read_mask(name: str, ledger: Ledger) -> Vec3s:
 
 
 def _stored(
-    contents: bytes, name: str, ledger: Ledger, wanted: Literal["RGB", "alpha"]
+    contents: bytes, name: str, ledger: Ledger, wanted: Literal["RGB", "RGBA", "alpha"]
 ) -> Scalars:
-    """Numbers as the picture stores them: (h, w, 3) or, of one channel, (h, w)."""
+    """Numbers as the picture stores them: (h, w, 3 or 4) or, of one channel, (h, w)."""
     from PIL import Image
 
     try:
@@ -149,8 +177,8 @@ def _stored(
                 if has_alpha:
                     return np.asarray(picture.convert("RGBA").getchannel("A"))
                 return np.asarray(picture.convert("L"))
-            rgb = picture if picture.mode == "RGB" else picture.convert("RGB")
-            return np.asarray(rgb)
+            same = picture.mode == wanted
+            return np.asarray(picture if same else picture.convert(wanted))
     except UsageError:
         raise
     except (Image.DecompressionBombWarning, Image.DecompressionBombError) as error:
