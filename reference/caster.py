@@ -10,6 +10,7 @@ from collections import Counter
 import numpy as np
 
 from reference.arrays import Indices, Masks, Scalars, Vec3s, dot
+from reference.pierced import PiercedTriangles
 from reference.rays import ENDLESS, NOT_TRACED, Triangles
 from reference.scene.geometry import Geometry
 from reference.scene.hits import Hits
@@ -38,7 +39,9 @@ class RayCaster:
     Attributes
     ----------
     counts : Counter of str
-        Rays traced so far: 'primary', 'bounce', 'shadow', 'reuse', ...
+        Rays traced so far: 'primary', 'bounce', 'shadow', 'reuse', ...; those of all
+        kinds that went on through a hole of an alpha mask, once more for each hole, as
+        'behind masks'.
     """
 
     def __init__(
@@ -50,7 +53,11 @@ class RayCaster:
         self.counts: Counter[str] = before.counts if before else Counter()
         self._lock: threading.Lock = before._lock if before else threading.Lock()
         self._geometry, self._occlusion = geometry, occlusion
-        self._triangles = Triangles(geometry)
+        self._triangles: Triangles | PiercedTriangles
+        if geometry.mask is None:
+            self._triangles = Triangles(geometry)
+        else:
+            self._triangles = PiercedTriangles(geometry, self._count_behind_masks)
         self._center = (geometry.center - geometry.middle) / geometry.extent
         self._radius = geometry.radius / geometry.extent
         self._transmits = geometry.materials.transmits
@@ -226,6 +233,12 @@ class RayCaster:
         return Hits(primitive.astype(np.int32), hits.u, hits.v, distance)
 
     def _count(self, kind: str, active: Masks) -> None:
-        rays = int(np.count_nonzero(active))
+        self._add(kind, int(np.count_nonzero(active)))
+
+    def _count_behind_masks(self, rays: int) -> None:
+        if rays:
+            self._add("behind masks", rays)
+
+    def _add(self, kind: str, rays: int) -> None:
         with self._lock:
             self.counts[kind] += rays

@@ -5,6 +5,7 @@ from dataclasses import asdict, replace
 
 from reference.commands import arguments as options
 from reference.commands.console import emit, progress, show
+from reference.commands.darkness import why_black
 from reference.commands.opening import open_frames, size_in_shape
 from reference.commands.reference import EVERY, TRUTH_SEED
 from reference.commands.targets import new_folder
@@ -104,12 +105,22 @@ def run(arguments: argparse.Namespace) -> None:
         traced = runs_of_paths(paths, restir[-1].seconds, arguments.runs)
     found = scores(state.moments, traced, restir)
     remarks = _remarks(arguments)
+    black = None if truth.color.any() else why_black(true_job)
+    if black is not None:
+        remarks.append(f"Every pixel is black: {black}.")
     contenders = list(zip([traced, *restir], found, strict=True))
     write_gallery(out, scene, truth, contenders, remarks)
     checkpoint.unlink(missing_ok=True)
     if arguments.json:
         methods = [asdict(score) for score in found]
-        emit({"page": str(out / "index.html"), "scene": scene.name, "methods": methods})
+        emit(
+            {
+                "page": str(out / "index.html"),
+                "scene": scene.name,
+                "black": black,
+                "methods": methods,
+            }
+        )
         return
     show(table(found, f"{scene.name}, {truth.width}x{truth.height}"))
     for remark in remarks:

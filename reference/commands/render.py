@@ -4,8 +4,11 @@ import argparse
 import time
 from pathlib import Path
 
+import numpy as np
+
 from reference.commands import arguments as options
 from reference.commands.console import emit, progress, show
+from reference.commands.darkness import why_black
 from reference.commands.opening import open_frames
 from reference.commands.targets import check_file
 from reference.commands.values import MOST_SAMPLES, whole
@@ -97,7 +100,8 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.png:
         color = to_image(layers["color"], world.camera.width, world.camera.height)
         write_png(png, color, auto_exposure(color))
-    _report(arguments, out, png, words, layers)
+    black = None if np.any(layers["color"]) else why_black(job)
+    _report(arguments, out, png, words, layers, black)
 
 
 def _described(name: str) -> str:
@@ -147,6 +151,7 @@ def _report(
     png: Path,
     words: Words,
     layers: Layers,
+    black: str | None,
 ) -> None:
     if arguments.json:
         emit(
@@ -154,10 +159,13 @@ def _report(
                 "out": str(out),
                 "png": str(png) if arguments.png else None,
                 "layers": list(layers),
+                "black": black,
                 "metadata": words,
             }
         )
         return
     show(f"{out}: {words['method']} on {words['scene']}, {words['seconds']} s")
+    if black is not None:
+        show(f"Every pixel is black: {black}")
     if "biases" in words:
         show(f"Biased here by {words['biases']}")

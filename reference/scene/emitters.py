@@ -78,7 +78,18 @@ class Emitters:
         return len(self.primitive) > 0 or self.environment is not None
 
     def sides(self, primitive: Indices) -> Indices:
-        """(N,) int: cells along a side of primitives, which are cut into its square."""
+        """Cells along a side of primitives, each of which has its square of them.
+
+        Parameters
+        ----------
+        primitive : (N,) int
+            Primitives.
+
+        Returns
+        -------
+        (N,) int64
+            1 where the primitive is one area.
+        """
         if self.cells is None:
             return np.ones(len(primitive), np.int64)
         sides: Indices = self.cells.side[primitive]

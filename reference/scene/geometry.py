@@ -1,7 +1,7 @@
 """All shapes of a scene as one list of primitives, in the world."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,17 +18,33 @@ from reference.arrays import (
     triangle_normal,
 )
 from reference.records import take
-from reference.scene.materials.kinds import Material
+from reference.scene.materials.kinds import Dielectric, Material
 from reference.scene.materials.parameters import MaterialTable, tabulate
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh, Sphere
-from reference.scene.textures import Pattern, Texture, mean_color
+from reference.scene.textures import Bitmap, Pattern, Texture, mean_color
 
 INSIDE = 2.0**-16
 """How far hit points stay inside their triangle, in half extents of the scene.
 
 Eight times the step that rays take off a surface: enough for wedges of 10 degrees.
 """
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AlphaMask:
+    """Where a mesh has holes.
+
+    Attributes
+    ----------
+    opacity : Bitmap
+        Its channels' mean is compared.
+    cutoff : float
+        There is a surface from this opacity on.
+    """
+
+    opacity: Bitmap
+    cutoff: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,6 +64,12 @@ class Geometry:
         Vertex normals; ``None`` where every face is flat.
     uv : (T, 3, 2) float64 or None
         Texture coordinates; ``None`` where no texture needs them.
+    color : (T, 3, 3) float64 or None
+        Factors on the reflectance at the vertices; ``None`` where there are none.
+    mask : (T,) int32 or None
+        Row of ``masks``, -1 for triangles without holes; ``None`` where none has any.
+    masks : tuple of AlphaMask
+        Of the meshes.
     center : (S, 3) float64, m
         Sphere centres.
     radius : (S,) float64, m
@@ -79,6 +101,9 @@ class Geometry:
     area: Scalars
     smooth: Scalars | None
     uv: Scalars | None
+    color: Scalars | None
+    mask: Indices | None
+    masks: tuple[AlphaMask, ...]
     center: Vec3s
     radius: Scalars
     inward: Masks
@@ -118,6 +143,8 @@ def build_geometry(scene: Scene) -> Geometry:
             materials.append(shape.material)
     row = {id(m): i for i, m in enumerate(materials)}
     table = tabulate(materials)
+    if any(m.colors is not None and np.min(m.colors) <= 0 for m in scene.meshes):
+        table = replace(table, plain=False)
 
     def per_triangle(parts: list[Scalars], *shape: int) -> Scalars:
         return np.concatenate(parts) if parts else np.zeros((0, *shape))
@@ -130,6 +157,7 @@ def build_geometry(scene: Scene) -> Geometry:
     glow_textures, glow_row = _textures_of(glow)
     both = np.array([s.two_sided_emission for s in shapes], bool)[shape_index]
     textured = any(isinstance(t, Pattern) for t in table.textures)
+    masked = [m for m in scene.meshes if m.opacity is not None]
     edge_u, edge_v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     front, normal = cross(edge_u, edge_v), triangle_normal(edge_u, edge_v)
     center = np.array([s.center for s in scene.spheres], float).reshape(-1, 3)
@@ -146,8 +174,13 @@ def build_geometry(scene: Scene) -> Geometry:
         if smooth
         else None,
         uv=per_triangle([_corner_uv(m) for m in scene.meshes], 3, 2)
-        if textured or glow_textures
+        if textured or glow_textures or masked
         else None,
+        color=per_triangle([_corner_colors(m) for m in scene.meshes], 3, 3)
+        if any(m.colors is not None for m in scene.meshes)
+        else None,
+        mask=_rows_of_masks(scene.meshes) if masked else None,
+        masks=tuple(_mask_of(m) for m in masked),
         center=center,
         radius=radius,
         inward=np.array([s.inward for s in scene.spheres], bool),
@@ -163,6 +196,17 @@ def build_geometry(scene: Scene) -> Geometry:
         middle=(low + high) / 2,
         extent=extent,
     )
+
+
+def _mask_of(mesh: Mesh) -> AlphaMask:
+    assert mesh.opacity is not None
+    return AlphaMask(mesh.opacity, mesh.opacity_cutoff)
+
+
+def _rows_of_masks(meshes: Sequence[Mesh]) -> Indices:
+    has = np.array([m.opacity is not None for m in meshes])
+    row = np.where(has, np.cumsum(has) - 1, -1).astype(np.int32)
+    return np.repeat(row, [len(m.faces) for m in meshes])
 
 
 def _textures_of(
@@ -342,3 +386,11 @@ def _corner_uv(mesh: Mesh) -> Scalars:
         return np.zeros((len(mesh.faces), 3, 2))
     corner_uv: Scalars = np.asarray(mesh.uv, float)[mesh.faces]
     return corner_uv
+
+
+def _corner_colors(mesh: Mesh) -> Scalars:
+    # A dielectric has no reflectance that a colour could be a factor of.
+    if mesh.colors is None or isinstance(mesh.material, Dielectric):
+        return np.ones((len(mesh.faces), 3, 3))
+    corner_colors: Scalars = np.asarray(mesh.colors, float)[mesh.faces]
+    return corner_colors

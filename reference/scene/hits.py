@@ -152,6 +152,10 @@ def _colors(
         if len(rows):
             uv = _texture_coordinates(geometry, take(hits, rows), normal[rows])
             color[rows] = read(texture, uv)
+    if geometry.color is not None:
+        rows = np.flatnonzero(hit & (hits.primitive < geometry.triangles))
+        corners = geometry.color[hits.primitive[rows]]
+        color[rows] *= _barycentric(corners, hits, rows)
     return color
 
 

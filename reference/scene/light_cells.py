@@ -13,26 +13,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from reference.arrays import Indices, Scalars, Vec3s, normalize
-from reference.images import luminance_weights
 from reference.records import take
 from reference.sampling import invert_triangle, sample_triangle
 from reference.scene.geometry import Geometry, barycentric, texture_coordinates
-from reference.scene.textures import Bitmap, Pattern, read
+from reference.scene.texel_sums import TexelSums, texels
+from reference.scene.textures import read
 
 MOST_ON_A_SIDE = 64
 """Cells along a side of the square of a triangle."""
 
 MOST_CELLS = 1 << 17
 """Cells of all triangles of a scene, as long as each has one."""
-
-LEAST_SHARE = 1e-3
-"""Least weight of a cell that emits, in means of its texture.
-
-Rounding in the sums over texels, 2⁻⁵³ of their total, then never hides a cell.
-"""
-
-SLACK = 2.0**-10
-"""Texels by which rectangles are widened, against rounding of texture coordinates."""
 
 
 def radiance_at(geometry: Geometry, primitive: Indices, x: Vec3s) -> Vec3s:
@@ -171,7 +162,7 @@ def cut_lights(
     texture = np.full(len(geometry.emission), -1)
     if geometry.emission_texture is not None:
         texture = geometry.emission_texture
-    maps = [_Luminance.of(t) for t in geometry.emission_textures]
+    maps = [TexelSums.of(t) for t in geometry.emission_textures]
     # Leave out what lies in the dark of its texture, then cut the rest.
     one = np.ones(len(primitive), np.int64)
     whole = _cells(geometry, primitive, one)
@@ -223,13 +214,13 @@ def _cells(geometry: Geometry, primitive: Indices, side: Indices) -> _Cells:
 def _sides(geometry: Geometry, texture: Indices, primitive: Indices) -> Indices:
     """About a cell a texel, within the limits."""
     cells = _cells(geometry, primitive, np.ones(len(primitive), np.int64))
-    texels = np.ones(len(primitive))
+    across = np.ones(len(primitive))
     for k, one in enumerate(geometry.emission_textures):
         rows = np.flatnonzero(texture[primitive] == k)
         extent = (cells.high[rows] - cells.low[rows]) * one.scale
-        texels[rows] = np.max(np.abs(extent) * _pixels(one).shape[1::-1], axis=1)
-    texels[primitive >= geometry.triangles] = 1.0
-    side = np.ceil(np.clip(texels, 1.0, MOST_ON_A_SIDE))
+        across[rows] = np.max(np.abs(extent) * texels(one).shape[1::-1], axis=1)
+    across[primitive >= geometry.triangles] = 1.0
+    side = np.ceil(np.clip(across, 1.0, MOST_ON_A_SIDE))
     excess = np.sum(side * side) / MOST_CELLS
     if excess > 1:
         side = np.maximum(np.floor(side / np.sqrt(excess)), 1.0)
@@ -238,89 +229,10 @@ def _sides(geometry: Geometry, texture: Indices, primitive: Indices) -> Indices:
 
 
 def _weights(
-    geometry: Geometry, maps: list["_Luminance"], texture: Indices, cells: _Cells
+    geometry: Geometry, maps: list[TexelSums], texture: Indices, cells: _Cells
 ) -> Scalars:
     weight = np.zeros(len(cells.primitive))
     for k, one in enumerate(maps):
         rows = np.flatnonzero(texture[cells.primitive] == k)
         weight[rows] = one.around(cells.low[rows], cells.high[rows])
     return weight
-
-
-def _pixels(texture: Pattern) -> Vec3s:
-    """Texels; a checker has four."""
-    if isinstance(texture, Bitmap):
-        return texture.pixels
-    a, b = texture.color0, texture.color1
-    return np.array([[b, a], [a, b]])
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Luminance:
-    """A texture ready for means over rectangles.
-
-    ``sums`` and ``lit`` are sums, over all rows and columns before, of the luminance of
-    texels and of texels above 0.
-    """
-
-    sums: Scalars
-    lit: Indices
-    scale: tuple[float, float]
-    reach: float
-    least: float
-
-    @staticmethod
-    def of(texture: Pattern) -> "_Luminance":
-        pixels = _pixels(texture)
-        luminance = pixels @ np.array(luminance_weights())
-        lit = (pixels > 0).any(axis=2).astype(np.int64)
-        smooth = isinstance(texture, Bitmap) and texture.filter == "bilinear"
-        return _Luminance(
-            sums=np.pad(luminance, ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1),
-            lit=np.pad(lit, ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1),
-            scale=texture.scale,
-            reach=(0.5 if smooth else 0.0) + SLACK,
-            least=LEAST_SHARE * float(luminance.mean()),
-        )
-
-    def around(self, low: Scalars, high: Scalars) -> Scalars:
-        """Mean luminance of the texels that reach into rectangles of (u, v)."""
-        height, width = self.sums.shape[0] - 1, self.sums.shape[1] - 1
-        u = low[:, 0] * self.scale[0] * width, high[:, 0] * self.scale[0] * width
-        v = low[:, 1] * self.scale[1], high[:, 1] * self.scale[1]
-        columns = self._texels(*u, width)
-        rows = self._texels((1.0 - v[0]) * height, (1.0 - v[1]) * height, height)
-        lit = _box_sums(self.lit, rows, columns)
-        mean = _box_sums(self.sums, rows, columns) / (rows[1] * columns[1])
-        return np.where(lit > 0, np.maximum(mean, self.least), 0.0)
-
-    def _texels(self, a: Scalars, b: Scalars, period: int) -> tuple[Indices, Indices]:
-        """First texel of an interval, in [0, period), and how many follow from it."""
-        first = np.floor(np.minimum(a, b) - self.reach)
-        last = np.floor(np.maximum(a, b) + self.reach)
-        count = np.clip(last - first + 1.0, 1.0, period)
-        first = np.clip(first - np.floor(first / period) * period, 0.0, period - 1.0)
-        return first.astype(np.int64), count.astype(np.int64)
-
-
-def _box_sums(
-    sums: Scalars,
-    rows: tuple[Indices, Indices],
-    columns: tuple[Indices, Indices],
-) -> Scalars:
-    """Sums over boxes of a texture that repeats, from its running sums."""
-    total = np.zeros(len(rows[0]))
-    for top, bottom in _unwrapped(*rows, sums.shape[0] - 1):
-        for left, right in _unwrapped(*columns, sums.shape[1] - 1):
-            total = total + (sums[bottom, right] - sums[top, right])
-            total = total - (sums[bottom, left] - sums[top, left])
-    return total
-
-
-def _unwrapped(
-    first: Indices, count: Indices, period: int
-) -> tuple[tuple[Indices, Indices], tuple[Indices, Indices]]:
-    """The part up to the edge of the texture, and the part that begins anew."""
-    end = first + count
-    beyond = np.maximum(end - period, 0)
-    return (first, np.minimum(end, period)), (np.zeros_like(beyond), beyond)

@@ -21,6 +21,7 @@ from reference.scene.emitters import Emitters
 from reference.scene.environment import environment_radiance, sample_environment
 from reference.scene.geometry import Geometry, on_triangles
 from reference.scene.light_cells import radiance_at
+from reference.scene.masks import is_solid_at
 from reference.scene.surface import direction_and_distance
 from reference.tables import index_in_table
 
@@ -72,7 +73,7 @@ def sample_light(
     Returns
     -------
     LightSamples
-        Weight 0 where a back that does not emit faces the point.
+        Weight 0 where a back that does not emit faces the point, and in holes.
     """
     light = index_in_table(emitters.cumulative, emitters.guide, u[0])
     return points_on_lights(emitters, geometry, x, light, u)
@@ -149,6 +150,9 @@ def _sample_area(
     density = emitters.probability[light] / area
     pdf = divide_or_zero(density * distance * distance, cos_light)
     radiance = radiance_at(geometry, primitive, x_to)
+    if geometry.mask is not None:
+        solid = is_solid_at(geometry, primitive, x_to)
+        radiance = np.where(solid[:, None], radiance, 0.0)
     weight = divide_or_zero(radiance, pdf[:, None])
     return LightSamples(wi, weight, pdf, x_to, n_to, np.zeros(len(x), bool))
 

@@ -179,6 +179,16 @@ _FEATURES: tuple[tuple[str, Callable[[Scene], str], str], ...] = (
     ("spheres", lambda s: _listed(s.spheres), "no analytic sphere"),
     ("smooth normals", _smooth, "all faces are flat"),
     ("textures", _made_of(_is_textured), "one colour a material"),
+    (
+        "vertex colours",
+        lambda s: _listed(m for m in s.meshes if m.colors is not None),
+        "no mesh has colours at its vertices",
+    ),
+    (
+        "alpha masks",
+        lambda s: _listed(m for m in s.meshes if m.opacity is not None),
+        "no mesh has holes",
+    ),
     ("one-sided materials", _made_of(_is_one_sided), "both sides scatter alike"),
     ("Lambertian surfaces", _made_of(_is_diffuse), "nothing diffuse"),
     (

@@ -92,7 +92,18 @@ class Sphere:
 
 
 def emits(shape: Mesh | Sphere) -> bool:
-    """Whether any point of a shape emits."""
+    """Whether any point of a shape emits.
+
+    Parameters
+    ----------
+    shape : Mesh or Sphere
+        Any.
+
+    Returns
+    -------
+    bool
+        Its texture may still be dark wherever the shape shows it.
+    """
     return shines(shape.emission)
 
 

@@ -103,18 +103,55 @@ def color_range(texture: Texture) -> tuple[float, float]:
 
 
 def shines(texture: Texture) -> bool:
-    """Whether a texture of radiance is above 0 anywhere."""
+    """Whether a texture of radiance is above 0 anywhere.
+
+    Parameters
+    ----------
+    texture : Texture
+        Any kind.
+
+    Returns
+    -------
+    bool
+        False if a value is NaN.
+    """
     return color_range(texture)[1] > 0
 
 
 def scaled_color(color: Color, factor: float) -> Color:
-    """A colour, ``factor`` times as bright."""
+    """A colour, brighter or darker.
+
+    Parameters
+    ----------
+    color : Color
+        Any.
+    factor : float
+        On each channel.
+
+    Returns
+    -------
+    Color
+        The product.
+    """
     r, g, b = color
     return factor * r, factor * g, factor * b
 
 
 def scaled(texture: Texture, factor: float) -> Texture:
-    """The same texture in colours that are ``factor`` times as bright."""
+    """The same texture, brighter or darker.
+
+    Parameters
+    ----------
+    texture : Texture
+        Any kind.
+    factor : float
+        On each channel.
+
+    Returns
+    -------
+    Texture
+        Of the same kind.
+    """
     if isinstance(texture, Bitmap):
         return replace(texture, pixels=factor * texture.pixels)
     if isinstance(texture, Checker):

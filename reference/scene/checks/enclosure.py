@@ -46,7 +46,8 @@ def _around(eye: Vec3s, scene: Scene) -> Iterator[tuple[Mesh | Sphere, Region]]:
     """Closed opaque parts of shapes that certainly hold the eye."""
     for mesh in scene.meshes:
         corners = world_corners(mesh)
-        if isinstance(mesh.material, Dielectric) or sees_out(eye, corners):
+        pervious = isinstance(mesh.material, Dielectric) or mesh.opacity is not None
+        if pervious or sees_out(eye, corners):
             continue
         for shell in closed_shells(mesh.faces, mesh.vertices, corners):
             if shell.holds(eye):

@@ -37,9 +37,7 @@ def check_material(where: str, material: Material) -> None:
     if isinstance(material, Dielectric):
         _check_index(where, material.ior)
         if material.alpha > 0 and material.ior == 1:
-            right = (
-                "a rough boundary must refract; leave the shape out, or give another"
-            )
+            right = "a rough boundary must refract: leave the shape out"
             refuse(where, "ior is 1", right)
         return
     check_reflectance(where, material.reflectance)

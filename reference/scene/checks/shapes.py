@@ -11,6 +11,7 @@ from reference.scene.checks.values import need_numbers, need_rows, refuse
 from reference.scene.geometry import world_corners
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh, Sphere
+from reference.scene.textures import Bitmap
 
 LARGEST = 1e50
 """Coordinates in metres that may still be squared and multiplied."""
@@ -43,7 +44,21 @@ def check_mesh(where: str, mesh: Mesh) -> None:
         need_numbers(where, "a texture coordinate", uv, -LARGEST, LARGEST)
         _need_one_a_vertex(where, "texture coordinates", len(mesh.uv), mesh)
     check_texture(where, "emission", mesh.emission, np.inf)
+    if mesh.colors is not None:
+        need_rows(where, "vertex colour", np.asarray(mesh.colors), 3)
+        _need_one_a_vertex(where, "vertex colours", len(mesh.colors), mesh)
+        need_numbers(where, "colour of a vertex", mesh.colors, 0, 1)
+    if mesh.opacity is not None:
+        _check_mask(where, mesh, mesh.opacity)
     check_material(where, mesh.material)
+
+
+def _check_mask(where: str, mesh: Mesh, opacity: Bitmap) -> None:
+    check_texture(where, "opacity", opacity, 1.0)
+    need_numbers(where, "opacity_cutoff", mesh.opacity_cutoff, 0, 1)
+    if mesh.uv is None:
+        right = "they say where its holes are"
+        refuse(where, "it has an opacity but no texture coordinates", right)
 
 
 def check_faces(where: str, mesh: Mesh) -> None:

@@ -11,7 +11,7 @@ from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.pictures import read_picture
 from reference.scene.materials.kinds import Lambertian
-from reference.scene.textures import Bitmap, Color
+from reference.scene.textures import Bitmap, Color, Texture
 
 MID_GREY = (0.5, 0.5, 0.5)
 # Not about light that a surface scatters or emits: the ambient term, and the recipe.
@@ -26,12 +26,12 @@ class Look:
     ----------
     material : Lambertian
         How it scatters.
-    emission : Color, W/(m² sr)
+    emission : Texture, W/(m² sr)
         Radiance of the front.
     """
 
     material: Lambertian
-    emission: Color = (0.0, 0.0, 0.0)
+    emission: Texture = (0.0, 0.0, 0.0)
 
 
 PLAIN = Look(Lambertian((0.8, 0.8, 0.8)))
@@ -90,7 +90,7 @@ def _materials(text: str) -> Iterator[tuple[str, dict[str, str]]]:
 
 
 def _look(name: str, entries: dict[str, str], ledger: Ledger) -> Look:
-    known = {"kd", "ke", "map_kd"}
+    known = {"kd", "ke", "map_kd", "map_ke"}
     if ignored := sorted(entries.keys() - known - WITHOUT_EFFECT):
         ledger.note(
             f'material "{name}" of {ledger.path.name}: {", ".join(ignored)} ignored, it'
@@ -99,8 +99,17 @@ def _look(name: str, entries: dict[str, str], ledger: Ledger) -> Look:
     factor = _numbers(entries.get("kd", "0.8"))
     reflectance: Color | Bitmap = factor
     if "map_kd" in entries:
-        reflectance = _texture(name, entries["map_kd"], factor, ledger)
-    return Look(Lambertian(reflectance), _numbers(entries.get("ke", "0")))
+        instead = "taken as mid grey"
+        read = _texture(name, entries["map_kd"], factor, instead, ledger)
+        reflectance = read or MID_GREY
+    glows = "map_ke" in entries
+    radiance = _numbers(entries.get("ke", "1" if glows else "0"))
+    emission: Color | Bitmap = radiance
+    if glows:
+        instead = "its Ke taken alone"
+        read = _texture(name, entries["map_ke"], radiance, instead, ledger)
+        emission = read or radiance
+    return Look(Lambertian(reflectance), emission)
 
 
 def _numbers(text: str) -> Color:
@@ -108,10 +117,12 @@ def _numbers(text: str) -> Color:
     return color(values * 3 if len(values) == 1 else values)
 
 
-def _texture(name: str, text: str, factor: Color, ledger: Ledger) -> Color | Bitmap:
+def _texture(
+    name: str, text: str, factor: Color, instead: str, ledger: Ledger
+) -> Bitmap | None:
     if text.startswith("-"):
         ledger.replace(
-            f'material "{name}": the options of "map_Kd {text}" are not understood;'
+            f'material "{name}": the options of the map "{text}" are not understood;'
             " a file name alone is",
             "ignored",
         )
@@ -119,8 +130,6 @@ def _texture(name: str, text: str, factor: Color, ledger: Ledger) -> Color | Bit
     try:
         pixels = read_picture(text, ledger)
     except UsageError as error:
-        ledger.replace(
-            f'{ledger.path.name}: material "{name}": {error}', "taken as mid grey"
-        )
-        return MID_GREY
+        ledger.replace(f'{ledger.path.name}: material "{name}": {error}', instead)
+        return None
     return Bitmap(pixels * factor)

@@ -9,7 +9,7 @@ from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.materials.kinds import Dielectric
 from reference.scene.shapes import Mesh
-from reference.scene.textures import Bitmap, Checker, Texture, mean_color
+from reference.scene.textures import Pattern, Texture, mean_color
 
 
 def check_indices(mesh: Mesh, ledger: Ledger) -> None:
@@ -123,7 +123,7 @@ def drop_texture_without_uv(mesh: Mesh, ledger: Ledger) -> Mesh:
 
 
 def _one_color(texture: Texture) -> Texture:
-    if isinstance(texture, Bitmap | Checker):
+    if isinstance(texture, Pattern):
         return color(mean_color(texture))
     return texture
 
