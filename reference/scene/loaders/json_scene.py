@@ -169,11 +169,11 @@ def _emission(entry: Entry) -> _Glow:
     if not isinstance(raw, dict):
         return _Glow(entry.color("emission"), two_sided)
     own = Entry(f"emission of {entry.name}", raw, entry.ledger)
-    path = entry.ledger.path.parent / str(own.get("file"))
+    name = str(own.get("file"))
     scale = own.number("scale", 1.0)
     own.refuse_unread()
     try:
-        return _Glow(Bitmap(read_picture(path, entry.ledger) * scale), two_sided)
+        return _Glow(Bitmap(read_picture(name, entry.ledger) * scale), two_sided)
     except UsageError as error:
         entry.ledger.replace(f"{own.name}: {error}", "taken as dark")
         return _Glow((0.0, 0.0, 0.0), two_sided)
