@@ -157,7 +157,7 @@ def build_geometry(scene: Scene) -> Geometry:
     glow_textures, glow_row = _textures_of(glow)
     both = np.array([s.two_sided_emission for s in shapes], bool)[shape_index]
     textured = any(isinstance(t, Pattern) for t in table.textures)
-    masked = [m for m in scene.meshes if m.opacity is not None]
+    masks, mask_row = _masks_of(scene.meshes)
     edge_u, edge_v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     front, normal = cross(edge_u, edge_v), triangle_normal(edge_u, edge_v)
     center = np.array([s.center for s in scene.spheres], float).reshape(-1, 3)
@@ -174,13 +174,13 @@ def build_geometry(scene: Scene) -> Geometry:
         if smooth
         else None,
         uv=per_triangle([_corner_uv(m) for m in scene.meshes], 3, 2)
-        if textured or glow_textures or masked
+        if textured or glow_textures or masks
         else None,
         color=per_triangle([_corner_colors(m) for m in scene.meshes], 3, 3)
         if any(m.colors is not None for m in scene.meshes)
         else None,
-        mask=_rows_of_masks(scene.meshes) if masked else None,
-        masks=tuple(_mask_of(m) for m in masked),
+        mask=mask_row[shape_index[: len(corners)]] if masks else None,
+        masks=masks,
         center=center,
         radius=radius,
         inward=np.array([s.inward for s in scene.spheres], bool),
@@ -198,15 +198,20 @@ def build_geometry(scene: Scene) -> Geometry:
     )
 
 
-def _mask_of(mesh: Mesh) -> AlphaMask:
-    assert mesh.opacity is not None
-    return AlphaMask(mesh.opacity, mesh.opacity_cutoff)
-
-
-def _rows_of_masks(meshes: Sequence[Mesh]) -> Indices:
-    has = np.array([m.opacity is not None for m in meshes])
-    row = np.where(has, np.cumsum(has) - 1, -1).astype(np.int32)
-    return np.repeat(row, [len(m.faces) for m in meshes])
+def _masks_of(meshes: Sequence[Mesh]) -> tuple[tuple[AlphaMask, ...], Indices]:
+    """Masks of meshes, each once, and the row of each mesh's own."""
+    masks: list[AlphaMask] = []
+    row = np.full(len(meshes), -1, np.int32)
+    for i, mesh in enumerate(meshes):
+        if mesh.opacity is None:
+            continue
+        opacity, cutoff = mesh.opacity, mesh.opacity_cutoff
+        same = [m.opacity is opacity and m.cutoff == cutoff for m in masks]
+        if not any(same):
+            masks.append(AlphaMask(opacity, cutoff))
+            same.append(True)
+        row[i] = same.index(True)
+    return tuple(masks), row
 
 
 def _textures_of(
