@@ -56,9 +56,13 @@ def read_frames(
         In the types of single precision.
     """
     try:
-        promised = sum(4 * prod(shape) for shape in output_shapes(passes, case).values())
+        promised = sum(
+            4 * prod(shape) for shape in output_shapes(passes, case).values()
+        )
         contents = read_file(path, MOST_TIMES * promised + MOST_MORE)
-        parts = {part.name(): part.channels for part in decode(path, contents, case.rows)}
+        parts = {
+            part.name(): part.channels for part in decode(path, contents, case.rows)
+        }
     except UsageError as error:
         return Failure(f"{case.name}: {error}")
     found: dict[str, NDArray[Any]] = {}
