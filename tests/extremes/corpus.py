@@ -80,7 +80,7 @@ def write_corpus(folder: Path, mitsuba: bool) -> list[Entry]:
 
 def spoiled(contents: bytes, rng: random.Random) -> bytes:
     """Contents with one to four faults."""
-    for _ in range(rng.choice((1, 1, 2, 4))):
+    for _ in range(rng.choice((1, 1, 1, 2, 4))):
         contents = rng.choice(FAULTS)(contents, rng)
     return contents
 

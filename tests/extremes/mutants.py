@@ -1,8 +1,8 @@
 """Hostile command lines and hostile files: made of a seed, run, and judged.
 
-Each mutant is a whole command line of the real program, run in this process, in a folder
-of its own.  Commands and options are those that the parser has, so that a new one is
-covered by itself.  By hand::
+Each mutant is a whole command line of the real program, run in this process, in a
+folder of its own.  Commands and options are those that the parser has, so that a new
+one is covered by itself.  By hand::
 
     python -m tests.extremes.mutants --count 10000 --seed 1
 """
@@ -24,6 +24,7 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from types import FrameType
@@ -64,12 +65,13 @@ VALUES = (
     "", "-1", "0", "-0", "nan", "inf", "-inf", "1e308", "1e-320", "9" * 400, "1_000",
     "\N{ARABIC-INDIC DIGIT FOUR}", "0x10", "1.5", str(2**27), str(2**63), " 7", "\0",
     "a\0b", "a\nb", "\x1b[2Jred\x07", "é" * 200, "x" * 300, "y" * 70_000, "/", ".",
-    "..", "/dev/null", "/dev/full", "/dev/null/x", "/dev/null/x.exr", "/proc/x.exr",
+    "..", "/dev/null", "/dev/full", "/dev/zero", "/dev/null/x", "/dev/null/x.exr", "/proc/x.exr",
     "/proc/x", "no/such", "no.glb", "no.exr", "\udcff.exr", "x" * 300 + ".exr",
     "x" * 300 + ".json", "-", "--", "=", "key=", "=value", "pixel=", "pixel=Box",
     "radius=nan", "temporal_cap=1e400", "target=\x1b[31m", "a,b,,c", "depth,", ",",
-    "[red]", "[/red]", "{}", "{directory}", "'{seed} {out}", '"', "%s%n", "module:thing",
-    "no.py", "os:getcwd", "sh -c 'exit 3' {directory}", "false {seed} {out}",
+    "[red]", "[/red]", "{}", "{directory}", "'{seed} {out}", '"', "%s%n",
+    "module:thing", "no.py", "os:getcwd", "sh -c 'exit 3' {directory}",
+    "false {seed} {out}",
     "cornel-box", "restir-gi", "1x99999999", "0x4", "-4x4", "16385x1", "4x4x4",
     "no-such-program {seed} {out}", "x" * 300 + " {seed} {out}",
 )  # fmt: skip
@@ -163,14 +165,14 @@ def _mutant(
     hostile = _hostile(rng, parser, (0, 0, 0, 1) if files else (1, 1, 2, 3))
     if command in SLOW and not slow and not any(map(_is_refused, *_pairs(hostile))):
         # These would run for long: what is asked is refused at once.
-        action = rng.choice([a for a in parser._actions if a.type and a.option_strings])
-        hostile[action] = next(v for v in VALUES[::-1] if _is_refused(action, v))
+        refused = [(a, v) for a in parser._actions for v in VALUES if _is_refused(a, v)]
+        hostile |= dict([rng.choice(refused)])
     words = [command]
     for action, value in (given | hostile).items():
         flag = [action.option_strings[-1]] if action.option_strings else []
         words += flag if action.nargs == 0 else [*flag, value]
-    for flag in ("--json", "--lenient", "--png"):
-        if rng.random() < 0.3 and flag in parser._option_string_actions:
+    for flag, share in (("--json", 0.3), ("--lenient", 0.7), ("--png", 0.3)):
+        if rng.random() < share and flag in parser._option_string_actions:
             words.append(flag)
     if rng.random() < 0.05:
         words.insert(rng.randrange(len(words) + 1), rng.choice(VALUES))
@@ -212,6 +214,7 @@ def usual(action: argparse.Action) -> str:
     return next((v for v in candidates if not _is_refused(action, v)), candidates[0])
 
 
+@cache
 def _is_refused(action: argparse.Action, value: str) -> bool:
     if action.choices is not None and value not in map(str, action.choices):
         return True
@@ -242,7 +245,7 @@ def _spoil(
     kinds = {"SCENE": ("scene",), "A.exr": ("picture",), "B.exr": ("picture",),
              "RUN.exr": ("picture",), "BACKEND": ("python", "golden")}  # fmt: skip
     places = [action for action in given if action.metavar in kinds]
-    if not places:
+    if not places or not entries:
         return ()
     place = rng.choice(places)
     entry = rng.choice([e for e in entries if e.kind in kinds[str(place.metavar)]])
