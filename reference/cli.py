@@ -30,6 +30,7 @@ from reference.commands import COMMANDS
 from reference.errors import UsageError
 from reference.signals import terminable
 from reference.terminal import told_errors, visible
+from reference.trouble import refuse_narrow_limits, trouble
 
 BAD_USAGE, FAULT, INTERRUPTED, TERMINATED, BROKEN_PIPE = 2, 70, 130, 143, 141
 TRACEBACK = "RESTIR_TRACEBACK"
@@ -100,8 +101,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BaseException as error:
         if os.environ.get(TRACEBACK, "0") not in ("", "0"):
             traceback.print_exc()
-        from reference.trouble import trouble
-
         if (told := trouble(error)) is not None:
             return _tell(told, BAD_USAGE)
         reason = f"{type(error).__name__}: {error}".removesuffix(": ")
@@ -158,6 +157,8 @@ def _run(argv: Sequence[str]) -> int:
     # Options before the command take no value, so it is the first word that is none.
     # Nothing else is imported: NumPy, Embree and all commands take a second.
     command = next((word for word in argv if not word.startswith("-")), "")
+    if command in COMMANDS:
+        refuse_narrow_limits()
     parser = build_parser([command])
     try:
         with told_errors():

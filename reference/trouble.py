@@ -2,6 +2,12 @@
 
 import errno
 import os
+from contextlib import suppress
+
+from reference.errors import UsageError
+
+LEAST = 2**30
+"""Bytes of address space without which libraries end or hang while they load."""
 
 REMEDIES = (
     (("ENOSPC", "EDQUOT", "EFBIG"), "make room there, or set TMPDIR to another folder"),
@@ -44,6 +50,9 @@ def trouble(error: BaseException) -> str | None:
     """
     if isinstance(error, MemoryError):
         return MEMORY
+    # Libraries that find no memory may fail in ways that do not say so.
+    if isinstance(error, ImportError | SystemError) and memory_limits():
+        return MEMORY
     if isinstance(error, RuntimeError) and str(error) == "can't start new thread":
         return NO_THREADS
     if not isinstance(error, OSError):
@@ -53,6 +62,41 @@ def trouble(error: BaseException) -> str | None:
     name = errno.errorcode.get(error.errno or 0, "")
     remedy = next((what for names, what in REMEDIES if name in names), ELSE)
     return f"{where}{reason}; {remedy}"
+
+
+def refuse_narrow_limits() -> None:
+    """Raise where libraries could not even be loaded.
+
+    Raises
+    ------
+    UsageError
+        The shell or the container leaves less than `LEAST`.
+    """
+    for option, limit in memory_limits().items():
+        if limit < LEAST:
+            raise UsageError(
+                f"memory is limited to {limit >> 20} MiB (ulimit -{option}); raise the"
+                f" limit to {LEAST >> 20} MiB at least"
+            )
+
+
+def memory_limits() -> dict[str, int]:
+    """Limits of this process, by their letters in the shell.
+
+    Returns
+    -------
+    dict of str to int
+        Bytes; empty where there are none, or nobody knows.
+    """
+    found = {}
+    with suppress(ImportError):
+        import resource
+
+        for option, kind in (("v", resource.RLIMIT_AS), ("d", resource.RLIMIT_DATA)):
+            soft = resource.getrlimit(kind)[0]
+            if soft != resource.RLIM_INFINITY:
+                found[option] = soft
+    return found
 
 
 def _is_name(filename: object) -> bool:
