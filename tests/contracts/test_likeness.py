@@ -125,7 +125,7 @@ def test_pictures_of_other_things_are_told_apart(compared, first, second, whats)
     assert (warning in text) == (warning in page) == bool(whats)
     if whats:
         # First of all, before any number.
-        assert text.index(warning) < text.index("Relative bias")
+        assert text.index(warning) < text.index("RMSE")
         assert page.index(warning) < page.index("<h2>Numbers</h2>")
         for what in whats:
             assert re.search(rf"^│ {what} +│", text, re.MULTILINE)
@@ -255,7 +255,7 @@ def test_a_layer_by_name(several, layer, value):
         (None, ["no colour channels R, G, B", "--layer", "ViewLayer.Combined, ",
                 "Back.Combined", "ViewLayer.Depth.Z"]),
         ("Combined", ["several layers 'Combined'", "name one in full"]),
-        ("ViewLayer", ["unknown layer 'ViewLayer'", "known are ViewLayer.Combined"]),
+        ("ViewLayer", ["unknown layer 'ViewLayer'", "known are Back.Combined, View"]),
         ("ViewLayer.Combinde", ["did you mean ViewLayer.Combined?"]),
         ("color", ["unknown layer 'color'"]),
         ("", ["unknown layer ''"]),
