@@ -121,11 +121,11 @@ def fault(form: Form, value: Any, tree: dict[str, Any]) -> str | None:
             fits, needs = isinstance(value, bool), "true or false"
         case Number(low, high, whole):
             fits = _is_number(value, low, high) and (not whole or type(value) is int)
-            needs = f"a {'whole ' * whole}number from {low:g} to {high:g}"
+            needs = f"a {'whole ' * whole}number{_bounds(low, high)}"
         case Numbers(count, low, high):
             fits = isinstance(value, list) and len(value) == (count or len(value))
             fits = fits and all(_is_number(each, low, high) for each in value)
-            needs = f"{count or 'any'} numbers from {low:g} to {high:g}"
+            needs = f"{count or 'any'} numbers{_bounds(low, high)}"
         case Text(choices):
             fits = isinstance(value, str) and (not choices or value in choices)
             needs = " or ".join(choices) or "a text"
@@ -223,6 +223,12 @@ def _is_number(value: Any, low: float = -LARGEST, high: float = LARGEST) -> bool
 
 def _is_index(value: Any, tree: dict[str, Any], of: str) -> bool:
     return type(value) is int and 0 <= value < len(listed(tree, of))
+
+
+def _bounds(low: float, high: float) -> str:
+    if high < LARGEST:
+        return f" from {low:g} to {high:g}"
+    return " that single precision holds" + f", at least {low:g}" * (low > -LARGEST)
 
 
 def _counted(tree: dict[str, Any], of: str) -> str:
