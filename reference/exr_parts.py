@@ -18,9 +18,7 @@ MOST_EXPANSION = 1100  # bytes in memory for one in the file: deflate ends at 10
 REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 
 
-def decode(
-    path: Path, contents: bytes, most_pixels: int = MOST_PIXELS
-) -> list[Any]:
+def decode(path: Path, contents: bytes, most_pixels: int = MOST_PIXELS) -> list[Any]:
     """Parts of a file that holds flat full frames of one size.
 
     Parameters

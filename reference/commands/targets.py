@@ -1,6 +1,7 @@
 """Where results go, checked before hours are spent on them."""
 
 import os
+import tempfile
 from pathlib import Path
 
 from reference.errors import UsageError
@@ -35,7 +36,7 @@ def check_file(path: Path, suffix: str = ".exr") -> None:
 
 
 def make_folder(path: Path) -> None:
-    """Make a folder for results, or raise.
+    """Make a folder for results, and try it, or raise.
 
     Parameters
     ----------
@@ -53,5 +54,10 @@ def make_folder(path: Path) -> None:
         raise UsageError(
             f"--out {path}: cannot make this folder: {error.strerror}; name another"
         ) from error
-    if not os.access(path, os.W_OK | os.X_OK):
-        raise UsageError(f"--out {path} may not be written; name another folder")
+    try:
+        with tempfile.TemporaryFile(dir=path):
+            pass
+    except OSError as error:
+        raise UsageError(
+            f"--out {path}: cannot write there: {error.strerror}; name another folder"
+        ) from error

@@ -9,6 +9,7 @@ MOST_PIXELS_A_SIDE = 2**14
 # bits alone have dependent streams (reference.rng).
 MOST_SAMPLES = 2**27 - 1
 MOST_SEED = 2**27 - 1
+LEAST_LIMIT = 0.1  # seconds
 Size = tuple[int, int]
 
 
@@ -119,4 +120,30 @@ def seconds(text: str) -> float:
         value = -1.0
     if not value >= 0:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds")
+    return value
+
+
+def limit(text: str) -> float:
+    """Time that one call may take, from text.
+
+    Parameters
+    ----------
+    text : str
+        A number.
+
+    Returns
+    -------
+    float, s
+        At least `LEAST_LIMIT`.
+
+    Raises
+    ------
+    ArgumentTypeError
+        It is no such number.
+    """
+    value = seconds(text)
+    if value < LEAST_LIMIT:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is less than {LEAST_LIMIT:g} s, which a process takes to start"
+        )
     return value

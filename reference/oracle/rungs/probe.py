@@ -69,7 +69,10 @@ class Answer:
 
 
 def examined(
-    passes: Passes, precision: Precision, probe: Probe, outcome: Buffers | Failure | None
+    passes: Passes,
+    precision: Precision,
+    probe: Probe,
+    outcome: Buffers | Failure | None,
 ) -> Answer:
     """Examine what came of a question.
 
