@@ -89,8 +89,8 @@ def run(arguments: argparse.Namespace) -> None:
         kept = write_golden(out, whole_contract(), precision, probes, about, tick)
     if kept:
         remark(
-            f"{out} keeps {len(kept)} files that are not golden data, such as {kept[0]};"
-            " results are of the data before"
+            f"{out} keeps {len(kept)} files that are not golden data, such as"
+            f" {kept[0]}; results there are of the data before"
         )
     if arguments.json:
         emit({"out": str(out), "cases": [p.case.name for p in probes], **about})
