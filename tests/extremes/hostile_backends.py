@@ -56,7 +56,7 @@ class Hangs:
         return hang
 
 
-class Unprintable(Exception):
+class UnprintableError(Exception):
     """Raises again when it is told."""
 
     def __str__(self):
@@ -78,7 +78,7 @@ class Steers:
 
     def merge(self, **given):
         """An error that cannot be told."""
-        raise Unprintable
+        raise UnprintableError
 
 
 class KilledFromOutside(_Right):

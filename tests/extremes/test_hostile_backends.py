@@ -31,20 +31,19 @@ from reference.oracle.cases import NO_TIME, NOT_AGAIN, Failure, Unasked, Unasked
 from reference.oracle.checking import judge
 from reference.oracle.parts import whole_contract
 from reference.oracle.rungs.kernels import kernel_probes
+from reference.oracle.verdict import Verdict
 from reference.scene.catalogue.registry import find_scene
 
 pytestmark = pytest.mark.skipif(
     sys.platform != "linux", reason="processes are found in /proc"
 )
 
+SLOW = pytest.mark.slow
 ROOT = Path(__file__).parents[2]
 MODULE = Path(__file__).with_name("hostile_backends.py")
 CONTRACT = whole_contract()
-CASES = [
-    p.case
-    for p in kernel_probes("float32")
-    if p.case.pass_name in ("jacobian", "merge")
-]
+PASSES = ("jacobian", "merge")
+CASES = [p.case for p in kernel_probes("float32") if p.case.pass_name in PASSES]
 JACOBIANS = [case for case in CASES if case.pass_name == "jacobian"]
 
 
@@ -96,7 +95,7 @@ PACKED = 'for d in "$1"/*/; do cp %s "$d/out.npz"; done'
     [
         ("mkfifo", "a device or a pipe"),
         ("ln -s /dev/zero", "a device or a pipe"),
-        ("mkdir", "a folder"),
+        ("mkdir", "irectory"),
         ("ln -s /no/such/file", "No such file"),
         ("truncate -s 500M", "at most"),
     ],
@@ -112,7 +111,7 @@ def test_outputs_are_regular_files_of_the_promised_size(tmp_path, command, words
 
 def test_a_file_larger_than_any_is_not_even_written(tmp_path):
     found, _ = program(tmp_path, EACH % "truncate -s 40G")
-    assert all("SIGXFSZ" in r or "exit code" in r for r in reasons(found))
+    assert all("truncated: 0 bytes" in line for line in reasons(found))
     assert len(reasons(found)) == len(JACOBIANS)
 
 
@@ -179,6 +178,7 @@ def test_nonsense_is_told_in_one_line(capsys):
         PythonBackend(f"{MODULE}:PRECISION", Limits())
 
 
+@pytest.mark.slow
 def test_more_than_was_asked_for_is_not_read():
     found, _ = python("HUGE", cases=JACOBIANS)
     assert all("bytes" in line for line in reasons(found))
@@ -188,13 +188,22 @@ def test_more_than_was_asked_for_is_not_read():
 # ---------------------------------------------------------------- processes
 
 
-@pytest.mark.parametrize("name", ["FORKS", "SERVES"])
+@pytest.mark.parametrize("name", ["FORKS", pytest.param("SERVES", marks=SLOW)])
 def test_a_child_that_holds_the_pipes_holds_nobody_up(name):
     start = time.monotonic()
     found, left = python(name)
     assert reasons(found) == []
     assert left == len(JACOBIANS)
     assert time.monotonic() - start < 60
+
+
+def is_alive(process):
+    """Whether a process still runs; one that waits to be reaped does not."""
+    try:
+        state = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0]
+    except FileNotFoundError:
+        return False
+    return state not in "ZX"
 
 
 @pytest.mark.parametrize("quietly", ["", ">/dev/null 2>&1 </dev/null"])
@@ -205,9 +214,10 @@ def test_a_service_that_stays_is_no_fault_and_is_ended(tmp_path, quietly):
     assert found == [None] * len(JACOBIANS)
     services = (tmp_path / "services").read_text().split()
     assert left == len(services) == 1
-    assert not any(Path(f"/proc/{number}").exists() for number in services)
+    assert not any(map(is_alive, services))
 
 
+@pytest.mark.slow
 def test_services_that_pile_up_are_ended_before_the_end(tmp_path):
     body = f"setsid sleep 300 & echo x >> {tmp_path}/calls; pgrep -c sleep; exit 0"
     path = tmp_path / "backend.sh"
@@ -245,6 +255,7 @@ def killed(command, ready, tmp_path):
         end_marked(mark)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["python", "program"])
 def test_nothing_is_left_of_a_check_that_is_killed(tmp_path, kind):
     """Neither the backend, nor its service in another session, nor a folder."""
@@ -271,6 +282,7 @@ BACKEND = Hangs()
 # ---------------------------------------------------------------- time
 
 
+@pytest.mark.slow
 def test_a_pass_that_took_too_long_is_not_asked_again():
     found, _ = python("HANGS", Limits(1.0))
     assert len(reasons(found)) == 2
@@ -289,14 +301,18 @@ def test_the_end_of_the_budget_is_nobodys_fault(tmp_path):
     found, _ = program(tmp_path, "sleep 300", Limits(60), left_after(1), CASES)
     assert found == [NO_TIME] * len(CASES)
     assert time.monotonic() - start < 5
+    inside = InsideBackend(FLOAT32, lambda: 0.0)
+    assert inside.run(CONTRACT, CASES) == [NO_TIME] * len(CASES)
+
+
+@pytest.mark.slow
+def test_the_end_of_the_budget_stops_a_python_backend():
     backend = PythonBackend(f"{MODULE}:HANGS", Limits(60))
     backend.remaining = left_after(1)
     start = time.monotonic()
     found, _ = outcomes(backend)
     assert found == [NO_TIME] * len(CASES)
     assert time.monotonic() - start < 5
-    inside = InsideBackend(FLOAT32, lambda: 0.0)
-    assert inside.run(CONTRACT, CASES) == [NO_TIME] * len(CASES)
 
 
 def test_a_backend_that_is_not_ready_in_time_is_undecided(tmp_path):
@@ -316,16 +332,19 @@ def test_an_object_is_not_asked_beyond_the_budget():
     assert all(NO_TIME.reason in line for line in verdict.unasked)
 
 
-def test_a_kill_from_outside_is_nobodys_fault():
-    found, _ = python("KILLED", cases=JACOBIANS)
-    assert all(isinstance(outcome, Unasked) for outcome in found)
-    assert "SIGKILL" in found[0].reason
+def test_a_kill_from_outside_is_nobodys_fault(tmp_path):
+    for found, _ in (
+        program(tmp_path, "kill -9 $$"),
+        python("KILLED", cases=JACOBIANS[:1]),
+    ):
+        assert all(isinstance(outcome, Unasked) for outcome in found)
+        assert "SIGKILL" in found[0].reason
 
 
 def test_the_truth_of_a_picture_takes_half_of_what_is_left():
     scene = find_scene("cornell-box")
-    few = path_traced(scene, (8, 8), 1, 10**6, left_after(4))
-    assert LEAST_SAMPLES <= few.samples < 10**6
+    few = path_traced(scene, (8, 8), 1, 10**6, map(float, range(800, 0, -1)).__next__)
+    assert few.samples == 400 > LEAST_SAMPLES
     with pytest.raises(UnaskedError):
         path_traced(scene, (8, 8), 1, 10**6, lambda: 0.0)
 
@@ -359,6 +378,7 @@ def run_check(arguments, **options):
     )
 
 
+@pytest.mark.slow
 def test_a_disk_that_takes_no_cases_is_no_verdict():
     def no_room():
         resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000))
@@ -411,6 +431,7 @@ def test_a_limit_of_processes_is_told(monkeypatch):
         ProgramBackend("true {directory}", Limits())
 
 
+@pytest.mark.slow
 def test_a_tighter_limit_of_memory_than_ours_is_kept():
     """``ulimit -d``: the backend is bound to what there is, and not to more."""
 
@@ -432,24 +453,24 @@ def test_where_the_report_goes_is_tried_before_the_run(tmp_path, capsys):
     assert capsys.readouterr().out == ""
 
 
-@pytest.mark.parametrize(("backend", "code"), [("HANGS", 1), ("SERVES", 2)])
-def test_a_verdict_outlives_its_report(tmp_path, capsys, monkeypatch, backend, code):
+@pytest.mark.parametrize(("status", "code"), [("FAIL", 1), ("PASS", 2)])
+def test_a_verdict_outlives_its_report(tmp_path, capsys, monkeypatch, status, code):
     """It is printed first, and FAIL stays the exit code."""
 
     def full(*about):
         raise UsageError("cannot write index.html: No space left on device")
 
+    def known(*about, **more):
+        return Verdict(status, [], [], [], [], left_running=3)
+
     monkeypatch.setattr(check, "write_page", full)
-    about = ["check", f"{MODULE}:{backend}", "--out", str(tmp_path)]
-    assert main([*about, "--budget", "4", "--limit", "1"]) == code
+    monkeypatch.setattr(check, "judge", known)
+    assert main(["check", "float32", "--out", str(tmp_path)]) == code
     said = capsys.readouterr()
-    assert ("FAIL" if code == 1 else "UNDECIDED") in said.out
+    assert status in said.out
+    assert "left 3 processes running; they were ended" in said.out
     assert "No space left" in said.err
-
-
-def test_processes_that_were_left_are_told(capsys):
-    main(["check", f"{MODULE}:SERVES", "--budget", "4"])
-    assert "running; they were ended" in capsys.readouterr().out
+    assert said.err.count("\n") == 1
 
 
 # ---------------------------------------------------------------- all of it
