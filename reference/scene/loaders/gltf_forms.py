@@ -188,9 +188,10 @@ def shown(value: Any) -> str:
     """
     if isinstance(value, dict):
         return "an object"
-    short = isinstance(value, list) and len(value) <= 4
-    if isinstance(value, list) and not (short and all(map(_is_number, value))):
-        return f"a list of {len(value)}"
+    if isinstance(value, list):
+        plain = all(isinstance(each, int | float) for each in value)
+        if not plain or len(value) > 4:
+            return f"a list of {len(value)}"
     text = printable(json.dumps(value, ensure_ascii=False))
     return text if len(text) <= 60 else f"{text[:57]}..."
 
@@ -216,7 +217,7 @@ def _object(value: Any) -> dict[str, Any]:
     return value if isinstance(value, dict) else {}
 
 
-def _is_number(value: Any, low: float = -LARGEST, high: float = LARGEST) -> bool:
+def _is_number(value: Any, low: float, high: float) -> bool:
     number = isinstance(value, int | float) and not isinstance(value, bool)
     return bool(number and low <= value <= high)
 
