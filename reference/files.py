@@ -3,10 +3,10 @@
 import os
 from errno import EINVAL
 from pathlib import Path
-from secrets import token_hex
 from stat import S_ISDIR, S_ISREG
 
 from reference.errors import UsageError
+from reference.leftovers import part_beside
 
 MOST_BYTES = 2**32
 """Of one file: as much as fits the memory of a large machine a few times."""
@@ -98,16 +98,11 @@ def write_file(path: Path, contents: bytes) -> None:
 
 
 def _write_and_rename(target: Path, contents: bytes) -> None:
-    part = target.parent / f".{token_hex(8)}.part"
-    try:
-        with part.open("xb") as file:
-            file.write(contents)
-            file.flush()
-            os.fsync(file.fileno())
+    with part_beside(target) as (part, file):
+        file.write(contents)
+        file.flush()
+        os.fsync(file.fileno())
         part.replace(target)
-    except BaseException:  # Ctrl-C too
-        part.unlink(missing_ok=True)
-        raise
 
 
 def make_folder(path: Path) -> None:

@@ -1,10 +1,10 @@
 """``restir golden``: inputs and expected outputs of every pass, for other backends."""
 
 import argparse
-from pathlib import Path
 
 from reference.commands.arguments import add_json, add_reading
-from reference.commands.console import emit, progress, show
+from reference.commands.console import emit, progress, remark, show
+from reference.commands.targets import new_folder
 from reference.commands.values import whole
 from reference.oracle.frames import frame_cases
 from reference.oracle.golden import write_golden
@@ -15,7 +15,6 @@ from reference.oracle.rungs.replayed import replayed
 from reference.oracle.stage import stage
 from reference.scene.named import find_scene_or_file
 
-NAME = "golden"
 SIZE = 64
 
 
@@ -32,7 +31,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_reading(parser)
     parser.add_argument(
-        "--out", type=Path, required=True, metavar="DIR", help="new folder"
+        "--out",
+        type=new_folder,
+        required=True,
+        metavar="DIR",
+        help="new folder, or a golden one, whose own files are replaced",
     )
     parser.add_argument(
         "--size",
@@ -82,7 +85,12 @@ def run(arguments: argparse.Namespace) -> None:
     probes += [replayed("L3", case) for case in frame_cases(at, precision)]
     about = {"scene": scene.name, "size": arguments.size, "seed": arguments.seed}
     with progress("golden") as tick:
-        write_golden(out, whole_contract(), precision, probes, about, tick)
+        kept = write_golden(out, whole_contract(), precision, probes, about, tick)
+    if kept:
+        remark(
+            f"{out} keeps {len(kept)} files that are not golden data, such as"
+            f" {kept[0]}; results there are of the data before"
+        )
     if arguments.json:
         emit({"out": str(out), "cases": [p.case.name for p in probes], **about})
         return

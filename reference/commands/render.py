@@ -17,13 +17,12 @@ from reference.effects import planner_of, prepared_for_all
 from reference.errors import UsageError
 from reference.exr import write_exr
 from reference.images import Image, to_image
-from reference.metadata import metadata
+from reference.metadata import Words, header, metadata
 from reference.methods import Layers, Method, drive, method_named, method_names
 from reference.methods.discovery import BUILT_IN
 from reference.options import with_values
+from reference.suggestions import unknown
 from reference.world import World, build_world
-
-NAME = "render"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -83,7 +82,6 @@ def run(arguments: argparse.Namespace) -> None:
     counts = _counts(method, arguments)
     aovs = _aovs(method, arguments.aov)
     out, png = arguments.out, arguments.out.with_suffix(".png")
-    check_file(out)
     if arguments.png:
         check_file(png, ".png")
     animation = open_frames(arguments)
@@ -112,14 +110,12 @@ def _described(name: str) -> str:
     return f"  {name:20} {summary}"
 
 
-def _image(
-    method: Method, layers: Layers, world: World, words: dict[str, str]
-) -> Image:
+def _image(method: Method, layers: Layers, world: World, words: Words) -> Image:
     width, height = world.camera.width, world.camera.height
     try:
         return Image(
             {name: to_image(rows, width, height) for name, rows in layers.items()},
-            words,
+            header(words),
         )
     except (ValueError, AttributeError) as error:
         raise UsageError(
@@ -140,11 +136,11 @@ def _counts(method: Method, arguments: argparse.Namespace) -> dict[str, int]:
 
 
 def _aovs(method: Method, names: tuple[str, ...]) -> tuple[str, ...]:
+    known = ("color", *method.aovs)
     for name in names:
-        if name not in ("color", *method.aovs):
+        if name not in known:
             raise UsageError(
-                f"--aov {name!r} is not known to method {method.name!r}; known are"
-                f" {', '.join(('color', *method.aovs))}"
+                f"--aov: {unknown('layer', name, known)} (method {method.name!r})"
             )
     return tuple(name for name in names if name != "color")
 
@@ -153,7 +149,7 @@ def _report(
     arguments: argparse.Namespace,
     out: Path,
     png: Path,
-    words: dict[str, str],
+    words: Words,
     layers: Layers,
     black: str | None,
 ) -> None:
