@@ -2,9 +2,9 @@
 
 import argparse
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
+from reference.commands.targets import new_file
 from reference.commands.values import MOST_SAMPLES, MOST_SEED, size, whole
 from reference.methods import Job
 from reference.path_tracer import MAX_BOUNCES
@@ -189,7 +189,7 @@ def add_out(parser: Parser) -> None:
         Of a command.
     """
     parser.add_argument(
-        "--out", type=Path, required=True, metavar="X.exr", help="the picture"
+        "--out", type=new_file(), required=True, metavar="X.exr", help="the picture"
     )
     parser.add_argument(
         "--png", action="store_true", help="write a preview beside it, too"

@@ -1,6 +1,7 @@
 """``restir check``: the verdict on a backend, and the name of the bug."""
 
 import argparse
+import os
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
@@ -13,8 +14,8 @@ from typing import Any
 from reference.commands.arguments import add_json, add_reading, add_scheduler
 from reference.commands.console import emit, progress, remark, show
 from reference.commands.opening import size_in_shape
-from reference.commands.targets import make_folder
-from reference.commands.values import limit, seconds, tiled_size, whole
+from reference.commands.targets import new_folder
+from reference.commands.values import amount, limit, seconds, tiled_size, whole
 from reference.errors import UsageError
 from reference.oracle.backends.command import PLACE
 from reference.oracle.backends.files import FilesBackend
@@ -33,7 +34,6 @@ from reference.oracle.verdict import Verdict, climb
 from reference.scene.named import find_scene_or_file
 from reference.workers import ahead, workers
 
-NAME = "check"
 BUDGET = 600.0
 SCENE = "cornell-box"
 TRUTH_SAMPLES = 4096
@@ -114,12 +114,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         f" (default: the shape of the scene's camera, about {PIXELS} pixels)",
     )
     parser.add_argument(
+        "--layer",
+        metavar="NAME",
+        help="which picture of a renderer's file of several, such as Combined",
+    )
+    parser.add_argument(
         "--bound",
-        type=seconds,
+        type=amount,
         metavar="B",
         help="your word that no tile's mean in one picture exceeds B times its truth",
     )
-    parser.add_argument("--out", type=Path, metavar="DIR", help="folder for the report")
+    parser.add_argument(
+        "--out", type=new_folder, metavar="DIR", help="folder for the report"
+    )
     add_scheduler(parser)
     add_json(parser)
 
@@ -144,8 +151,6 @@ def run(arguments: argparse.Namespace) -> int:
         There is no such backend or folder, or the report of a backend that is not
         known to be wrong cannot be written.
     """
-    if arguments.out is not None:
-        make_folder(arguments.out)
     verdict = _judge(arguments)
     plain = as_plain(verdict, arguments.backend, whole_contract())
     emit(plain) if arguments.json else show(table(plain))
@@ -168,7 +173,8 @@ def _judge(arguments: argparse.Namespace) -> Verdict:
     if "{out}" in backend:
         return _judge_renderer(arguments)
     folder = Path(backend)
-    if folder.is_dir() and not is_python(backend):
+    # A command line may be longer than any name: that is no error.
+    if os.path.isdir(backend) and not is_python(backend):
         against = folder if against is None else against
         backend = FilesBackend(folder, read_golden(against)[0])
     if arguments.scheduler and against is not None:
@@ -205,7 +211,7 @@ def _judge_renderer(arguments: argparse.Namespace) -> Verdict:
         return float(start + arguments.budget - time.monotonic())
 
     about = arguments.backend, arguments.scene, arguments.frames, size, limits
-    renderer = Renderer(*about, remaining)
+    renderer = Renderer(*about, remaining, layer=arguments.layer)
 
     def truth() -> Truth:
         return path_traced(scene, size, arguments.bounces, TRUTH_SAMPLES, remaining)
@@ -214,7 +220,8 @@ def _judge_renderer(arguments: argparse.Namespace) -> Verdict:
         cluster = _cluster(arguments, stack)
         pictures = None
         if cluster is not None:  # whose machines have clocks of their own
-            pictures = partial(_ahead, cluster, Renderer(*about), remaining)
+            elsewhere = Renderer(*about, layer=arguments.layer)
+            pictures = partial(_ahead, cluster, elsewhere, remaining)
         rungs = renderer_rungs(renderer, truth, arguments.bound, remaining, pictures)
         verdict = climb(
             {},

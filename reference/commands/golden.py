@@ -1,10 +1,10 @@
 """``restir golden``: inputs and expected outputs of every pass, for other backends."""
 
 import argparse
-from pathlib import Path
 
 from reference.commands.arguments import add_json, add_reading
 from reference.commands.console import emit, progress, remark, show
+from reference.commands.targets import new_folder
 from reference.commands.values import whole
 from reference.oracle.frames import frame_cases
 from reference.oracle.golden import write_golden
@@ -15,7 +15,6 @@ from reference.oracle.rungs.replayed import replayed
 from reference.oracle.stage import stage
 from reference.scene.named import find_scene_or_file
 
-NAME = "golden"
 SIZE = 64
 
 
@@ -33,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_reading(parser)
     parser.add_argument(
         "--out",
-        type=Path,
+        type=new_folder,
         required=True,
         metavar="DIR",
         help="new folder, or a golden one, whose own files are replaced",

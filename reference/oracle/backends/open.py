@@ -11,6 +11,7 @@ from reference.oracle.backends.process import PythonBackend
 from reference.oracle.backends.running import Limits
 from reference.oracle.cases import Remaining, for_ever
 from reference.oracle.contract.fields import Precision
+from reference.suggestions import unknown
 
 
 def open_backend(
@@ -51,8 +52,8 @@ def open_backend(
         return ProgramBackend(backend, limits, precision, remaining)
     if is_python(backend):
         return PythonBackend(backend, limits, remaining)
-    raise UsageError(
-        f"no backend {backend!r}; known are {', '.join(backend_names())},"
-        f" module:object, file.py[:object], a command line with {PLACE}, or a golden"
-        " folder"
+    every = (
+        f"{', '.join(backend_names())}, module:object, file.py[:object], a command"
+        f" line with {PLACE}, or a golden folder"
     )
+    raise UsageError(unknown("backend", backend, backend_names(), every))

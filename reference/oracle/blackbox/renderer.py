@@ -54,6 +54,8 @@ class Renderer:
         Seconds that are left: no picture takes longer.
     left_running : list of int
         Takes how many processes each picture left, which were ended.
+    layer : str, optional
+        Which of several pictures in its file is meant.
     """
 
     template: str
@@ -63,6 +65,7 @@ class Renderer:
     limits: Limits
     remaining: Remaining = for_ever
     left_running: list[int] = field(default_factory=list)
+    layer: str | None = None
 
     def render(self, seed: int) -> NDArray[Any] | Failure:
         """One picture, from nothing.
@@ -110,7 +113,7 @@ class Renderer:
         try:
             contents = read_file(out, MOST_CHANNELS * CHANNEL_BYTES * pixels + 2**20)
             decode(out, contents, MOST_TIMES * pixels)
-            color = read_exr(out).color
+            color = read_exr(out, self.layer).color
         except UsageError as error:
             return Failure(f"seed {seed}: {error}")
         height, width = color.shape[:2]

@@ -9,7 +9,7 @@ from reference.scene.camera import FOV_AXES, Camera, FovAxis
 from reference.scene.lights import ConstantEnvironment
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, Sphere
+from reference.scene.shapes import Mesh, Sphere, emits
 from reference.scene.textures import Color
 
 FOV = 45.0  # degrees
@@ -72,7 +72,8 @@ def framing_camera(meshes: Sequence[Mesh], spheres: Sequence[Sphere]) -> Camera:
         points = np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]])
     low, high = points.min(axis=0), points.max(axis=0)
     center = low / 2 + high / 2
-    radius = float(np.linalg.norm(high - low)) / 2 or 1.0
+    with np.errstate(over="ignore"):  # the validation's to report
+        radius = float(np.linalg.norm(high - low)) / 2 or 1.0
     direction = np.array(VIEW) / np.linalg.norm(VIEW)
     distance = radius / np.sin(np.radians(FOV) / 2)
     return Camera(
@@ -131,8 +132,8 @@ def default_environment(scene: Scene, ledger: Ledger) -> ConstantEnvironment | N
     ConstantEnvironment or None
         Of radiance 1, unless something emits.
     """
-    emissions = [m.emission for m in scene.meshes] + [s.emission for s in scene.spheres]
-    if scene.points or scene.suns or np.any(emissions):
+    glows = any(map(emits, scene.meshes)) or any(map(emits, scene.spheres))
+    if scene.lamps or scene.suns or glows:
         return None
     ledger.note(
         "Nothing in the file emits light: a constant environment of radiance 1"

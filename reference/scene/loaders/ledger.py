@@ -44,6 +44,7 @@ class Ledger:
     allow_outside: bool = False
     notes: list[str] = field(default_factory=list)
     refusals: list[str] = field(default_factory=list)
+    _told: set[str] = field(default_factory=set)
     _bytes: int = 0  # that were read
     _memory: int = 0  # that was asked for
 
@@ -145,8 +146,7 @@ class Ledger:
         sentence : str
             Without its full stop.
         """
-        if f"{sentence}." not in self.notes:
-            self.notes.append(f"{sentence}.")
+        self._tell_once(f"{sentence}.", self.notes)
 
     def replace(self, problem: str, instead: str) -> None:
         """Go on with something else: noted when lenient, else refused by `settle`.
@@ -161,9 +161,22 @@ class Ledger:
         if self.lenient:
             self.note(f"{problem}: {instead}")
             return
-        refusal = f"{problem} (with --lenient: {instead})"
-        if refusal not in self.refusals:
-            self.refusals.append(refusal)
+        self._tell_once(f"{problem} (with --lenient: {instead})", self.refusals)
+
+    def refuse(self, problem: str) -> None:
+        """Have `settle` refuse the file, lenient or not.
+
+        Parameters
+        ----------
+        problem : str
+            What is not modelled and cannot be replaced, in which element.
+        """
+        self._tell_once(problem, self.refusals)
+
+    def _tell_once(self, sentence: str, to: list[str]) -> None:
+        if sentence not in self._told:
+            self._told.add(sentence)
+            to.append(sentence)
 
     def settle(self) -> None:
         """Refuse the file if anything in it was replaced and the loader is strict.

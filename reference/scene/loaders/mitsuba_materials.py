@@ -1,29 +1,60 @@
 """Mitsuba's BSDFs as our materials."""
 
+import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger, roughness
-from reference.scene.loaders.mitsuba_nodes import Node
-from reference.scene.loaders.mitsuba_textures import MID_GREY, read_color, read_texture
+from reference.scene.loaders.mitsuba_nodes import Node, reading
+from reference.scene.loaders.mitsuba_textures import MID_GREY, Textures, as_bitmap
+from reference.scene.loaders.mitsuba_words import find
 from reference.scene.materials.kinds import (
     Coated,
     Conductor,
     Dielectric,
+    Distribution,
     Lambertian,
     Material,
 )
-from reference.scene.textures import Color, Texture
+from reference.scene.textures import Bitmap, Checker, Color, Texture
 
 WHITE = (1.0, 1.0, 1.0)
-INVISIBLE = {
-    "null": "left out: it is invisible",
-    "thindielectric": "its shape left out: a thin pane hides almost nothing",
+FACTORS = ("specular_reflectance", "specular_transmittance")  # of glass
+REFLECTANCE = {
+    "diffuse": "reflectance",
+    "conductor": "specular_reflectance",
+    "roughconductor": "specular_reflectance",
+    "plastic": "diffuse_reflectance",
+    "roughplastic": "diffuse_reflectance",
+    "pplastic": "diffuse_reflectance",
 }
+"""Which parameter our materials call their reflectance."""
+METAL = re.compile(r"[\w-]+")  # Mitsuba looks it up as the name of a file
+DISTRIBUTIONS: dict[str, Distribution] = {"beckmann": "beckmann", "ggx": "ggx"}
+INVISIBLE = ("null", "thindielectric", "polarizer", "retarder", "circular")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Look:
+    """What a BSDF makes of a shape.
+
+    Attributes
+    ----------
+    material : Material
+        How it scatters.
+    opacity : Bitmap or None
+        Where there is a surface.
+    attribute : str
+        Colours of the shape's vertices or faces, by Mitsuba's name; "" for none.
+    """
+
+    material: Material
+    opacity: Bitmap | None = None
+    attribute: str = ""
 
 
 @dataclass(slots=True)
@@ -36,16 +67,19 @@ class Materials:
         ``mitsuba``.
     ledger : Ledger
         Of the file.
+    textures : Textures
+        Of the file.
     made : dict
         What was converted already.
     """
 
     mi: Any
     ledger: Ledger
-    made: dict[tuple[int, bool], Material | None] = field(default_factory=dict)
+    textures: Textures
+    made: dict[tuple[int, bool], Look | None] = field(default_factory=dict)
 
-    def of(self, node: Node, two_sided: bool = False) -> Material | None:
-        """Material for a BSDF.
+    def of(self, node: Node, two_sided: bool = False) -> Look | None:
+        """Look of a BSDF.
 
         Parameters
         ----------
@@ -56,7 +90,7 @@ class Materials:
 
         Returns
         -------
-        Material or None
+        Look or None
             ``None`` if the shape is to be left out.
         """
         key = id(node), two_sided
@@ -64,121 +98,140 @@ class Materials:
             self.made[key] = self._convert(node, two_sided)
         return self.made[key]
 
-    def _convert(self, node: Node, two_sided: bool) -> Material | None:
-        modelled: dict[str, Callable[[Node, bool], Material]] = {
+    def _convert(self, node: Node, two_sided: bool) -> Look | None:
+        known = node.is_modelled(self.ledger)
+        if node.kind in INVISIBLE:
+            return None
+        if node.kind in ("principled", "principledthin"):
+            return Look(self._principled(node, two_sided))
+        inner = node.inside("bsdf")
+        if not known and inner:
+            return self.of(inner[0], two_sided)
+        if known:
+            node.check_words(self.ledger, apart=FACTORS)
+        if node.kind in ("twosided", "mask"):
+            if not inner:
+                self.ledger.stop(f"{node.name} holds no BSDF; it needs one")
+            if node.kind == "mask":
+                return self._mask(node, self.of(inner[0], two_sided))
+            if len(inner) > 1:
+                self.ledger.replace(
+                    f"{node.name} has two different sides, which is not modelled",
+                    "taken as its first side on both",
+                )
+            return self.of(inner[0], two_sided=True)
+        convert: dict[str, Callable[[Node, bool], Material]] = {
             "diffuse": self._diffuse,
             "conductor": self._conductor,
             "roughconductor": self._conductor,
             "plastic": self._coated,
             "roughplastic": self._coated,
+            "pplastic": self._coated,
             "dielectric": self._dielectric,
+            "roughdielectric": self._dielectric,
         }
-        if node.kind == "twosided":
-            return self._both_sides(node)
-        if node.kind in modelled:
-            material = modelled[node.kind](node, two_sided)
-            node.refuse_unread(self.ledger, harmless="sample_visible")
-            return material
-        known = ", ".join(["twosided", *modelled])
-        problem = f"{node.name} is not modelled ({known} are)"
-        if node.kind in INVISIBLE:
-            self.ledger.replace(problem, INVISIBLE[node.kind])
-            return None
-        if node.kind == "principled":
-            return self._principled(node, two_sided, problem)
-        if inner := node.inside("BSDF"):
-            self.ledger.replace(problem, f"taken as its inner {inner[0].name}")
-            return self.of(inner[0], two_sided)
-        if node.kind == "roughdielectric":
-            self.ledger.replace(problem, "taken as smooth")
-            return Dielectric(self._ior(node, "bk7"))
-        self.ledger.replace(problem, "taken as diffuse with reflectance 0.5")
-        return Lambertian(MID_GREY, two_sided)
+        if node.kind not in convert:
+            return Look(Lambertian(MID_GREY, two_sided))
+        material = convert[node.kind](node, two_sided)
+        attribute = self.textures.attribute(node, REFLECTANCE.get(node.kind, ""))
+        return Look(material, attribute=attribute)
 
-    def _both_sides(self, node: Node) -> Material | None:
-        sides = node.inside("BSDF")
-        if not sides:
-            self.ledger.stop(f"{node.name} holds no BSDF; it needs one")
-        if len(sides) > 1:
+    def _reflectance(self, node: Node, default: float) -> Texture:
+        return self.textures.read(node, REFLECTANCE[node.kind], default, painted=True)
+
+    def _mask(self, node: Node, look: Look | None) -> Look | None:
+        opacity = self.textures.read(node, "opacity", 0.5)
+        if isinstance(opacity, Checker):
+            opacity = as_bitmap(opacity)
+        values = opacity.pixels if isinstance(opacity, Bitmap) else np.array(opacity)
+        hard = isinstance(opacity, Bitmap) and opacity.filter == "nearest"
+        if np.all(values == 1):
+            return look
+        if np.all(values == 0):
+            return None
+        if look is None or look.opacity is not None:
             self.ledger.replace(
-                f"{node.name} has two different sides, which is not modelled",
-                "taken as its first side on both",
+                f"{node.name} is a mask of what is itself one, or invisible, which is"
+                " not modelled",
+                "taken as the BSDF inside",
             )
-        node.refuse_unread(self.ledger)
-        return self.of(sides[0], two_sided=True)
+            return look
+        if not (hard and np.isin(values, (0, 1)).all()):
+            self.ledger.replace(
+                f"{node.name}: an opacity between 0 and 1 is not modelled",
+                "taken as opaque from 0.5 on",
+            )
+        if isinstance(opacity, Bitmap):
+            return replace(look, opacity=opacity)
+        return look if np.mean(values) >= 0.5 else None
 
     def _diffuse(self, node: Node, two_sided: bool) -> Material:
-        return Lambertian(self._texture(node, "reflectance", 0.5), two_sided)
+        return Lambertian(self._reflectance(node, 0.5), two_sided)
 
     def _conductor(self, node: Node, two_sided: bool) -> Material:
-        alpha = self._alpha(node) if node.kind == "roughconductor" else 0.0
         eta, k = self._complex_ior(node)
         return Conductor(
-            self._texture(node, "specular_reflectance", 1.0),
-            alpha=alpha,
+            self._reflectance(node, 1.0),
+            alpha=self._alpha(node) if node.kind == "roughconductor" else 0.0,
             eta=eta,
             k=k,
             two_sided=two_sided,
+            distribution=self._distribution(node),
         )
 
     def _coated(self, node: Node, two_sided: bool) -> Material:
-        rough = node.kind == "roughplastic"
         return Coated(
-            self._texture(node, "diffuse_reflectance", 0.5),
-            alpha=self._alpha(node) if rough else 0.0,
+            self._reflectance(node, 0.5),
+            alpha=0.0 if node.kind == "plastic" else self._alpha(node),
             ior=self._ior(node, "polypropylene"),
-            nonlinear=bool(node.get("nonlinear", False)),
-            specular=read_color(
-                self.mi, node, "specular_reflectance", 1.0, False, self.ledger
-            ),
+            nonlinear=node.flag("nonlinear", False, self.ledger),
+            specular=self.textures.color(node, "specular_reflectance", 1.0),
             two_sided=two_sided,
+            distribution=self._distribution(node),
         )
 
     def _dielectric(self, node: Node, _two_sided: bool) -> Material:
-        for key in ("specular_reflectance", "specular_transmittance"):
-            if read_color(self.mi, node, key, 1.0, False, self.ledger) != WHITE:
-                self.ledger.replace(
-                    f"{node.name}: {key} other than 1 is not modelled", "taken as 1"
-                )
-        return Dielectric(self._ior(node, "bk7"))
+        for key in FACTORS:
+            if self.textures.read(node, key, 1.0) != WHITE:
+                node.refuse_word(key, find(node.kind, key), self.ledger)
+        return Dielectric(
+            self._ior(node, "bk7"),
+            alpha=self._alpha(node) if node.kind == "roughdielectric" else 0.0,
+            distribution=self._distribution(node),
+        )
 
-    def _principled(self, node: Node, two_sided: bool, problem: str) -> Material:
-        base = self._texture(node, "base_color", 0.5)
-        metallic = self._number(node, "metallic", 0.0)
-        rough = self._number(node, "roughness", 0.5)
+    def _principled(self, node: Node, two_sided: bool) -> Material:
+        base = self.textures.read(node, "base_color", 0.5)
+        metallic = self.textures.number(node, "metallic", 0.0)
+        rough = self.textures.number(node, "roughness", 0.5)
         alpha = roughness(rough**2, node.name, self.ledger)
         if metallic >= 0.5:
-            self.ledger.replace(
-                problem,
-                f"taken as rough metal by Schlick, alpha = roughness² = {alpha:g}, for"
-                f" its metallic is {metallic:g}",
+            self.ledger.note(
+                f"{node.name} is taken as rough metal by Schlick, alpha = roughness² ="
+                f" {alpha:g}, for its metallic is {metallic:g}"
             )
             return Conductor(base, alpha=alpha, schlick=True, two_sided=two_sided)
-        self.ledger.replace(
-            problem,
-            f"taken as a diffuse base under a coat of ior 1.5, alpha = roughness² ="
-            f" {alpha:g}, for its metallic is {metallic:g}",
+        self.ledger.note(
+            f"{node.name} is taken as a diffuse base under a coat of ior 1.5, alpha ="
+            f" roughness² = {alpha:g}, for its metallic is {metallic:g}"
         )
         return Coated(base, alpha=alpha, ior=1.5, two_sided=two_sided)
 
-    def _texture(self, node: Node, key: str, default: float) -> Texture:
-        return read_texture(self.mi, node, key, default, self.ledger)
-
-    def _number(self, node: Node, key: str, default: float) -> float:
-        shades = read_color(self.mi, node, key, default, False, self.ledger)
-        # The mean of three equal numbers is rounded.
-        return shades[0] if len(set(shades)) == 1 else float(np.mean(shades))
+    def _distribution(self, node: Node) -> Distribution:
+        if not node.kind.startswith("rough"):
+            return "ggx"  # of a smooth one it does not matter
+        given = node.text("distribution", "beckmann", self.ledger)
+        if given not in DISTRIBUTIONS:
+            self.ledger.stop(
+                f'{node.name}: "distribution" is "{given}"; it can be beckmann or ggx'
+            )
+        return DISTRIBUTIONS[given]
 
     def _alpha(self, node: Node) -> float:
-        distribution = node.get("distribution", "beckmann")
-        if distribution != "ggx":
-            self.ledger.replace(
-                f'{node.name}: the distribution "{distribution}" is not modelled, "ggx"'
-                " is",
-                "taken as GGX of the same alpha",
-            )
-        alpha = self._number(node, "alpha", 0.1)
-        across, along = (self._number(node, f"alpha_{x}", alpha) for x in "uv")
+        alpha = self.textures.number(node, "alpha", 0.1)
+        across, along = (
+            self.textures.number(node, f"alpha_{axis}", alpha) for axis in "uv"
+        )
         if across != along:
             alpha = float(np.sqrt(across * along))
             self.ledger.replace(
@@ -194,21 +247,23 @@ class Materials:
         given = {"int_ior": default, "ext_ior": "air"}
         given = {key: node.get(key, name) for key, name in given.items()}
         if not any(isinstance(value, str) for value in given.values()):
-            return float(given["int_ior"]) / float(given["ext_ior"])
-        with self.ledger.reading(f"index of refraction of {node.name}"):
+            inside, outside = (node.number(key, 1.0, self.ledger) for key in given)
+            return inside / outside if outside else float("inf")
+        with reading(f"index of refraction of {node.name}", self.ledger):
             glass = self.mi.load_dict({"type": "dielectric", **given})
             return float(self.mi.traverse(glass)["eta"])
 
     def _complex_ior(self, node: Node) -> tuple[Color, Color] | tuple[None, None]:
         """Index of refraction of a metal, ``None`` for a perfect mirror."""
-        material = node.get("material", "none")
+        material = node.text("material", "none", self.ledger)
         if {"eta", "k"} & (node.values.keys() | node.children.keys()):
-            eta = read_color(self.mi, node, "eta", 0.0, False, self.ledger)
-            k = read_color(self.mi, node, "k", 1.0, False, self.ledger)
-            return eta, k
+            eta = self.textures.color(node, "eta", 0.0)
+            return eta, self.textures.color(node, "k", 1.0)
         if material == "none":
             return None, None
-        with self.ledger.reading(f"metal of {node.name}"):
+        if not METAL.fullmatch(material):
+            self.ledger.stop(f'{node.name}: there is no metal "{material}"')
+        with reading(f"metal of {node.name}", self.ledger):
             metal = self.mi.load_dict({"type": "conductor", "material": material})
             table = self.mi.traverse(metal)
             return color(table["eta.value"]), color(table["k.value"])

@@ -9,7 +9,7 @@ from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.materials.kinds import Dielectric
 from reference.scene.shapes import Mesh
-from reference.scene.textures import Bitmap, Checker, mean_color
+from reference.scene.textures import Pattern, mean_color
 
 
 def check_indices(mesh: Mesh, ledger: Ledger) -> None:
@@ -89,7 +89,7 @@ def turn_over(faces: Indices, which: Scalars | bool = True) -> Indices:
 
 
 def drop_texture_without_uv(mesh: Mesh, ledger: Ledger) -> Mesh:
-    """Replace a texture that cannot be placed by its mean colour.
+    """Replace textures that cannot be placed by their mean colours.
 
     Parameters
     ----------
@@ -101,19 +101,26 @@ def drop_texture_without_uv(mesh: Mesh, ledger: Ledger) -> Mesh:
     Returns
     -------
     Mesh
-        Its material has one colour if the mesh has no texture coordinates.
+        Its material and its emission have one colour each if it has no texture
+        coordinates, and no part of it is masked.
     """
-    material = mesh.material
-    if mesh.uv is not None or isinstance(material, Dielectric):
+    if mesh.uv is not None:
         return mesh
-    if not isinstance(material.reflectance, Bitmap | Checker):
+    material, emission = mesh.material, mesh.emission
+    reflectance = getattr(material, "reflectance", None)
+    if isinstance(reflectance, Pattern) and not isinstance(material, Dielectric):
+        mean = color(mean_color(reflectance))
+        material = replace(material, reflectance=mean)
+    if isinstance(emission, Pattern):
+        emission = color(mean_color(emission))
+    kept = material is mesh.material and emission is mesh.emission
+    if kept and mesh.opacity is None:
         return mesh
     ledger.replace(
         f'mesh "{mesh.name}" has a texture but no texture coordinates',
         "taken in the mean colour of the texture",
     )
-    mean = color(mean_color(material.reflectance))
-    return replace(mesh, material=replace(material, reflectance=mean))
+    return replace(mesh, material=material, emission=emission, opacity=None)
 
 
 def place(vertices: Vec3s, matrix: Scalars) -> Vec3s:
