@@ -66,7 +66,7 @@ def test_a_folder_with_expected_outputs_passes(golden, capsys, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["check", "nobody"], "no backend 'nobody'"),
+        (["check", "nobody"], "unknown backend 'nobody'"),
         (["check", "nobody.py"], "no file nobody.py"),
         (["check", "float32", "--against", "nowhere"], "cannot read"),
         (["check", "./no-such {directory}"], "cannot run ./no-such"),
