@@ -10,14 +10,18 @@ probability 2 Φ(-0.5 % / error), which is printed.  The control brightens the t
 2 %, which the image mean must notice.
 """
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy import stats
 
+from reference.accumulate import path_samples
 from reference.scene.loaders.load import load_scene
+from reference.schedule import Schedule
 from reference.settings import UNBIASED
+from reference.world import World
 from tests.statistics.replicates import (
     Means,
     g_buffer,
@@ -108,3 +112,56 @@ def test_all_materials_in_one_room():
 def test_a_real_room_behind_a_door(scenes_folder):
     path = scenes_folder / "veach-ajar" / "simple" / "scene.xml"
     check(path, 64, 40, runs=2400, initial=26000, samples=480)
+
+
+def pictures_of(world: World, samples: int) -> Means:
+    """All light of one bounce, in batches, from all over each pixel."""
+    rows = []
+    for batch in range(BATCHES):
+        paths = path_samples(
+            world, Schedule(), light="full", bounces=1, seed=batch, pixel="box"
+        )
+        whole = slice(0, paths.rows)
+        rows.append(sum(paths.radiance(whole, n) for n in range(samples)) / samples)
+    return means(rows, world.camera.width)
+
+
+@pytest.mark.slow
+def test_another_size_shows_what_mitsuba_shows_of_the_file_at_that_size(tmp_path):
+    """Its angle spans the smaller side, and the file's image is a square.
+
+    Tiles at a family rate of 1e-4.  The control keeps the angle of the width.
+    """
+    text = Path(__file__).with_name("studio.xml").read_text()
+    text = text.replace(
+        '<float name="fov" value="50"/>',
+        '<float name="fov" value="40"/><string name="fov_axis" value="smaller"/>',
+    )
+    here, there = tmp_path / "square.xml", tmp_path / "oblong.xml"
+    here.write_text(
+        text.replace('name="height" value="48"', 'name="height" value="64"')
+    )
+    there.write_text(text)
+    mitsuba.set_variant("scalar_rgb")
+    options = {"type": "path", "max_depth": 3, "rr_depth": 1000}
+    integrator, scene = mitsuba.load_dict(options), mitsuba.load_file(str(there))
+    theirs = means(
+        [
+            np.array(
+                mitsuba.render(scene, integrator=integrator, seed=batch, spp=8),
+                np.float64,
+            )[..., :3].reshape(-1, 3)
+            for batch in range(BATCHES)
+        ],
+        64,
+    )
+    square = load_scene(here)
+    ours = pictures_of(small_world(square, 64, 48), 8)
+    none = Means(np.zeros_like(ours.values))
+    bias, error, t = judge(none, ours, theirs)
+    print(f"bias {bias:+.3%} +- {error:.3%}, largest |t| {t:.2f}")
+    most = threshold(len(ours.mean) - 1, FAMILY, BATCHES)
+    assert t <= most
+    wide = replace(square, camera=replace(square.camera, fov_axis="x"))
+    _, _, planted = judge(none, pictures_of(small_world(wide, 64, 48), 2), theirs)
+    assert planted > most
