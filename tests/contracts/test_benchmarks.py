@@ -44,6 +44,6 @@ def test_mitsuba_traces_its_paths_once():
     done = subprocess.run(
         [sys.executable, "-c", COUNT], capture_output=True, text=True, check=False
     )
-    if "passes" not in done.stdout:
+    if "LLVM" in done.stderr.upper():
         pytest.skip(f"no LLVM for Mitsuba here: {done.stderr[-200:]}")
     assert done.stdout == "passes 1\n"
