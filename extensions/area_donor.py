@@ -101,7 +101,7 @@ class AreaDonor:
         Row that is offered to each pixel, or ``NONE``.
     dx, dy : (K,) float64, pixels
         How far places move from the donor to the receiver, if x_1 moves.
-    stands : bool
+    same_domain : bool
         Donor and receiver are one pixel of one image, and nothing is shifted.
     """
 
@@ -111,10 +111,10 @@ class AreaDonor:
     rows: Indices
     dx: Scalars
     dy: Scalars
-    stands: bool = False
+    same_domain: bool = False
 
-    def forth(self, at: Indices) -> tuple[Placed, Scalars]:
-        """Worth of the donors' paths at the receivers.
+    def shifted(self, at: Indices) -> tuple[Placed, Scalars]:
+        """Values of the donors' paths at the receivers.
 
         Parameters
         ----------
@@ -129,8 +129,8 @@ class AreaDonor:
         samples = take(self.reservoirs.y, self.rows[at])
         return self.shift(samples, self.pixel[at], self.dx[at], self.dy[at])
 
-    def back(self, samples: Any, at: Indices) -> tuple[Placed, Scalars]:
-        """Worth of the receivers' paths at their donors.
+    def inverse(self, samples: Any, at: Indices) -> tuple[Placed, Scalars]:
+        """Values of the receivers' paths at their donors.
 
         Parameters
         ----------

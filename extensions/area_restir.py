@@ -8,10 +8,10 @@ from extensions.area_donor import AreaDonor, AreaShift
 from extensions.area_paths import draw_area_paths, target
 from extensions.area_settings import AreaSettings
 from extensions.frame_loop import Moment, PathFrame, path_frames
-from extensions.reuse import resample
 from extensions.windows import resample_past, windows
 from reference.passes.neighbors import find_neighbors
 from reference.records import cut
+from reference.resampling.generalized import resample
 from reference.resampling.reservoir import Reservoirs, finalize
 from reference.rng import Stream
 from reference.scene.animation import Animation
@@ -167,4 +167,6 @@ def _within(moment: Moment) -> AreaShift:
 def _own(moment: Moment, reservoirs: Reservoirs, rows: slice) -> AreaDonor:
     here, none = np.arange(rows.start, rows.stop), np.zeros(len(reservoirs.M))
     at = np.arange(len(here))
-    return AreaDonor(_within(moment), here, reservoirs, at, none, none, stands=True)
+    return AreaDonor(
+        _within(moment), here, reservoirs, at, none, none, same_domain=True
+    )

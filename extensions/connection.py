@@ -12,6 +12,9 @@ from reference.scene.materials.parameters import Kind, MaterialTable
 from reference.scene.origins import contact, step_before
 from reference.scene.surface import SurfacePoints, direction_and_distance
 
+NEVER_JOINED = (Kind.SMOOTH_CONDUCTOR, Kind.DIELECTRIC, Kind.ROUGH_DIELECTRIC)
+"""Kinds that scatter into single directions alone, and those that see both sides."""
+
 ShiftKind = Literal["reconnection", "replay", "hybrid"]
 
 
@@ -58,8 +61,9 @@ def roughness(table: MaterialTable, points: SurfacePoints) -> Scalars:
     Returns
     -------
     (N,) float64
-        1 for paint and for the base under a smooth coat, √alpha for GGX, −1 for what
-        scatters into single directions alone and for misses.
+        1 for paint and for the base under a smooth coat, √alpha for microfacets, −1 for
+        what scatters into single directions alone, for rough dielectrics, which see
+        both sides, and for misses.
 
     Notes
     -----
@@ -67,7 +71,7 @@ def roughness(table: MaterialTable, points: SurfacePoints) -> Scalars:
     """
     kind = table.kind
     painted = (kind == Kind.LAMBERTIAN) | (kind == Kind.SMOOTH_COATED)
-    single = (kind == Kind.SMOOTH_CONDUCTOR) | (kind == Kind.DIELECTRIC)
+    single = np.isin(kind, NEVER_JOINED)
     rough = np.where(painted, 1.0, np.where(single, -1.0, np.sqrt(table.alpha)))
     return np.where(points.hit, rough[points.material], -1.0)
 

@@ -1,44 +1,14 @@
-"""Those whose samples a pixel may take over, and how samples come from them and back.
-
-Generalized resampling asks no more of a sample than this: what it is worth where it
-comes from, what its shift is worth at the receiver, and what another sample would have
-been worth at the donor.
-"""
+"""Neighbours whose samples are whole paths from one visible point each."""
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 from extensions.shifting import Shift
-from reference.arrays import Indices, Scalars
+from reference.arrays import Indices
+from reference.resampling.generalized import Shifted
 from reference.resampling.reservoir import Reservoirs
 from reference.scene.surface import SurfacePoints
 from reference.world import World
-
-# Value, and Jacobian of the shift; 0 where it does not exist.  The value is all that
-# a sample has of its own at each receiver: its f / p, (N, 3), or a record of more.
-Worth = tuple[Any, Scalars]
-
-
-class Donor(Protocol):
-    """A frame of reservoirs, of which K receivers are offered one each."""
-
-    @property
-    def reservoirs(self) -> Reservoirs:
-        """N rows, of records with a ``value`` that can be ``moved``."""
-
-    @property
-    def rows(self) -> Indices:
-        """(K,) int: row that is offered to each receiver, or ``NONE``."""
-
-    @property
-    def stands(self) -> bool:
-        """Whether donor and receiver are one point, and nothing is shifted."""
-
-    def forth(self, at: Indices) -> Worth:
-        """Worth of the donors' samples at the receivers ``at``."""
-
-    def back(self, samples: Any, at: Indices) -> Worth:
-        """Worth at their donors of K samples of the receivers, those ``at``."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,7 +27,7 @@ class PointDonor:
         N rows of `extensions.paths.Paths`.
     rows : (K,) int
         Row that is offered to each pixel, or ``NONE``.
-    stands : bool
+    same_domain : bool
         Donor and pixel are one point, and nothing is shifted.
     """
 
@@ -68,10 +38,10 @@ class PointDonor:
     points_from: SurfacePoints
     reservoirs: Reservoirs
     rows: Indices
-    stands: bool = False
+    same_domain: bool = False
 
-    def forth(self, at: Indices) -> Worth:
-        """Worth of the donors' paths at the receivers.
+    def shifted(self, at: Indices) -> Shifted:
+        """Values of the donors' paths at the receivers.
 
         Parameters
         ----------
@@ -86,8 +56,8 @@ class PointDonor:
         paths, rows = self.reservoirs.y, self.rows[at]
         return self.shift(self.world, self.points, at, paths, rows)
 
-    def back(self, samples: Any, at: Indices) -> Worth:
-        """Worth of the receivers' paths at their donors.
+    def inverse(self, samples: Any, at: Indices) -> Shifted:
+        """Values of the receivers' paths at their donors.
 
         Parameters
         ----------

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from math import inf
 
 from extensions.connection import ShiftKind
-from extensions.reuse import Mis
 from reference.methods.framed import Image
+from reference.resampling.generalized import Mis
 from reference.settings import Search
 
 LEAST_AND_MOST = {

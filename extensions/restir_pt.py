@@ -8,11 +8,11 @@ from extensions.candidates import draw_paths
 from extensions.donors import PointDonor
 from extensions.frame_loop import Moment, PathFrame, path_frames
 from extensions.pt_settings import PathSettings
-from extensions.reuse import resample
 from reference.arrays import Indices
 from reference.passes.neighbors import find_neighbors
 from reference.passes.reproject import reproject
 from reference.records import cut
+from reference.resampling.generalized import resample
 from reference.resampling.reservoir import Reservoirs, finalize
 from reference.rng import Stream
 from reference.scene.animation import Animation
@@ -132,7 +132,7 @@ def _temporal(
     points = cut(moment.visible.surface, rows)
     here = np.arange(len(points))
     now = moment.shift, moment.world, points
-    own = PointDonor(*now, moment.world, points, new, here, stands=True)
+    own = PointDonor(*now, moment.world, points, new, here, same_domain=True)
     rows_before = np.arange(rows.start, rows.stop) if past is None else past[rows]
     before = PointDonor(
         *now,
@@ -140,7 +140,7 @@ def _temporal(
         last.visible.surface,
         last.reservoirs,
         rows_before,
-        stands=past is None,
+        same_domain=past is None,
     )
     u = moment.uniforms(rows, Stream.TEMPORAL).draw(0)[0]
     s = moment.settings
@@ -156,9 +156,12 @@ def _spatial(moment: Moment, fresh: Reservoirs, rows: slice) -> Reservoirs:
     around = find_neighbors(here, moment.visible, width, s, draws)
     now = moment.shift, moment.world, cut(surface, rows)
 
-    def lent(row: Indices, stands: bool) -> PointDonor:
-        return PointDonor(*now, moment.world, surface, fresh, row, stands)
+    def lent(row: Indices, same_domain: bool) -> PointDonor:
+        return PointDonor(*now, moment.world, surface, fresh, row, same_domain)
 
-    donors = [lent(here, stands=True), *(lent(row, stands=False) for row in around)]
+    donors = [
+        lent(here, same_domain=True),
+        *(lent(row, same_domain=False) for row in around),
+    ]
     decisions = [np.zeros(len(here)), *(draw[2] for draw in draws)]
     return resample(donors, decisions, s.mis, s.spatial_cap)

@@ -5,15 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from extensions.donors import Donor
 from extensions.frame_loop import Moment, PathFrame
-from extensions.offers import Target
 from extensions.pt_settings import PathSettings
-from extensions.reuse import resample
 from reference.arrays import Indices, Scalars
-from reference.passes.neighbors import NONE
 from reference.passes.reproject import alike_before, places_before, row_at
-from reference.records import take
+from reference.records import NONE, take
+from reference.resampling.generalized import Neighbor, Target, resample
 from reference.resampling.reservoir import Reservoirs, cap_confidence
 
 
@@ -80,8 +77,8 @@ def windows(last: PathFrame, moment: Moment, pixel: Indices) -> list[Window]:
 
 
 def resample_past(
-    own: Donor,
-    before: Sequence[Donor],
+    own: Neighbor,
+    before: Sequence[Neighbor],
     shares: Sequence[Scalars],
     decisions: list[Scalars],
     settings: PathSettings,
@@ -91,9 +88,9 @@ def resample_past(
 
     Parameters
     ----------
-    own : Donor
+    own : Neighbor
         The new samples; stands.
-    before : list of Donor
+    before : list of Neighbor
         Of the last frame.
     shares : list of (K,)
         Of the area, one for each of them.

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from extensions.offers import Target
 from gradient_domain.paired_domain import PairedPaths, target
 from gradient_domain.pairs import Pairs
 from gradient_domain.shifts import InnerShift
 from reference.arrays import Scalars
 from reference.records import scatter, take
+from reference.resampling.generalized import Target
 from reference.resampling.reservoir import Candidates, Reservoirs, finalize, merge
 
 

@@ -7,7 +7,6 @@ import numpy as np
 from extensions.area_donor import AreaShift
 from extensions.area_restir import area_drawn, area_reused
 from extensions.frame_loop import Moment, path_frames
-from extensions.reuse import resample
 from extensions.windows import Window, resample_past
 from gradient_domain.candidates import choose_pair, paired
 from gradient_domain.edges import across_edges, looks
@@ -26,8 +25,8 @@ from gradient_domain.search import draw_around, find_alike
 from gradient_domain.settings import GradientSettings
 from gradient_domain.shifts import OuterShift
 from reference.arrays import Indices, Masks, Scalars
-from reference.passes.neighbors import NONE
-from reference.records import cut, put, take
+from reference.records import NONE, cut, put, take
+from reference.resampling.generalized import resample
 from reference.resampling.reservoir import Reservoirs
 from reference.rng import Stream, Uniforms
 from reference.scene.animation import Animation
@@ -230,7 +229,7 @@ def _own(moment: Moment, pairs: Pairs, held: Reservoirs, sign: int) -> PairDonor
     inner, none = inner_shift(moment, moment.world), np.zeros(len(pairs))
     outer, at = OuterShift(inner.within, inner), np.arange(len(pairs))
     way = pairs, pairs, held, at, none, none, sign, sign
-    return PairDonor(outer, outer, *way, stands=True)
+    return PairDonor(outer, outer, *way, same_domain=True)
 
 
 def _numbers(uniforms: Uniforms, dimension: int, count: int) -> list[Scalars]:

@@ -6,7 +6,7 @@ from extensions.frame_loop import Moment, PathFrame
 from extensions.windows import Window, windows
 from gradient_domain.pairs import Pairs, pair_at
 from reference.arrays import Indices
-from reference.passes.neighbors import NONE
+from reference.records import NONE
 from reference.scene.surface import VisiblePoints
 
 

@@ -31,7 +31,7 @@ class PairDonor:
         How far places move from the donor to the receiver, if x_1 moves.
     sign, sign_from : int
         Of the receivers' reservoirs, and of the donors'.
-    stands : bool
+    same_domain : bool
         Donor and receiver are one pair of one image, and nothing is shifted.
     """
 
@@ -45,9 +45,9 @@ class PairDonor:
     dy: Scalars
     sign: int = PLUS
     sign_from: int = PLUS
-    stands: bool = False
+    same_domain: bool = False
 
-    def forth(self, at: Indices) -> tuple[PairValue, Scalars]:
+    def shifted(self, at: Indices) -> tuple[PairValue, Scalars]:
         """Worth of the donors' samples at the receivers.
 
         Parameters
@@ -64,7 +64,7 @@ class PairDonor:
         there = take(self.pairs, at)
         return self.forward(samples, there, self.dx[at], self.dy[at], self.sign)
 
-    def back(self, samples: Any, at: Indices) -> tuple[PairValue, Scalars]:
+    def inverse(self, samples: Any, at: Indices) -> tuple[PairValue, Scalars]:
         """Worth of the receivers' samples at their donors.
 
         Parameters

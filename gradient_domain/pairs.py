@@ -7,8 +7,7 @@ import numpy as np
 
 from gradient_domain.differences import Differences
 from reference.arrays import Indices, Scalars, Vec3s
-from reference.passes.neighbors import NONE
-from reference.records import scatter
+from reference.records import NONE, scatter
 
 
 class Axis(IntEnum):

@@ -5,7 +5,7 @@ import numpy as np
 from gradient_domain.edges import Looks, alike
 from gradient_domain.pairs import Pairs, pair_at
 from reference.arrays import Indices, Masks, Scalars
-from reference.passes.neighbors import NONE
+from reference.records import NONE
 from reference.rng import Uniforms
 
 AT_ONCE = 16

@@ -10,7 +10,6 @@ from extensions.donors import PointDonor
 from extensions.ends import ended, find_lights
 from extensions.frame_loop import Moment
 from extensions.paths import no_paths
-from extensions.reuse import resample
 from extensions.walking import Leaving, arrive, leave, start
 from hashgrid.cache import find
 from hashgrid.cell_donor import CellDonor, in_cells
@@ -19,8 +18,8 @@ from hashgrid.path_settings import CellSettings
 from hashgrid.tails import Onset, behind
 from hashgrid.vertex_numbers import decisions, of_vertices
 from reference.arrays import Indices, divide_or_zero
-from reference.passes.neighbors import NONE
-from reference.records import take
+from reference.records import NONE, take
+from reference.resampling.generalized import resample
 from reference.resampling.reservoir import Candidates, Reservoirs, finalize, merge
 from reference.resampling.target import luminance
 from reference.rng import Stream, Uniforms
@@ -137,7 +136,7 @@ class Bounces:
         able = joins(m.world, points, m.shift.criterion.roughness)
         here = np.arange(len(points))
         now, then = (m.world, points), (lent.cache.world, lent.cache.points)
-        canonical = PointDonor(m.shift, *now, *now, own, here, stands=True)
+        canonical = PointDonor(m.shift, *now, *now, own, here, same_domain=True)
         others = [
             CellDonor(
                 in_cells(m.shift),

@@ -8,8 +8,7 @@ from hashgrid.grid import NOWHERE, Grid, build_grid, find_cells
 from hashgrid.keys import Lattice, jittered, keys_of
 from hashgrid.visits import visits
 from reference.arrays import Indices, Masks, dot
-from reference.passes.neighbors import NONE
-from reference.records import take
+from reference.records import NONE, take
 from reference.resampling.reservoir import Reservoirs
 from reference.rng import Uniforms
 from reference.scene.surface import SurfacePoints

@@ -4,10 +4,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from extensions.donors import PointDonor, Worth
+from extensions.donors import PointDonor
 from extensions.paths import Paths
 from extensions.shifting import Shift
 from reference.arrays import Indices, Masks
+from reference.resampling.generalized import Shifted
 
 
 def in_cells(shift: Shift) -> Shift:
@@ -43,8 +44,8 @@ class CellDonor(PointDonor):
     reach: int = field(kw_only=True)
     reach_from: Indices = field(kw_only=True)
 
-    def forth(self, at: Indices) -> Worth:
-        """Worth of the donors' paths at the receivers.
+    def shifted(self, at: Indices) -> Shifted:
+        """Values of the donors' paths at the receivers.
 
         Parameters
         ----------
@@ -57,10 +58,10 @@ class CellDonor(PointDonor):
             Value, and Jacobian; 0 for paths that are too long.
         """
         fits = self.reservoirs.y.end[self.rows[at]] <= self.reach
-        return _those(fits, PointDonor.forth(self, at))
+        return _those(fits, PointDonor.shifted(self, at))
 
-    def back(self, samples: Paths, at: Indices) -> Worth:
-        """Worth of the receivers' paths at their donors.
+    def inverse(self, samples: Paths, at: Indices) -> Shifted:
+        """Values of the receivers' paths at their donors.
 
         Parameters
         ----------
@@ -75,9 +76,9 @@ class CellDonor(PointDonor):
             Value, and Jacobian; 0 for paths that are too long.
         """
         fits = samples.end[at] <= self.reach_from[self.rows[at]]
-        return _those(fits, PointDonor.back(self, samples, at))
+        return _those(fits, PointDonor.inverse(self, samples, at))
 
 
-def _those(fits: Masks, worth: Worth) -> Worth:
-    value, jacobian = worth
+def _those(fits: Masks, shifted: Shifted) -> Shifted:
+    value, jacobian = shifted
     return np.where(fits[:, None], value, 0.0), np.where(fits, jacobian, 0.0)

@@ -4,11 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from extensions.donors import Worth
 from hashgrid.cache import Cache, homes
 from hashgrid.lights import GONE, Chance, LightPoints, reflected, same_lights
 from reference.arrays import Indices
 from reference.records import take
+from reference.resampling.generalized import Shifted
 from reference.resampling.reservoir import Reservoirs
 from reference.scene.emitters import Emitters
 from reference.scene.surface import SurfacePoints
@@ -33,7 +33,7 @@ class LightDonor:
         For each light of the receivers its row in the donors' list.
     chance : 'delta-lobes' or 'balance'
         As of `hashgrid.lights.reflected`.
-    stands : bool
+    same_domain : bool
         Donor and receiver are one point.
     """
 
@@ -45,10 +45,10 @@ class LightDonor:
     rows: Indices
     lights_from: Indices
     chance: Chance
-    stands: bool = False
+    same_domain: bool = False
 
-    def forth(self, at: Indices) -> Worth:
-        """Worth of the donors' points at the receivers.
+    def shifted(self, at: Indices) -> Shifted:
+        """Values of the donors' points at the receivers.
 
         Parameters
         ----------
@@ -64,8 +64,8 @@ class LightDonor:
         value = reflected(self.world, take(self.points, at), lights, self.chance)
         return value, np.ones(len(at))
 
-    def back(self, samples: LightPoints, at: Indices) -> Worth:
-        """Worth of the receivers' points at their donors.
+    def inverse(self, samples: LightPoints, at: Indices) -> Shifted:
+        """Values of the receivers' points at their donors.
 
         Parameters
         ----------

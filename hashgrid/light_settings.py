@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from math import inf
 
-from extensions.reuse import Mis
 from hashgrid.lights import Chance
 from reference.methods.framed import Image
+from reference.resampling.generalized import Mis
 
 LEAST_AND_MOST = {
     "candidates": (1, 32),

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from extensions.reuse import resample
 from hashgrid.cache import find
 from hashgrid.light_candidates import keep_one
 from hashgrid.light_donor import Lent, LightDonor
@@ -13,6 +12,7 @@ from hashgrid.lights import in_sight, same_lights
 from hashgrid.vertex_numbers import decisions, of_vertices
 from reference.arrays import Indices, Masks, Vec3s, dot, zero_vectors
 from reference.direct_light import found_by_chance
+from reference.resampling.generalized import resample
 from reference.resampling.reservoir import (
     Reservoirs,
 )
@@ -139,7 +139,7 @@ class Vertex:
         cache, uniforms = self.lent.cache, self.keys(walk.pixel, Stream.CELLS)
         now = self.world, walk.points
         same = same_lights(self.world.emitters, self.world.emitters)
-        own = LightDonor(*now, *now, drawn, here, same, s.chance, stands=True)
+        own = LightDonor(*now, *now, drawn, here, same, s.chance, same_domain=True)
         then, theirs = (cache.world, cache.points), self.lent.reservoirs
         others = [
             LightDonor(*now, *then, theirs, rows, self.lent.lights_from, s.chance)

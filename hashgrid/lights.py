@@ -207,6 +207,10 @@ def same_lights(before: Emitters | None, now: Emitters | None) -> Indices:
         return np.arange(size)
     # A shape keeps its number while the scene moves, and lights of it come and go.
     shapes: Indices = now.entry[before.primitive].astype(np.int64)
+    if before.cells is not None or now.cells is not None:
+        cell = np.arange(len(shapes)) - before.entry[before.primitive]
+        alike = before.sides(before.primitive) == now.sides(before.primitive)
+        shapes = np.where(alike & (shapes != GONE), shapes + cell, GONE)
     others = (_others(before), _others(now))
     if others[0] != others[1]:
         return np.concatenate([shapes, np.full(size - len(shapes), GONE)])

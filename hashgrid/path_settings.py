@@ -5,7 +5,7 @@ from math import inf
 from typing import Literal
 
 from extensions.pt_settings import PathSettings
-from extensions.reuse import Mis
+from reference.resampling.generalized import Mis
 
 CELL_LIMITS = {
     "query": (0, 31),

@@ -4,7 +4,7 @@ import numpy as np
 
 from hashgrid.grid import NOWHERE, Grid
 from reference.arrays import Indices, Scalars
-from reference.passes.neighbors import NONE
+from reference.records import NONE
 
 
 def visits(grid: Grid, cells: Indices, u: Scalars, most: int) -> list[Indices]:

@@ -10,6 +10,7 @@ from collections import Counter
 import numpy as np
 
 from reference.arrays import Indices, Masks, Scalars, Vec3s, dot
+from reference.pierced import PiercedTriangles
 from reference.rays import ENDLESS, NOT_TRACED, Triangles
 from reference.scene.geometry import Geometry
 from reference.scene.hits import Hits
@@ -38,7 +39,9 @@ class RayCaster:
     Attributes
     ----------
     counts : Counter of str
-        Rays traced so far: 'primary', 'bounce', 'shadow', 'reuse', ...
+        Rays traced so far: 'primary', 'bounce', 'shadow', 'reuse', ...; those of all
+        kinds that went on through a hole of an alpha mask, once more for each hole, as
+        'behind masks'.
     """
 
     def __init__(
@@ -50,9 +53,14 @@ class RayCaster:
         self.counts: Counter[str] = before.counts if before else Counter()
         self._lock: threading.Lock = before._lock if before else threading.Lock()
         self._geometry, self._occlusion = geometry, occlusion
-        self._triangles = Triangles(geometry)
+        self._triangles: Triangles | PiercedTriangles
+        if geometry.mask is None:
+            self._triangles = Triangles(geometry)
+        else:
+            self._triangles = PiercedTriangles(geometry, self._count_behind_masks)
         self._center = (geometry.center - geometry.middle) / geometry.extent
         self._radius = geometry.radius / geometry.extent
+        self._transmits = geometry.materials.transmits
 
     def from_camera(self, origin: Vec3s, direction: Vec3s) -> Hits:
         """First primitive along rays that start in free space.
@@ -145,12 +153,15 @@ class RayCaster:
             return active.copy()
         self._count(kind, active)
         step, stop = STEP * self._geometry.extent, STOP * self._geometry.extent
+        origin = points.position
+        if self._transmits:
+            origin = self._outset(points, x_to - origin)
         along = n_to * step
         along += x_to
-        along -= points.position
+        along -= origin
         distance = np.sqrt(dot(along, along))
         reach = np.where(active, 1.0 - stop / np.maximum(distance, stop), NOT_TRACED)
-        free = self._triangles.free(points.position, along, reach)
+        free = self._triangles.free(origin, along, reach)
         if len(self._radius):
             free = free & self._no_sphere(points, x_to - points.position, reach)
         return free
@@ -183,10 +194,19 @@ class RayCaster:
         self._count(kind, active)
         along = direction * self._geometry.extent
         reach = np.where(active, ENDLESS, NOT_TRACED)
-        free = self._triangles.free(points.position, along, reach)
+        origin = points.position
+        if self._transmits:
+            origin = self._outset(points, along)
+        free = self._triangles.free(origin, along, reach)
         if len(self._radius):
             free = free & self._no_sphere(points, along, reach)
         return free
+
+    def _outset(self, points: SurfacePoints | Viewpoints, direction: Vec3s) -> Vec3s:
+        """Where rays of visibility start: from points with a normal, to either side."""
+        if isinstance(points, Viewpoints):
+            return points.position
+        return leaving(self._geometry, points, direction)
 
     def _normalized(self, x: Vec3s) -> Vec3s:
         moved: Vec3s = (x - self._geometry.middle) / self._geometry.extent
@@ -213,6 +233,12 @@ class RayCaster:
         return Hits(primitive.astype(np.int32), hits.u, hits.v, distance)
 
     def _count(self, kind: str, active: Masks) -> None:
-        rays = int(np.count_nonzero(active))
+        self._add(kind, int(np.count_nonzero(active)))
+
+    def _count_behind_masks(self, rays: int) -> None:
+        if rays:
+            self._add("behind masks", rays)
+
+    def _add(self, kind: str, rays: int) -> None:
         with self._lock:
             self.counts[kind] += rays

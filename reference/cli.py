@@ -1,23 +1,43 @@
 """The command line: arguments in, exit code out, and never a traceback for bad input.
 
-Exit codes: 0 success; 1 and 3 of ``restir check``: the backend is wrong, or it is
-undecided; 2 a wrong request or unreadable input, told in one line on
-stderr; 130 after Ctrl-C and 143 after SIGTERM; 141 where nobody reads the output.
+Exit codes:
+
+==== ====================================================================
+0    Done; of ``restir check`` PASS.  Also help: ``restir`` alone is a
+     question, not a mistake.
+1    A verdict, and nothing else: FAIL of ``restir check``, or a picture
+     beyond ``restir compare --tolerance``.
+2    A wrong request, unreadable input, or trouble with this machine's
+     files, memory or limits, told in one line on stderr.
+3    UNDECIDED of ``restir check``.
+70   A fault of this program.  ``RESTIR_TRACEBACK=1`` shows where.
+130  Ctrl-C.
+141  Nobody reads the output.
+143  SIGTERM.
+==== ====================================================================
 """
 
 import argparse
+import os
 import sys
-from collections.abc import Sequence
+import traceback
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
-from typing import NoReturn
+from importlib import import_module
+from typing import Any, NoReturn
 
+from reference.commands import COMMANDS
 from reference.errors import UsageError
+from reference.signals import terminable
+from reference.terminal import told_errors, visible
+from reference.trouble import refuse_narrow_limits, trouble
 
-BAD_USAGE, INTERRUPTED, TERMINATED, BROKEN_PIPE = 2, 130, 143, 141
+BAD_USAGE, FAULT, INTERRUPTED, TERMINATED, BROKEN_PIPE = 2, 70, 130, 143, 141
+TRACEBACK = "RESTIR_TRACEBACK"
 
 
 class Parser(argparse.ArgumentParser):
-    """Parser whose errors are `UsageError`."""
+    """Parser whose errors are `UsageError`, and suggest what was meant."""
 
     def error(self, message: str) -> NoReturn:
         """Refuse the arguments.
@@ -34,6 +54,26 @@ class Parser(argparse.ArgumentParser):
         """
         raise UsageError(f"{message} (see {self.prog} --help)")
 
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        if action.choices is None or value in action.choices:
+            return
+        from reference.suggestions import unknown
+
+        kind = "command" if action.dest == "command" else "value"
+        message = unknown(kind, str(value), map(str, action.choices))
+        # Of a command its own name says where it stands.
+        raise argparse.ArgumentError(None if kind == "command" else action, message)
+
+
+class _Version(argparse.Action):
+    """``--version``: its number takes a while to find, and is seldom asked for."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *rest: Any) -> NoReturn:
+        from reference.version import project_version
+
+        sys.stdout.write(f"restir-gi-oracle {project_version()}\n")
+        parser.exit()
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command.
@@ -49,78 +89,80 @@ def main(argv: Sequence[str] | None = None) -> int:
         Exit code.
     """
     try:
-        return _run(argv)
+        return _run(sys.argv[1:] if argv is None else argv)
     except UsageError as error:
         return _tell(str(error), BAD_USAGE)
-    except MemoryError:
-        return _tell("out of memory; ask for a smaller --size", BAD_USAGE)
-    except BrokenPipeError:
-        return BROKEN_PIPE
     except KeyboardInterrupt as stop:
         code = TERMINATED if getattr(stop, "terminated", False) else INTERRUPTED
         return _tell(str(stop) or "interrupted; nothing half-written is left", code)
+    except BrokenPipeError:
+        return BROKEN_PIPE
+    # Whatever else is raised, by whomever: a SystemExit too is nobody's verdict.
+    except BaseException as error:
+        if os.environ.get(TRACEBACK, "0") not in ("", "0"):
+            traceback.print_exc()
+        if (told := trouble(error)) is not None:
+            return _tell(told, BAD_USAGE)
+        reason = f"{type(error).__name__}: {error}".removesuffix(": ")
+        return _tell(
+            f"internal error: {reason}; this is a fault of restir; set {TRACEBACK}=1"
+            " to see where",
+            FAULT,
+        )
 
 
-def build_parser() -> argparse.ArgumentParser:
-    """Parser of the whole command line.
+def build_parser(filled: Iterable[str] = COMMANDS) -> argparse.ArgumentParser:
+    """Parser of the command line.
+
+    Parameters
+    ----------
+    filled : iterable of str
+        Commands whose arguments it knows; only their modules are imported.
 
     Returns
     -------
     argparse.ArgumentParser
-        Each command has set ``run``, a function of the parsed arguments.
+        Each of these commands has set ``run``, a function of the parsed arguments.
     """
-    # Imported here, where a Ctrl-C is caught: NumPy and Embree take a while to load.
-    from reference.commands import (
-        check,
-        compare,
-        demo,
-        figures,
-        golden,
-        inspect,
-        plan,
-        reference,
-        render,
-        scenes,
-        tradeoff,
-    )
-    from reference.version import project_version
-
     parser = Parser(
         prog="restir",
         description="ReSTIR GI, its ground truth, and the difference between them.",
         allow_abbrev=False,
     )
     parser.add_argument(
-        "--version", action="version", version=f"restir-gi-oracle {project_version()}"
+        "--version", action=_Version, nargs=0, help="show the version, and exit"
     )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
-    modules = (scenes, render, reference, compare, demo, golden, check, figures)
-    for module in (*modules, plan, tradeoff, inspect):
-        summary = (module.__doc__ or "").partition("\n")[0].partition(": ")[2]
+    for name, summary in COMMANDS.items():
         child = commands.add_parser(
-            module.NAME,
+            name,
             help=summary,
             description=summary,
             allow_abbrev=False,
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
-        module.add_arguments(child)
-        child.set_defaults(run=module.run)
+        if name in filled:
+            module = import_module(f"reference.commands.{name}")
+            module.add_arguments(child)
+            child.set_defaults(run=module.run)
     return parser
 
 
-def _run(argv: Sequence[str] | None) -> int:
+def _run(argv: Sequence[str]) -> int:
     for stream in (sys.stdout, sys.stderr):
         # A file name may hold bytes that are no text.
         with suppress(AttributeError):
             stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
-    parser = build_parser()
-    from reference.commands.console import told_errors
-    from reference.signals import terminable
 
+    # Options before the command take no value, so it is the first word that is none.
+    # Nothing else is imported: NumPy, Embree and all commands take a second.
+    command = next((word for word in argv if not word.startswith("-")), "")
+    if command in COMMANDS:
+        refuse_narrow_limits()
+    parser = build_parser([command])
     try:
         with told_errors():
-            arguments = parser.parse_args(argv)
+            arguments = parser.parse_args(argv or ["--help"])
     except SystemExit as stop:  # --help and --version
         return int(stop.code or 0)
     with terminable():
@@ -130,7 +172,7 @@ def _run(argv: Sequence[str] | None) -> int:
 def _tell(message: str, code: int) -> int:
     if sys.stderr is not None:
         with suppress(OSError):
-            sys.stderr.write(f"restir: {message}\n")
+            sys.stderr.write(f"restir: {visible(' '.join(message.splitlines()))}\n")
             sys.stderr.flush()
     return code
 

@@ -143,7 +143,8 @@ def add_share(share: Share) -> tuple[Moments, Counter[str]]:
 @lru_cache(maxsize=2)
 def _opened(request: Request) -> PathSamples:
     named = request.named
-    scene = frames_of(named, find_scene_or_file(named.name, named.lenient))(0)
+    found = find_scene_or_file(named.name, named.lenient, named.allow_outside)
+    scene = frames_of(named, found)(0)
     return path_samples(
         build_world(scene),
         Schedule(),

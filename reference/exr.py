@@ -39,13 +39,15 @@ def write_exr(path: Path, image: Image) -> None:
     write_file(path, buffer.getvalue())
 
 
-def read_exr(path: Path) -> Image:
+def read_exr(path: Path, layer: str | None = None) -> Image:
     """Read an image, ours or foreign.
 
     Parameters
     ----------
     path : Path
         Scan lines or tiles, half or float, one part or several of one size.
+    layer : str, optional
+        Which of several pictures is the colour; see `layers_of_channels`.
 
     Returns
     -------
@@ -70,4 +72,4 @@ def read_exr(path: Path) -> Image:
         for name, text in parts[0].header.items()
         if isinstance(text, str)
     }
-    return Image(layers_of_channels(channels, path), metadata)
+    return Image(layers_of_channels(channels, path, layer), metadata)

@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.errors import UsageError
+from reference.suggestions import unknown
 
 Channels = dict[str, NDArray[Any]]  # each (H, W)
+MOST_LISTED = 20  # layers in a message
 Layers = dict[str, NDArray[Any]]  # each (H, W, 1) or (H, W, 3)
 
 
@@ -45,7 +47,9 @@ def channels_of_layers(layers: Mapping[str, NDArray[Any]]) -> Channels:
     return channels
 
 
-def layers_of_channels(channels: Channels, path: Path) -> Layers:
+def layers_of_channels(
+    channels: Channels, path: Path, layer: str | None = None
+) -> Layers:
     """Group the channels into layers: the inverse of `channels_of_layers`.
 
     Parameters
@@ -54,29 +58,38 @@ def layers_of_channels(channels: Channels, path: Path) -> Layers:
         As they stand in the file.
     path : Path
         For the error message.
+    layer : str, optional
+        Name of the layer that becomes ``"color"``, in full (``ViewLayer.Combined``) or
+        its end (``Combined``) where no other layer ends so; ``color`` is R, G, B.  A
+        single channel is grey.
 
     Returns
     -------
     dict of str to (H, W, C) float32
-        ``"color"`` is R, G, B; or else the only layer that has an R, G and B; or
-        else luminance Y, as grey.
+        ``"color"`` is ``layer``; or else R, G, B; or else the only layer that has an
+        R, G and B; or else luminance Y, as grey.  ``"standard_error"`` is that of
+        R, G, B, and left out beside another colour.
 
     Raises
     ------
     UsageError
-        None of the three; the message names the channels.
+        None of these; the message names the layers.
     """
-    color = _color_channels(channels)
+    found = _color_channels(channels)
+    color = found if layer is None else _asked_for(channels, layer, path)
     if color is None:
         raise UsageError(
-            f"{path} has no colour channels R, G, B but {sorted(channels)};"
-            " save its picture as R, G, B"
+            f"{path} has no colour channels R, G, B but {_listed(channels)}; choose one"
+            " by --layer where a command has it, or save it as R, G, B"
         )
     layers = {"color": np.stack([channels[name] for name in color], axis=-1)}
     rest = {name: channels[name] for name in channels if name not in color}
     for root in _roots(rest):
         if root != "color":
             layers[root] = np.stack([rest.pop(c) for c in _triple(root)], axis=-1)
+    if color != found:
+        layers.pop("standard_error", None)
+        rest.pop("standard_error", None)
     # In this order, lest a foreign channel called "color" replace the picture.
     return {name: channel[..., None] for name, channel in rest.items()} | layers
 
@@ -92,6 +105,39 @@ def _color_channels(channels: Channels) -> list[str] | None:
     if "Y" in channels and not {"X", "Z", "RY", "BY"} & channels.keys():
         return ["Y", "Y", "Y"]
     return None
+
+
+def _asked_for(channels: Channels, layer: str, path: Path) -> list[str]:
+    """Names of the channels of one layer, three times the same if it is grey."""
+    names = _names(channels)
+    # A dot may part a view's name from a layer's, and may belong to either.
+    ends = [name for name in names if name.endswith(f".{layer}")]
+    if layer not in names and len(ends) > 1:
+        raise UsageError(
+            f"{path} has several layers {layer!r}, such as {ends[0]} and {ends[1]};"
+            " name one in full"
+        )
+    name = layer if layer in names or not ends else ends[0]
+    if name not in names:
+        raise UsageError(f"{path}: {unknown('layer', layer, names, _listed(channels))}")
+    if name == "color" and {"R", "G", "B"} <= channels.keys():
+        return ["R", "G", "B"]
+    return _triple(name) if name in _roots(channels) else [name] * 3
+
+
+def _names(channels: Channels) -> list[str]:
+    """All that ``layer`` may be: pictures, and then single channels."""
+    roots = _roots(channels)
+    apart = {channel for root in roots for channel in _triple(root)}
+    plain = [] if not {"R", "G", "B"} <= channels.keys() else ["color"]
+    apart |= {"R", "G", "B"} if plain else set()
+    return list(dict.fromkeys([*plain, *roots, *sorted(channels.keys() - apart)]))
+
+
+def _listed(channels: Channels) -> str:
+    names = _names(channels)
+    more = f" and {len(names) - MOST_LISTED} others" if names[MOST_LISTED:] else ""
+    return (", ".join(names[:MOST_LISTED]) or "none") + more
 
 
 def _roots(channels: Channels) -> list[str]:

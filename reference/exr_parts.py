@@ -18,7 +18,7 @@ MOST_EXPANSION = 1100  # bytes in memory for one in the file: deflate ends at 10
 REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 
 
-def decode(path: Path, contents: bytes) -> list[Any]:
+def decode(path: Path, contents: bytes, most_pixels: int = MOST_PIXELS) -> list[Any]:
     """Parts of a file that holds flat full frames of one size.
 
     Parameters
@@ -27,6 +27,8 @@ def decode(path: Path, contents: bytes) -> list[Any]:
         For the error message.
     contents : bytes
         Of the file.
+    most_pixels : int
+        That a part may have.
 
     Returns
     -------
@@ -45,7 +47,7 @@ def decode(path: Path, contents: bytes) -> list[Any]:
         with _silent():
             promised = OpenEXR.File(BytesIO(contents), header_only=True).parts
             for part in promised:
-                _refuse_absurd_size(path, part.header, len(contents))
+                _refuse_absurd_size(path, part.header, len(contents), most_pixels)
                 _refuse_what_is_no_flat_frame(path, part.header)
             # Layers as single channels: merged, "RGB" might be R, G, B or its own name.
             parts = OpenEXR.File(BytesIO(contents), separate_channels=True).parts
@@ -61,15 +63,17 @@ def decode(path: Path, contents: bytes) -> list[Any]:
     return list(parts)
 
 
-def _refuse_absurd_size(path: Path, header: dict[str, Any], size: int) -> None:
+def _refuse_absurd_size(
+    path: Path, header: dict[str, Any], size: int, most_pixels: int
+) -> None:
     """Raise before the library takes memory for what a corrupt header claims."""
     low, high = header["dataWindow"]
     width, height = (int(high[i]) - int(low[i]) + 1 for i in (0, 1))
     expanded = 4 * width * height * len(header["channels"])
-    if width * height > MOST_PIXELS or expanded > 2**26 + MOST_EXPANSION * size:
+    if width * height > most_pixels or expanded > 2**26 + MOST_EXPANSION * size:
         raise UsageError(
             f"{path} claims {width}x{height} pixels in {size} bytes; write it again, in"
-            f" at most {MOST_PIXELS} pixels"
+            f" at most {most_pixels} pixels"
         )
 
 

@@ -3,35 +3,61 @@
 import os
 from errno import EINVAL
 from pathlib import Path
-from secrets import token_hex
+from stat import S_ISDIR, S_ISREG
 
 from reference.errors import UsageError
+from reference.leftovers import part_beside
+
+MOST_BYTES = 2**32
+"""Of one file: as much as fits the memory of a large machine a few times."""
 
 
-def read_file(path: Path) -> bytes:
+def read_file(path: Path, most: int = MOST_BYTES) -> bytes:
     """Contents of a file.
 
     Parameters
     ----------
     path : Path
         A readable regular file.
+    most : int
+        Bytes that it may have.
 
     Returns
     -------
     bytes
-        All of it.
+        All that it held when it was opened.
 
     Raises
     ------
     UsageError
-        It is missing, a folder, or may not be read.
+        It is missing, a folder, a device or a pipe, too large, or may not be read.
+
+    Notes
+    -----
+    The file is opened without waiting and asked what it is only then, so that neither a
+    pipe can hold the reader up nor a device be put in the place of a file in between.
     """
     try:
-        return path.read_bytes()
+        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+        with open(descriptor, "rb") as file:
+            status = os.fstat(descriptor)
+            if not S_ISREG(status.st_mode):
+                kind = "a folder" if S_ISDIR(status.st_mode) else "a device or a pipe"
+                raise UsageError(f"cannot read {path}: it is {kind}; name a file")
+            if status.st_size > most:
+                raise UsageError(
+                    f"cannot read {path}: it has {status.st_size:,} bytes; at most"
+                    f" {most:,} can be read"
+                )
+            return file.read(status.st_size)
     except OSError as error:
         raise UsageError(
             f"cannot read {path}: {error.strerror}; name a file that exists"
             " and may be read"
+        ) from error
+    except ValueError as error:  # a NUL, or half of a surrogate pair
+        raise UsageError(
+            f"cannot read {str(path)!r}: no file can have this name"
         ) from error
 
 
@@ -69,16 +95,11 @@ def write_file(path: Path, contents: bytes) -> None:
 
 
 def _write_and_rename(target: Path, contents: bytes) -> None:
-    part = target.parent / f".{token_hex(8)}.part"
-    try:
-        with part.open("xb") as file:
-            file.write(contents)
-            file.flush()
-            os.fsync(file.fileno())
+    with part_beside(target) as (part, file):
+        file.write(contents)
+        file.flush()
+        os.fsync(file.fileno())
         part.replace(target)
-    except BaseException:  # Ctrl-C too
-        part.unlink(missing_ok=True)
-        raise
 
 
 def make_folder(path: Path) -> None:

@@ -8,17 +8,17 @@ import numpy as np
 from reference.version import project_version
 
 
-def machine() -> dict[str, str]:
+def machine() -> dict[str, str | int | None]:
     """What the times belong to.
 
     Returns
     -------
-    dict of str to str
+    dict
         Processor, number of them, operating system, and versions.
     """
     return {
         "processor": platform.processor() or platform.machine(),
-        "processors": str(os.cpu_count()),
+        "processors": os.cpu_count(),
         "system": f"{platform.system()} {platform.release()}",
         "python": platform.python_version(),
         "numpy": np.__version__,

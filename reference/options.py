@@ -6,6 +6,7 @@ from math import isnan
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 from reference.errors import UsageError
+from reference.suggestions import unknown
 
 Settings = TypeVar("Settings")
 
@@ -44,9 +45,10 @@ def with_values(defaults: Settings, assignments: Iterable[str]) -> Settings:
         key, equals, text = assignment.partition("=")
         if not equals:
             raise UsageError(f"--set {assignment!r} is not of the form KEY=VALUE")
-        if key not in {field.name for field in fields(defaults)}:
+        names = [field.name for field in fields(defaults)]
+        if key not in names:
             raise UsageError(
-                f"--set {assignment}: no setting {key!r}; known are {known(defaults)}"
+                f"--set: {unknown('setting', key, names, known(defaults))}"
             )
         try:
             found[key] = _parse(hints[key], text)
@@ -92,10 +94,23 @@ def as_text(settings: Any) -> dict[str, str]:
     dict of str to str
         In the order of the fields.
     """
-    return {
-        key: str(value).lower() if isinstance(value, bool) else str(value)
-        for key, value in asdict(settings).items()
-    }
+    return {key: text_of(value) for key, value in asdict(settings).items()}
+
+
+def text_of(value: Any) -> str:
+    """One value as text, as `with_values` would read it.
+
+    Parameters
+    ----------
+    value : str, int, float or bool
+        Of a setting.
+
+    Returns
+    -------
+    str
+        "true" and "false" for what is either.
+    """
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _parse(kind: Any, text: str) -> Any:

@@ -10,7 +10,7 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 from numpy.typing import NDArray
 
-from reference.arrays import Masks, Scalars, Vec3s
+from reference.arrays import Indices, Masks, Scalars, Vec3s
 from reference.scene.geometry import Geometry
 from reference.scene.hits import Hits
 
@@ -30,13 +30,17 @@ class Triangles:
     ----------
     geometry : Geometry
         The scene.
+    rows : (K,) int, optional
+        Those that are handed over; by default all.
     """
 
-    def __init__(self, geometry: Geometry) -> None:
+    def __init__(self, geometry: Geometry, rows: Indices | None = None) -> None:
         self._middle, self._extent = geometry.middle, geometry.extent
+        self._rows = rows
+        triangles = geometry.triangle if rows is None else geometry.triangle[rows]
         self._embree: EmbreeScene | None = None
-        if geometry.triangles:
-            self._embree = _commit(geometry)
+        if len(triangles):
+            self._embree = _commit(geometry, triangles)
 
     def first_hits(self, origin: Vec3s, direction: Vec3s, reach: Scalars) -> Hits:
         """First triangle along rays.
@@ -69,7 +73,11 @@ class Triangles:
         distance = answer["tfar"].astype(np.float64) * self._extent
         distance[answer["primID"] < 0] = np.inf
         u, v = answer["u"].astype(np.float64), answer["v"].astype(np.float64)
-        return Hits(answer["primID"], u, v, distance)
+        primitive = answer["primID"]
+        if self._rows is not None:
+            own = self._rows[np.maximum(primitive, 0)]
+            primitive = np.where(primitive < 0, -1, own).astype(np.int32)
+        return Hits(primitive, u, v, distance)
 
     def free(self, origin: Vec3s, along: Vec3s, reach: Scalars) -> Masks:
         """Whether no triangle crosses the segments from o to o + t d.
@@ -112,8 +120,8 @@ def _rows_of_singles(vectors: Vec3s) -> Singles:
     return rows
 
 
-def _commit(geometry: Geometry) -> EmbreeScene:
-    first, edge_u, edge_v = (geometry.triangle[:, i] for i in range(3))
+def _commit(geometry: Geometry, triangles: Scalars) -> EmbreeScene:
+    first, edge_u, edge_v = (triangles[:, i] for i in range(3))
     corners = np.stack([first, first + edge_u, first + edge_v], axis=1)
     corners = (corners - geometry.middle) / geometry.extent
     vertices = np.ascontiguousarray(corners.reshape(-1, 3), np.float32)

@@ -10,6 +10,9 @@ from reference.arrays import Indices, Masks
 
 Record = TypeVar("Record")
 
+NONE = -1
+"""In place of a row: there is none."""
+
 
 def map_rows(function: Callable[..., Any], *records: Record) -> Record:
     """Apply a function of arrays to each field of records of one type.

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s, vectors
+from reference.arrays import Scalars, Vec3s, divide_or_zero, vectors
 
 
 def sample_uniform_hemisphere(u1: Scalars, u2: Scalars) -> Vec3s:
@@ -157,14 +157,14 @@ def invert_triangle(b1: Scalars, b2: Scalars) -> tuple[Scalars, Scalars]:
     Parameters
     ----------
     b1, b2 : (N,) float
-        Weights of the second and third vertex, not both 0.
+        Weights of the second and third vertex.
 
     Returns
     -------
     (N,), (N,) float
-        In [0, 1).
+        In [0, 1); u2 = 0 at the first vertex, where all u2 meet.
     """
-    return (b1 + b2) ** 2, b2 / (b1 + b2)
+    return (b1 + b2) ** 2, divide_or_zero(b2, b1 + b2)
 
 
 def _about_z(cos_theta: Scalars, sin_theta: Scalars, u: Scalars) -> Vec3s:

@@ -3,11 +3,19 @@
 import multiprocessing
 import os
 import signal
+import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import Executor, Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import (
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    as_completed,
+    wait,
+)
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from itertools import islice
 from typing import Any, TypeVar
 
 from reference.errors import UsageError
@@ -61,7 +69,7 @@ def workers(processes: int, scheduler: str | None = None) -> Iterator[Executor]:
         return
     # Spawned, not forked: Embree and OpenBLAS have threads by now.
     context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(processes, context, _leave_interrupts_to_the_parent)
+    pool = ProcessPoolExecutor(processes, context, _live_and_die_with_the_parent)
     try:
         yield pool
     except BrokenProcessPool as error:
@@ -106,6 +114,7 @@ def ahead(
     function: Callable[[Task], Result],
     tasks: Iterable[Task],
     count: int,
+    remaining: Callable[[], float],
 ) -> Iterator[Result]:
     """Do tasks before their results are wanted, and give them back in order.
 
@@ -119,18 +128,24 @@ def ahead(
         May have no end; as many as have been handed out are done.
     count : int
         Tasks handed out at a time.
+    remaining : callable
+        Seconds that are left: no result is waited for after that.
 
     Yields
     ------
     result
-        In the order of the tasks.
+        In the order of the tasks, until the time is over.
     """
     waiting: deque[Future[Result]] = deque()
-    for task in tasks:
-        waiting.append(executor.submit(function, task))
-        if len(waiting) == count:
-            yield waiting.popleft().result()
-    while waiting:
+    left = iter(tasks)
+    while True:
+        for task in islice(left, count - len(waiting)):
+            waiting.append(executor.submit(function, task))
+        if not waiting:
+            return
+        seconds = min(max(remaining(), 0.0), threading.TIMEOUT_MAX)
+        if not wait([waiting[0]], seconds).done:
+            return
         yield waiting.popleft().result()
 
 
@@ -154,5 +169,14 @@ def _cluster(address: str) -> Iterator[Executor]:
         yield client.get_executor()
 
 
-def _leave_interrupts_to_the_parent() -> None:
+def _live_and_die_with_the_parent() -> None:
+    """Leave interrupts to the parent, and end as soon as it has ended, however."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+    def watch() -> None:
+        parent = multiprocessing.parent_process()
+        assert parent is not None
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()

@@ -119,7 +119,7 @@ def same_but_for_the_camera(a: Scene, b: Scene) -> bool:
     bool
         By identity: what an animation does not change stays the same object.
     """
-    ours = (*a.meshes, *a.spheres, *a.points, *a.suns, a.environment)
-    theirs = (*b.meshes, *b.spheres, *b.points, *b.suns, b.environment)
+    ours = (*a.meshes, *a.spheres, *a.lamps, *a.suns, a.environment)
+    theirs = (*b.meshes, *b.spheres, *b.lamps, *b.suns, b.environment)
     pairs = zip(ours, theirs, strict=False)
     return len(ours) == len(theirs) and all(x is y for x, y in pairs)

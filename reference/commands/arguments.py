@@ -2,9 +2,9 @@
 
 import argparse
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
+from reference.commands.targets import new_file
 from reference.commands.values import MOST_SAMPLES, MOST_SEED, size, whole
 from reference.methods import Job
 from reference.path_tracer import MAX_BOUNCES
@@ -35,11 +35,7 @@ def add_scene(parser: Parser, **options: str) -> None:
         help="built-in scene, or a glTF, GLB, OBJ, PLY, Mitsuba XML or JSON file",
         **options,  # type: ignore[arg-type]
     )
-    parser.add_argument(
-        "--lenient",
-        action="store_true",
-        help="replace what a scene file holds and is not modelled, and say so",
-    )
+    add_reading(parser)
     parser.add_argument("--size", type=size, metavar="WxH", help="pixels")
     parser.add_argument(
         "--frame",
@@ -47,6 +43,26 @@ def add_scene(parser: Parser, **options: str) -> None:
         default=0,
         metavar="T",
         help="of an animated scene the frame to begin at (default 0)",
+    )
+
+
+def add_reading(parser: Parser) -> None:
+    """Add how a scene file is read: --lenient, --allow-outside.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        Of a command.
+    """
+    parser.add_argument(
+        "--lenient",
+        action="store_true",
+        help="replace what a scene file holds and is not modelled, and say so",
+    )
+    parser.add_argument(
+        "--allow-outside",
+        action="store_true",
+        help="read files outside the scene's folder, if it names them",
     )
 
 
@@ -173,7 +189,7 @@ def add_out(parser: Parser) -> None:
         Of a command.
     """
     parser.add_argument(
-        "--out", type=Path, required=True, metavar="X.exr", help="the picture"
+        "--out", type=new_file(), required=True, metavar="X.exr", help="the picture"
     )
     parser.add_argument(
         "--png", action="store_true", help="write a preview beside it, too"

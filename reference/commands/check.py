@@ -1,6 +1,7 @@
 """``restir check``: the verdict on a backend, and the name of the bug."""
 
 import argparse
+import os
 import time
 from collections.abc import Iterator
 from concurrent.futures import Executor
@@ -9,10 +10,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from reference.commands.arguments import add_json, add_scheduler
+from reference.commands.arguments import add_json, add_reading, add_scheduler
 from reference.commands.console import emit, progress, show
 from reference.commands.opening import size_in_shape
-from reference.commands.values import seconds, tiled_size, whole
+from reference.commands.targets import new_folder
+from reference.commands.values import amount, seconds, tiled_size, whole
 from reference.errors import UsageError
 from reference.oracle.backends.command import PLACE
 from reference.oracle.backends.files import FilesBackend
@@ -31,7 +33,6 @@ from reference.oracle.verdict import Verdict, climb
 from reference.scene.named import find_scene_or_file
 from reference.workers import ahead, workers
 
-NAME = "check"
 BUDGET = 600.0
 SCENE = "cornell-box"
 TRUTH_SAMPLES = 4096
@@ -88,6 +89,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="SCENE",
         help=f"what a renderer renders: built-in or a file (default {SCENE})",
     )
+    add_reading(parser)
     parser.add_argument(
         "--bounces",
         type=whole(1, 30),
@@ -110,12 +112,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         f" (default: the shape of the scene's camera, about {PIXELS} pixels)",
     )
     parser.add_argument(
+        "--layer",
+        metavar="NAME",
+        help="which picture of a renderer's file of several, such as Combined",
+    )
+    parser.add_argument(
         "--bound",
-        type=seconds,
+        type=amount,
         metavar="B",
         help="your word that no tile's mean in one picture exceeds B times its truth",
     )
-    parser.add_argument("--out", type=Path, metavar="DIR", help="folder for the report")
+    parser.add_argument(
+        "--out", type=new_folder, metavar="DIR", help="folder for the report"
+    )
     add_scheduler(parser)
     add_json(parser)
 
@@ -157,7 +166,8 @@ def _judge(arguments: argparse.Namespace) -> Verdict:
     if "{out}" in backend:
         return _judge_renderer(arguments)
     folder = Path(backend)
-    if folder.is_dir() and not is_python(backend):
+    # A command line may be longer than any name: that is no error.
+    if os.path.isdir(backend) and not is_python(backend):
         against = folder if against is None else against
         backend = FilesBackend(folder, read_golden(against)[0])
     if arguments.scheduler and against is not None:
@@ -183,11 +193,18 @@ def _cluster(arguments: argparse.Namespace, stack: ExitStack) -> Executor | None
 
 
 def _judge_renderer(arguments: argparse.Namespace) -> Verdict:
-    scene = find_scene_or_file(arguments.scene)
+    scene = find_scene_or_file(
+        arguments.scene, arguments.lenient, arguments.allow_outside
+    )
     size = arguments.size or size_in_shape(scene.camera, PIXELS, TILES)
     limits = Limits(arguments.limit)
     renderer = Renderer(
-        arguments.backend, arguments.scene, arguments.frames, size, limits
+        arguments.backend,
+        arguments.scene,
+        arguments.frames,
+        size,
+        limits,
+        arguments.layer,
     )
     start = time.monotonic()
 

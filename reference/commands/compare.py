@@ -1,17 +1,22 @@
 """``restir compare``: judge a picture against another one, the truth."""
 
 import argparse
+from dataclasses import asdict
 from pathlib import Path
 
 from rich.table import Table
 
 from reference.commands.arguments import add_json
 from reference.commands.console import emit, show
+from reference.commands.targets import new_folder
+from reference.commands.values import amount
 from reference.comparison import Comparison, compare
 from reference.comparison.labels import NUMBERS
+from reference.comparison.likeness import Difference, differences
+from reference.errors import UsageError
 from reference.exr import read_exr
 
-NAME = "compare"
+BEYOND = 1  # exit code
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,12 +30,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("a", type=Path, metavar="A.exr", help="the picture")
     parser.add_argument("b", type=Path, metavar="B.exr", help="the truth")
     parser.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder for maps and an HTML page"
+        "--layer",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="which picture of a file of several, such as ViewLayer.Combined; color is"
+        " R, G, B; given twice, the first is of A and the second of B",
+    )
+    parser.add_argument(
+        "--tolerance",
+        type=amount,
+        metavar="X",
+        help=f"exit code {BEYOND} where relMSE is above X or a pixel is not finite",
+    )
+    parser.add_argument(
+        "--out", type=new_folder, metavar="DIR", help="folder for maps and an HTML page"
     )
     add_json(parser)
 
 
-def run(arguments: argparse.Namespace) -> None:
+def run(arguments: argparse.Namespace) -> int:
     """Compare, print the numbers, and write the page.
 
     Parameters
@@ -38,20 +57,71 @@ def run(arguments: argparse.Namespace) -> None:
     arguments : Namespace
         Parsed.
 
+    Returns
+    -------
+    int
+        Exit code: 0, or 1 beyond the tolerance.
+
     Raises
     ------
     UsageError
         A file cannot be read, the two do not match, or the folder not be written.
     """
+    layers = arguments.layer or [None]
+    if len(layers) > 2:
+        raise UsageError(
+            f"--layer is of A and of B, so once or twice, not {len(layers)}"
+        )
     a, b, out = arguments.a, arguments.b, arguments.out
-    numbers = compare(read_exr(a), read_exr(b), out, names=(str(a), str(b)))
+    picture, truth = read_exr(a, layers[0]), read_exr(b, layers[-1])
+    numbers = compare(picture, truth, out, names=(str(a), str(b)))
+    unlike = differences(picture.metadata, truth.metadata)
+    within = _within(numbers, arguments.tolerance)
     if arguments.json:
-        page = None if out is None else str(out / "index.html")
-        emit({"a": str(a), "b": str(b), "page": page, **numbers.as_dict()})
-        return
-    show(_table(numbers, str(a), str(b)))
-    if out is not None:
-        show(f"{out / 'index.html'} shows the maps")
+        emit(
+            {
+                "a": str(a),
+                "b": str(b),
+                "page": None if out is None else str(out / "index.html"),
+                "differences": [asdict(one) for one in unlike],
+                "tolerance": arguments.tolerance,
+                "within": within,
+                **numbers.as_dict(),
+            }
+        )
+    else:
+        if unlike:
+            show(_differences(unlike))
+        show(_table(numbers, str(a), str(b)))
+        if within is not None:
+            verdict = "within" if within else "beyond"
+            show(f"relMSE {numbers.rel_mse:.4g}: {verdict} {arguments.tolerance:g}")
+        if out is not None:
+            show(f"{out / 'index.html'} shows the maps")
+    return BEYOND if within is False else 0
+
+
+def _within(numbers: Comparison, tolerance: float | None) -> bool | None:
+    if tolerance is None:
+        return None
+    # Pixels that are not finite are left out of relMSE: they pass for nothing.
+    finite = numbers.not_finite_a == numbers.not_finite_b == 0
+    return finite and numbers.rel_mse <= tolerance
+
+
+def _differences(unlike: list[Difference]) -> Table:
+    certain = any(one.certain for one in unlike)
+    table = Table(
+        title="Not pictures of the same thing"
+        if certain
+        else "Not known to be pictures of the same thing",
+        title_justify="left",
+    )
+    for heading in ("differs", "A", "B"):
+        table.add_column(heading)
+    for one in sorted(unlike, key=lambda one: not one.certain):
+        table.add_row(one.what, one.a or "not known", one.b or "not known")
+    return table
 
 
 def _table(numbers: Comparison, a: str, b: str) -> Table:

@@ -1,20 +1,22 @@
 """Where results, remarks and progress go: stdout, stderr, and a terminal if there is.
 
-With ``--json`` stdout holds one JSON object and nothing else.
+With ``--json`` stdout holds one JSON object and nothing else.  Text of others, such as
+the name of a scene, is shown and not obeyed: see `reference.terminal`.
 """
 
 import json
-import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from math import isfinite
+from pathlib import PurePath
 from typing import Any
 
 from rich.console import Console, RenderableType
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.text import Text
 
-from reference.errors import UsageError
+from reference.terminal import told_errors, visible
 
 WIDTH = 120  # of tables where stdout is no terminal
 Tick = Callable[[int, int, str], None]
@@ -32,7 +34,7 @@ def show(thing: RenderableType) -> None:
         return
     with told_errors():
         width = None if sys.stdout.isatty() else WIDTH
-        console = Console(file=sys.stdout, width=width, markup=False, highlight=False)
+        console = _Console(file=sys.stdout, width=width, markup=False, highlight=False)
         # Of a closed pipe rich itself makes an exit of its own.
         with console.capture() as shown:
             console.print(thing, soft_wrap=isinstance(thing, str))
@@ -62,7 +64,7 @@ def remark(text: str) -> None:
         One line.
     """
     if sys.stderr is not None:
-        sys.stderr.write(f"restir: {text}\n")
+        sys.stderr.write(f"restir: {visible(text)}\n")
 
 
 @contextmanager
@@ -83,9 +85,9 @@ def progress(what: str) -> Iterator[Tick]:
         yield lambda done, total, unit: None
         return
     columns = (
-        TextColumn("{task.description}"),
+        TextColumn("{task.description}", markup=False),
         BarColumn(),
-        TextColumn("{task.completed}/{task.total} {task.fields[unit]}"),
+        TextColumn("{task.completed}/{task.total} {task.fields[unit]}", markup=False),
         TimeRemainingColumn(),
     )
     with Progress(
@@ -94,56 +96,33 @@ def progress(what: str) -> Iterator[Tick]:
         transient=True,
         redirect_stdout=False,
     ) as bar:
-        task = bar.add_task(what, total=None, unit="")
+        task = bar.add_task(visible(what), total=None, unit="")
 
         def tick(done: int, total: int, unit: str) -> None:
-            bar.update(task, completed=done, total=total, unit=unit)
+            bar.update(task, completed=done, total=total, unit=visible(unit))
 
         yield tick
 
 
-@contextmanager
-def told_errors() -> Iterator[None]:
-    """Write to stdout, also what is still in the buffer, or say why not.
+class _Console(Console):
+    """All strings that are shown, also in the cells of tables, pass here."""
 
-    Yields
-    ------
-    None
-        Nothing.
-
-    Raises
-    ------
-    UsageError
-        The disk is full, or the like.
-    BrokenPipeError
-        Nobody reads.
-    """
-    try:
-        try:
-            yield
-        finally:
-            if sys.stdout is not None:
-                sys.stdout.flush()
-    except OSError as error:
-        _mute()
-        if isinstance(error, BrokenPipeError):
-            raise
-        raise UsageError(f"cannot write to stdout: {error.strerror}") from error
-
-
-def _mute() -> None:
-    """Let the interpreter flush what is left to nowhere, without complaint."""
-    with suppress(OSError, ValueError):
-        null = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(null, sys.stdout.fileno())
-        os.close(null)
+    def render_str(self, text: str, **options: Any) -> Text:
+        return super().render_str(visible(text, keep="\n"), **options)
 
 
 def _plain(value: Any) -> Any:
+    """What JSON has a form for; numbers of NumPy are numbers."""
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
         return [_plain(item) for item in value]
+    if hasattr(value, "tolist"):  # an array, or one number of NumPy
+        return _plain(value.tolist())
     if isinstance(value, float):
         return float(value) if isfinite(value) else None
-    return value if isinstance(value, str | int | bool | None) else str(value)
+    if isinstance(value, PurePath):
+        return str(value)
+    if not isinstance(value, str | int | bool | None):
+        raise TypeError(f"JSON has no form for {type(value).__name__}")
+    return value

@@ -2,20 +2,21 @@
 
 import argparse
 from dataclasses import asdict, replace
-from pathlib import Path
 
 from reference.commands import arguments as options
 from reference.commands.console import emit, progress, show
+from reference.commands.darkness import why_black
 from reference.commands.opening import open_frames, size_in_shape
 from reference.commands.reference import EVERY, TRUTH_SEED
-from reference.commands.targets import make_folder
+from reference.commands.targets import new_folder
 from reference.commands.values import MOST_SAMPLES, whole
 from reference.demo.gallery import write_gallery
 from reference.demo.page import table
 from reference.demo.runs import Runs, runs_of_frames, runs_of_paths
 from reference.demo.score import scores
 from reference.exr import write_exr
-from reference.metadata import metadata
+from reference.files import make_folder
+from reference.metadata import header, metadata
 from reference.methods import method_named
 from reference.methods.path import PATH
 from reference.scene.catalogue.registry import CATALOGUE
@@ -23,7 +24,6 @@ from reference.scene.scene import Scene
 from reference.truth import accumulate_truth, checkpoint_beside, truth_image
 from reference.world import build_world, next_world
 
-NAME = "demo"
 SCENE, SIZE = "door-ajar", (192, 144)
 METHODS = ("restir-gi-biased", "restir-gi-unbiased")
 
@@ -47,7 +47,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         )
 
     options.add_scene(parser, nargs="?", default=SCENE)
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder")
+    parser.add_argument(
+        "--out", type=new_folder, required=True, metavar="DIR", help="folder"
+    )
     add_count("--spp", 2, MOST_SAMPLES, 2048, "samples a pixel of the truth")
     add_count("--frames", 1, MOST_SAMPLES, 32, "frames of ReSTIR GI")
     add_count("--runs", 2, 1000, 4, "runs of each method, with different seeds")
@@ -87,7 +89,7 @@ def run(arguments: argparse.Namespace) -> None:
     with progress(f"{scene.name}, truth") as tick:
         state = accumulate_truth(scene, true_job, checkpoint, EVERY, tick)
     words = metadata(scene, PATH, true_job, state.rays, state.seconds)
-    truth = truth_image(state, true_job, words)
+    truth = truth_image(state, true_job, header(words))
     write_exr(out / "truth.exr", truth)
 
     with progress(f"{scene.name}, {arguments.runs} runs of each method") as tick:
@@ -103,12 +105,22 @@ def run(arguments: argparse.Namespace) -> None:
         traced = runs_of_paths(paths, restir[-1].seconds, arguments.runs)
     found = scores(state.moments, traced, restir)
     remarks = _remarks(arguments)
+    black = None if truth.color.any() else why_black(true_job)
+    if black is not None:
+        remarks.append(f"Every pixel is black: {black}.")
     contenders = list(zip([traced, *restir], found, strict=True))
     write_gallery(out, scene, truth, contenders, remarks)
     checkpoint.unlink(missing_ok=True)
     if arguments.json:
         methods = [asdict(score) for score in found]
-        emit({"page": str(out / "index.html"), "scene": scene.name, "methods": methods})
+        emit(
+            {
+                "page": str(out / "index.html"),
+                "scene": scene.name,
+                "black": black,
+                "methods": methods,
+            }
+        )
         return
     show(table(found, f"{scene.name}, {truth.width}x{truth.height}"))
     for remark in remarks:

@@ -3,23 +3,21 @@
 import argparse
 import json
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from reference.commands import arguments as options
 from reference.commands.console import emit, progress, show
 from reference.commands.memory import refuse_what_does_not_fit
-from reference.commands.targets import make_folder
+from reference.commands.targets import new_folder
 from reference.commands.values import whole
 from reference.errors import UsageError
 from reference.figures import registry
 from reference.figures.record import Work
 from reference.figures.table import as_plain, table
-from reference.files import write_file
+from reference.files import make_folder, write_file
 from reference.machine import machine
 from reference.schedule import Schedule
 
-NAME = "figures"
 SIZE = 128
 
 
@@ -38,7 +36,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="*",
         help=f"{names}, or numbers of the paper (default: all)",
     )
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="folder")
+    parser.add_argument(
+        "--out", type=new_folder, required=True, metavar="DIR", help="folder"
+    )
     parser.add_argument(
         "--size",
         type=whole(16, 4096),

@@ -1,10 +1,10 @@
 """``restir golden``: inputs and expected outputs of every pass, for other backends."""
 
 import argparse
-from pathlib import Path
 
-from reference.commands.arguments import add_json
+from reference.commands.arguments import add_json, add_reading
 from reference.commands.console import emit, progress, show
+from reference.commands.targets import new_folder
 from reference.commands.values import whole
 from reference.oracle.frames import frame_cases
 from reference.oracle.golden import write_golden
@@ -15,7 +15,6 @@ from reference.oracle.rungs.replayed import replayed
 from reference.oracle.stage import stage
 from reference.scene.named import find_scene_or_file
 
-NAME = "golden"
 SIZE = 64
 
 
@@ -30,8 +29,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "scene", metavar="SCENE", help="built-in scene or file, of paint alone"
     )
+    add_reading(parser)
     parser.add_argument(
-        "--out", type=Path, required=True, metavar="DIR", help="new folder"
+        "--out", type=new_folder, required=True, metavar="DIR", help="new folder"
     )
     parser.add_argument(
         "--size",
@@ -70,7 +70,9 @@ def run(arguments: argparse.Namespace) -> None:
         No such scene, or the folder cannot be written.
     """
     precision, out = arguments.precision, arguments.out
-    scene = find_scene_or_file(arguments.scene)
+    scene = find_scene_or_file(
+        arguments.scene, arguments.lenient, arguments.allow_outside
+    )
     at = stage(scene, arguments.size, arguments.seed)
     probes = [*kernel_probes(precision), *lattice_probes(precision)]
     names = frozenset(whole_contract())

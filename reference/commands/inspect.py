@@ -7,7 +7,7 @@ from typing import Any
 from reference.commands import arguments as options
 from reference.commands.console import emit, progress, show
 from reference.commands.memory import refuse_what_does_not_fit
-from reference.commands.targets import check_file
+from reference.commands.targets import new_file
 from reference.commands.values import MOST_SAMPLES, whole
 from reference.display import auto_exposure
 from reference.errors import UsageError
@@ -18,7 +18,6 @@ from reference.inspector.page import page
 from reference.inspector.recorded import recorded
 from reference.inspector.runs import as_it_is, job_of, method_of, standing
 
-NAME = "inspect"
 ROOM = 48 << 20  # bytes of frames that are kept where nobody says how many
 
 
@@ -39,7 +38,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         " one to compare it with; or any other picture with layers as --aov names them",
     )
     parser.add_argument(
-        "--out", type=Path, required=True, metavar="PAGE.html", help="the page"
+        "--out",
+        type=new_file(".html"),
+        required=True,
+        metavar="PAGE.html",
+        help="the page",
     )
     parser.add_argument(
         "--last",
@@ -52,10 +55,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="SCENE",
         help="file that the pictures were rendered from, where it is not built in",
     )
+    options.add_reading(parser)
     parser.add_argument(
-        "--lenient",
-        action="store_true",
-        help="the scene file was read with --lenient",
+        "--layer",
+        metavar="NAME",
+        help="which picture of a file of several, such as ViewLayer.Combined; it is"
+        " shown as the file has it",
     )
     options.add_schedule(parser)
     options.add_json(parser)
@@ -78,8 +83,7 @@ def run(arguments: argparse.Namespace) -> None:
     paths, out = arguments.runs, arguments.out
     if len(paths) > 2:
         raise UsageError(f"one run or two, not {len(paths)}")
-    check_file(out, ".html")
-    images = [read_exr(path) for path in paths]
+    images = [read_exr(path, arguments.layer) for path in paths]
     sizes = {(image.width, image.height) for image in images}
     if len(sizes) > 1:
         a, b = (f"{image.width}x{image.height}" for image in images)
@@ -106,7 +110,7 @@ def _run(
         "width": image.width,
         "height": image.height,
     }
-    method = method_of(image)
+    method = None if arguments.layer else method_of(image)
     if method is None:
         return about | {
             "standing": f"Shown as the file has it: {', '.join(image.layers)}. How it"
@@ -115,7 +119,14 @@ def _run(
             "frames": [as_it_is(image)],
         }
     schedule = options.schedule(arguments, image.width * image.height)
-    job = job_of(path, image, arguments.scene, arguments.lenient, schedule)
+    job = job_of(
+        path,
+        image,
+        scene=arguments.scene,
+        lenient=arguments.lenient,
+        allow_outside=arguments.allow_outside,
+        schedule=schedule,
+    )
     with progress(str(path)) as tick:
         found = recorded(
             method,

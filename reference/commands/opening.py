@@ -22,7 +22,7 @@ def open_named(
     Parameters
     ----------
     arguments : Namespace
-        With ``scene``, ``lenient``, ``size``, ``frame`` and ``json``.
+        With those of `add_scene`, and ``json``.
     size : callable, optional
         Gives the size of the picture where no --size is given; else it is what the
         scene says.
@@ -37,11 +37,20 @@ def open_named(
     UsageError
         No such scene, or it cannot be read or rendered.
     """
-    scene = find_scene_or_file(arguments.scene, arguments.lenient)
+    scene = find_scene_or_file(
+        arguments.scene, arguments.lenient, arguments.allow_outside
+    )
     width, height = size(scene) if size else (scene.camera.width, scene.camera.height)
     if arguments.size:
         width, height = arguments.size
-    named = Named(arguments.scene, arguments.lenient, width, height, arguments.frame)
+    named = Named(
+        name=arguments.scene,
+        lenient=arguments.lenient,
+        width=width,
+        height=height,
+        frame=arguments.frame,
+        allow_outside=arguments.allow_outside,
+    )
     refuse_what_does_not_fit(width, height)
     frames = frames_of(named, scene)
     if not arguments.json:
@@ -58,7 +67,7 @@ def open_frames(
     Parameters
     ----------
     arguments : Namespace
-        With ``scene``, ``lenient``, ``size``, ``frame`` and ``json``.
+        With those of `add_scene`, and ``json``.
     size : callable, optional
         Gives the size of the picture where no --size is given; else it is what the
         scene says.

@@ -14,7 +14,6 @@ from reference.machine import machine
 from reference.scene.animation import Animation
 from reference.scene.requirements import Requirement, survey
 
-NAME = "plan"
 SIDE, FRAMES = 64, 8
 
 MOVES = {

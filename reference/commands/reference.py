@@ -1,7 +1,6 @@
 """``restir reference``: accumulate the path-traced truth and its standard error."""
 
 import argparse
-from collections.abc import Mapping
 from contextlib import ExitStack
 
 import numpy as np
@@ -15,14 +14,13 @@ from reference.display import auto_exposure, write_png
 from reference.elsewhere import sampled_by
 from reference.exr import write_exr
 from reference.images import Image
-from reference.metadata import metadata
+from reference.metadata import Words, header, metadata
 from reference.methods.path import PATH, PathSettings
 from reference.options import with_values
 from reference.truth import accumulate_truth, checkpoint_beside, truth_image
 from reference.workers import workers
 from reference.world import build_world
 
-NAME = "reference"
 EVERY = 30.0  # seconds between checkpoints
 TRUTH_SEED = 1_000_003  # another than anybody's first seeds
 """Default seed: another one than that of `render`, so that a picture is not compared
@@ -86,7 +84,6 @@ def run(arguments: argparse.Namespace) -> None:
     """
     settings = with_values(PathSettings(), arguments.set)
     out = arguments.out
-    check_file(out)
     if arguments.png:
         check_file(out.with_suffix(".png"), ".png")
     named, animation = open_named(arguments)
@@ -104,7 +101,7 @@ def run(arguments: argparse.Namespace) -> None:
             scene, job, checkpoint, arguments.checkpoint, tick, elsewhere
         )
     words = metadata(scene, PATH, job, state.rays, state.seconds)
-    image = truth_image(state, job, words)
+    image = truth_image(state, job, header(words))
     write_exr(out, image)
     if arguments.png:
         write_png(out.with_suffix(".png"), image.color, auto_exposure(image.color))
@@ -113,9 +110,7 @@ def run(arguments: argparse.Namespace) -> None:
     _report(arguments, words, image)
 
 
-def _report(
-    arguments: argparse.Namespace, words: Mapping[str, str], image: Image
-) -> None:
+def _report(arguments: argparse.Namespace, words: Words, image: Image) -> None:
     error = float(np.sqrt(np.mean(image.layers["standard_error"] ** 2.0)))
     mean = float(np.mean(image.color))
     if arguments.json:
@@ -127,7 +122,7 @@ def _report(
                 "layers": list(image.layers),
                 "mean": mean,
                 "rms_standard_error": error,
-                "metadata": dict(words),
+                "metadata": words,
             }
         )
         return

@@ -4,8 +4,11 @@ import argparse
 import time
 from pathlib import Path
 
+import numpy as np
+
 from reference.commands import arguments as options
 from reference.commands.console import emit, progress, show
+from reference.commands.darkness import why_black
 from reference.commands.opening import open_frames
 from reference.commands.targets import check_file
 from reference.commands.values import MOST_SAMPLES, whole
@@ -14,13 +17,12 @@ from reference.effects import planner_of, prepared_for_all
 from reference.errors import UsageError
 from reference.exr import write_exr
 from reference.images import Image, to_image
-from reference.metadata import metadata
+from reference.metadata import Words, header, metadata
 from reference.methods import Layers, Method, drive, method_named, method_names
 from reference.methods.discovery import BUILT_IN
 from reference.options import with_values
+from reference.suggestions import unknown
 from reference.world import World, build_world
-
-NAME = "render"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -80,7 +82,6 @@ def run(arguments: argparse.Namespace) -> None:
     counts = _counts(method, arguments)
     aovs = _aovs(method, arguments.aov)
     out, png = arguments.out, arguments.out.with_suffix(".png")
-    check_file(out)
     if arguments.png:
         check_file(png, ".png")
     animation = open_frames(arguments)
@@ -99,7 +100,8 @@ def run(arguments: argparse.Namespace) -> None:
     if arguments.png:
         color = to_image(layers["color"], world.camera.width, world.camera.height)
         write_png(png, color, auto_exposure(color))
-    _report(arguments, out, png, words, layers)
+    black = None if np.any(layers["color"]) else why_black(job)
+    _report(arguments, out, png, words, layers, black)
 
 
 def _described(name: str) -> str:
@@ -108,14 +110,12 @@ def _described(name: str) -> str:
     return f"  {name:20} {summary}"
 
 
-def _image(
-    method: Method, layers: Layers, world: World, words: dict[str, str]
-) -> Image:
+def _image(method: Method, layers: Layers, world: World, words: Words) -> Image:
     width, height = world.camera.width, world.camera.height
     try:
         return Image(
             {name: to_image(rows, width, height) for name, rows in layers.items()},
-            words,
+            header(words),
         )
     except (ValueError, AttributeError) as error:
         raise UsageError(
@@ -136,11 +136,11 @@ def _counts(method: Method, arguments: argparse.Namespace) -> dict[str, int]:
 
 
 def _aovs(method: Method, names: tuple[str, ...]) -> tuple[str, ...]:
+    known = ("color", *method.aovs)
     for name in names:
-        if name not in ("color", *method.aovs):
+        if name not in known:
             raise UsageError(
-                f"--aov {name!r} is not known to method {method.name!r}; known are"
-                f" {', '.join(('color', *method.aovs))}"
+                f"--aov: {unknown('layer', name, known)} (method {method.name!r})"
             )
     return tuple(name for name in names if name != "color")
 
@@ -149,8 +149,9 @@ def _report(
     arguments: argparse.Namespace,
     out: Path,
     png: Path,
-    words: dict[str, str],
+    words: Words,
     layers: Layers,
+    black: str | None,
 ) -> None:
     if arguments.json:
         emit(
@@ -158,10 +159,13 @@ def _report(
                 "out": str(out),
                 "png": str(png) if arguments.png else None,
                 "layers": list(layers),
+                "black": black,
                 "metadata": words,
             }
         )
         return
     show(f"{out}: {words['method']} on {words['scene']}, {words['seconds']} s")
+    if black is not None:
+        show(f"Every pixel is black: {black}")
     if "biases" in words:
         show(f"Biased here by {words['biases']}")

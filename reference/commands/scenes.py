@@ -9,8 +9,6 @@ from reference.commands.console import emit, show
 from reference.scene.catalogue.registry import CATALOGUE
 from reference.scene.requirements import requirements
 
-NAME = "scenes"
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Describe the arguments.

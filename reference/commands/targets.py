@@ -1,9 +1,74 @@
-"""Where results go, checked before hours are spent on them."""
+"""Where results go, looked at before hours are spent on them.
+
+`new_file` and `new_folder` are types of arguments: what they refuse is refused while
+the command line is read, before anything else is done.
+"""
 
 import os
+import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 from reference.errors import UsageError
+
+BESIDE = ".checkpoint"
+"""The longest ending that a command puts to the name of a file."""
+
+
+def new_file(suffix: str = ".exr") -> Callable[[str], Path]:
+    """Make a converter of names of files that can be written.
+
+    Parameters
+    ----------
+    suffix : str
+        In which the name ends.
+
+    Returns
+    -------
+    callable
+        From text to a path; see `check_file`.
+    """
+
+    def convert(text: str) -> Path:
+        path = Path(text)
+        check_file(path, suffix)
+        return path
+
+    return convert
+
+
+def new_folder(text: str) -> Path:
+    """Name of a folder that is there, or can be made, and can be written.
+
+    Parameters
+    ----------
+    text : str
+        The name.
+
+    Returns
+    -------
+    Path
+        Nothing is made yet.
+
+    Raises
+    ------
+    UsageError
+        It cannot be made, or not be written.
+    """
+    path = Path(text)
+    if not text:
+        raise UsageError("--out is empty; name a folder")
+    _refuse_bad_names(path)
+    there = path.absolute()
+    while not os.path.lexists(there):
+        there = there.parent
+    if not os.path.isdir(there):
+        what = "it" if there == path.absolute() else str(there)
+        raise UsageError(
+            f"--out {path}: cannot make this folder: {what} is a file; name another"
+        )
+    _refuse_closed(path, there)
+    return path
 
 
 def check_file(path: Path, suffix: str = ".exr") -> None:
@@ -23,35 +88,36 @@ def check_file(path: Path, suffix: str = ".exr") -> None:
     """
     if path.suffix.lower() != suffix:
         raise UsageError(f"--out {path}: name a file that ends in {suffix}")
-    if path.exists() and not path.is_file():
+    _refuse_bad_names(path)
+    if os.path.lexists(path) and not os.path.isfile(path):
         raise UsageError(f"--out {path} is not a regular file; name a file")
     folder = path.resolve().parent
-    if not folder.is_dir():
+    if not os.path.isdir(folder):
         raise UsageError(f"--out {path}: there is no folder {path.parent}; make it")
-    if not os.access(folder, os.W_OK | os.X_OK):
+    _refuse_closed(path, folder)
+
+
+def _refuse_bad_names(path: Path) -> None:
+    if "\0" in str(path):
         raise UsageError(
-            f"--out {path}: {path.parent} may not be written; name another folder"
+            f"--out {str(path)!r}: no file can have this name; name another"
+        )
+    most = 255 - len(BESIDE)  # bytes, of every file system in use
+    long = next((p for p in path.parts if len(os.fsencode(p)) > most), None)
+    if long is not None or len(os.fsencode(path.absolute())) > 4096 - 255:
+        raise UsageError(
+            f"--out {long or path:.40}...: the name is too long; give one of at most"
+            f" {most} bytes"
         )
 
 
-def make_folder(path: Path) -> None:
-    """Make a folder for results, or raise.
-
-    Parameters
-    ----------
-    path : Path
-        May exist.
-
-    Raises
-    ------
-    UsageError
-        It cannot be made, or not be written.
-    """
+def _refuse_closed(path: Path, folder: Path) -> None:
+    """Raise unless a file can be made there: a try tells more than permissions."""
     try:
-        path.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
     except OSError as error:
         raise UsageError(
-            f"--out {path}: cannot make this folder: {error.strerror}; name another"
+            f"--out {path}: {folder} may not be written: {error.strerror}; name another"
+            " folder"
         ) from error
-    if not os.access(path, os.W_OK | os.X_OK):
-        raise UsageError(f"--out {path} may not be written; name another folder")

@@ -1,15 +1,15 @@
 """``restir tradeoff``: speed against accuracy, measured, and what to take."""
 
 import argparse
-from pathlib import Path
 
 from reference.accumulate import Pixel
 from reference.commands import arguments as options
 from reference.commands.console import emit, progress, show
 from reference.commands.opening import open_named
-from reference.commands.targets import make_folder
-from reference.commands.values import MOST_SAMPLES, MOST_SEED, seconds, whole
+from reference.commands.targets import new_folder
+from reference.commands.values import MOST_SAMPLES, MOST_SEED, amount, whole
 from reference.errors import UsageError
+from reference.files import make_folder
 from reference.fingerprint import fingerprint
 from reference.methods import Job, method_named
 from reference.methods.path import PathSettings
@@ -32,7 +32,6 @@ from reference.version import project_version
 from reference.workers import processors, workers
 from reference.world import build_world, next_world
 
-NAME = "tradeoff"
 METHOD = "restir-gi-unbiased"
 SIDE = 64
 RUNS, FRAMES, DESIGN, SAMPLES = 32, 16, 16, 4096
@@ -52,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_scene(parser)
     parser.add_argument(
         "--out",
-        type=Path,
+        type=new_folder,
         required=True,
         metavar="DIR",
         help="folder for page, numbers and runs; goes on from the runs that are there",
@@ -115,13 +114,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--for-error",
-        type=seconds,
+        type=amount,
         metavar="PERCENT",
         help="error that is allowed, of the mean light (default: that of the base)",
     )
     parser.add_argument(
         "--for-time",
-        type=seconds,
+        type=amount,
         metavar="MS",
         help="time that a frame may take on one thread (default: that of the base)",
     )

@@ -9,6 +9,7 @@ MOST_PIXELS_A_SIDE = 2**14
 # bits alone have dependent streams (reference.rng).
 MOST_SAMPLES = 2**27 - 1
 MOST_SEED = 2**27 - 1
+MOST = 1e9
 Size = tuple[int, int]
 
 
@@ -27,10 +28,9 @@ def whole(least: int, most: int) -> Callable[[str], int]:
     """
 
     def convert(text: str) -> int:
-        try:
-            value = int(text)
-        except ValueError:
-            value = least - 1
+        # Digits as everybody writes them: int() also takes 1_000 and other scripts'.
+        is_number = re.fullmatch(r"[+-]?\d{1,19}", text, re.ASCII)
+        value = int(text) if is_number else least - 1
         if not least <= value <= most:
             raise argparse.ArgumentTypeError(
                 f"{text!r} is not an integer from {least} to {most}"
@@ -95,6 +95,33 @@ def tiled_size(text: str) -> Size:
     return width, height
 
 
+def amount(text: str) -> float:
+    """A quantity from text: a time, a percentage, a bound.
+
+    Parameters
+    ----------
+    text : str
+        A number.
+
+    Returns
+    -------
+    float
+        0 to 10⁹.
+
+    Raises
+    ------
+    ArgumentTypeError
+        It is no such number.
+    """
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0 <= value <= MOST:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number from 0 to {MOST:g}")
+    return value
+
+
 def seconds(text: str) -> float:
     """Time from text.
 
@@ -106,7 +133,7 @@ def seconds(text: str) -> float:
     Returns
     -------
     float, s
-        0 or more.
+        0 to 10⁹, some thirty years: clocks take no more.
 
     Raises
     ------
@@ -114,9 +141,8 @@ def seconds(text: str) -> float:
         It is no such number.
     """
     try:
-        value = float(text)
-    except ValueError:
-        value = -1.0
-    if not value >= 0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds")
-    return value
+        return amount(text)
+    except argparse.ArgumentTypeError as error:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a number of seconds from 0 to {MOST:g}"
+        ) from error

@@ -10,6 +10,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from reference.comparison.histogram import histogram_bars
 from reference.comparison.labels import NUMBERS
+from reference.comparison.likeness import SAME, differences
 from reference.comparison.maps import ErrorMap
 from reference.display import encode_png, to_display
 from reference.files import make_folder, write_file
@@ -75,6 +76,10 @@ def _page(
         lstrip_blocks=True,
     )
     size = numbers["width"] * numbers["height"]
+    metadata = [image.metadata for image in images]
+    different = differences(*metadata)
+    first = {SAME[one.what] for one in different}
+    keys = {key for words in metadata for key in words}
     return templates.get_template("comparison.html").render(
         names=names,
         numbers=numbers,
@@ -82,8 +87,9 @@ def _page(
         maps=maps,
         pictures={name: b64encode(png).decode() for name, png in files.items()},
         bars=histogram_bars(maps[0].values, maps[0].high),
-        keys=sorted({key for image in images for key in image.metadata}),
-        metadata=[image.metadata for image in images],
+        differences=different,
+        keys=sorted(keys, key=lambda key: (key not in first, key)),
+        metadata=metadata,
         probes=[_values(image) for image in images] if size <= MOST_PROBED else None,
     )
 

@@ -14,7 +14,7 @@ from reference.display import auto_exposure, encode_png, to_display
 from reference.exr import write_exr
 from reference.files import write_file
 from reference.images import Image, to_image
-from reference.metadata import metadata
+from reference.metadata import header, metadata
 from reference.scene.scene import Scene
 
 TITLES = {
@@ -57,7 +57,7 @@ def write_gallery(
         name = runs.method.name
         words = metadata(scene, runs.method, runs.job, runs.rays, score.seconds)
         color = to_image(runs.colors[0], truth.width, truth.height)
-        image = Image({"color": color}, words)
+        image = Image({"color": color}, header(words))
         write_exr(out / f"{name}.exr", image)
         compare(image, truth, out / name, names=(TITLES[name], "truth"))
         shown.append(to_display(color, exposure))

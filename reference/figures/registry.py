@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from difflib import get_close_matches
 
 from reference.announced import announced, announced_names
 from reference.errors import UsageError
@@ -17,6 +16,7 @@ from reference.figures import (
     validation,
 )
 from reference.figures.record import PaperFigure, Work
+from reference.suggestions import unknown
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,8 +101,6 @@ def find_figure(name: str) -> Entry:
     if found is not None:
         return found
     names = figure_names()
-    close = get_close_matches(name, names, n=1)
-    hint = f"did you mean {close[0]}? " if close else ""
     numbers = {e.name: f" ({', '.join(e.numbers)})" for e in _ENTRIES}
     every = ", ".join(each + numbers.get(each, "") for each in names)
-    raise UsageError(f"there is no figure {name!r}; {hint}the figures are {every}")
+    raise UsageError(unknown("figure", name, names, every))

@@ -10,11 +10,10 @@ from reference.arrays import Indices, Scalars, divide_or_zero
 from reference.inspector.fates import Fate, fates, shifted
 from reference.inspector.origins import Origins, Source
 from reference.passes.entries import Entry
-from reference.passes.neighbors import NONE
 from reference.passes.normalization import normalization, who_holds
 from reference.passes.resample import Competition, resample
 from reference.passes.stream import kept_samples, stream
-from reference.records import scatter, take
+from reference.records import NONE, scatter, take
 
 NOT_ASKED = 2
 """Besides no, 0, and yes, 1."""

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from reference.arrays import Indices
-from reference.passes.neighbors import NONE
 from reference.passes.past import Past
 from reference.passes.resample import Competition
+from reference.records import NONE
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,7 +13,6 @@ from reference.methods import Job, Layers, Method
 from reference.methods.restir_gi import BIASED, UNBIASED
 from reference.options import with_values
 from reference.path_tracer import MAX_BOUNCES, Light
-from reference.scene.animation import Animation
 from reference.scene.catalogue.registry import CATALOGUE
 from reference.scene.named import Named, find_scene_or_file, frames_of
 from reference.schedule import Schedule
@@ -50,7 +49,13 @@ def method_of(image: Image) -> Method | None:
 
 
 def job_of(
-    path: Path, image: Image, scene: str | None, lenient: bool, schedule: Schedule
+    path: Path,
+    image: Image,
+    *,
+    scene: str | None,
+    lenient: bool,
+    allow_outside: bool,
+    schedule: Schedule,
 ) -> Job:
     """The job that a picture's header tells.
 
@@ -62,8 +67,8 @@ def job_of(
         Of one of the methods of ReSTIR GI.
     scene : str or None
         Built-in, or a file; ``None`` for what the header names.
-    lenient : bool
-        How a scene's file was read.
+    lenient, allow_outside : bool
+        How the scene's file is read.
     schedule : Schedule
         Bands and threads.
 
@@ -92,7 +97,13 @@ def job_of(
             f"{path}: the header is not understood by this version: {error}"
         ) from error
     size = (image.width, image.height)
-    animation = _animation(path, words, scene, lenient, size, frame)
+    name = _scene_name(path, words, scene)
+    found = find_scene_or_file(name, lenient, allow_outside)
+    if found.name != words.get("scene", ""):
+        raise UsageError(
+            f"{path}: rendered from {words.get('scene', '')!r}, not from {found.name!r}"
+        )
+    animation = frames_of(Named(name, lenient, *size, frame, allow_outside), found)
     return Job(
         world=build_world(animation(0)),
         light=light,
@@ -131,25 +142,14 @@ def _assignments(words: Mapping[str, str]) -> list[str]:
     ]
 
 
-def _animation(
-    path: Path,
-    words: Mapping[str, str],
-    scene: str | None,
-    lenient: bool,
-    size: tuple[int, int],
-    frame: int,
-) -> Animation:
+def _scene_name(path: Path, words: Mapping[str, str], scene: str | None) -> str:
     named = words.get("scene", "")
     if scene is None and named not in CATALOGUE:
         raise UsageError(
             f"{path}: rendered from {named!r}, which is no built-in scene; name its"
             " file with --scene"
         )
-    name = scene or named
-    found = find_scene_or_file(name, lenient)
-    if found.name != named:
-        raise UsageError(f"{path}: rendered from {named!r}, not from {found.name!r}")
-    return frames_of(Named(name, lenient, *size, frame), found)
+    return scene or named
 
 
 def standing(image: Image, layers: Layers) -> str:

@@ -5,6 +5,7 @@ from reference.errors import UsageError
 from reference.methods.method import Method
 from reference.methods.path import PATH
 from reference.methods.restir_gi import BIASED, UNBIASED
+from reference.suggestions import unknown
 
 GROUP = "restir.methods"
 BUILT_IN = {method.name: method for method in (PATH, BIASED, UNBIASED)}
@@ -42,7 +43,5 @@ def method_named(name: str) -> Method:
     """
     found = BUILT_IN.get(name) or announced(GROUP, name, Method, "method")
     if found is None:
-        raise UsageError(
-            f"unknown method {name!r}; known are {', '.join(method_names())}"
-        )
+        raise UsageError(unknown("method", name, method_names()))
     return found

@@ -10,6 +10,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from itertools import count
+from threading import TIMEOUT_MAX
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from reference.oracle.backends.backend import Backend
 from reference.oracle.backends.open import open_backend
 from reference.oracle.backends.running import Limits
+from reference.oracle.cases import NO_TIME, UnaskedError
 from reference.oracle.contract.fields import Precision
 from reference.oracle.ladder import law_step, statistical_rungs
 from reference.oracle.parts import whole_contract
@@ -131,9 +133,17 @@ def rungs_afar(
     rung, title, callable
         As of :func:`reference.oracle.ladder.statistical_rungs`.
     """
-    laws = {s: executor.submit(law, reached, s).result for s in SCENES}
+    found = {s: executor.submit(law, reached, s) for s in SCENES}
+
+    def law_of(scene: str) -> Step:
+        try:
+            return found[scene].result(min(max(remaining(), 0.0), TIMEOUT_MAX))
+        except TimeoutError as error:
+            raise UnaskedError(NO_TIME.reason) from error
+
+    laws = {scene: partial(law_of, scene) for scene in SCENES}
 
     def batches(first: int) -> Iterator[NDArray[np.float64]]:
-        return ahead(executor, partial(batch, reached), count(first), AHEAD)
+        return ahead(executor, partial(batch, reached), count(first), AHEAD, remaining)
 
     yield from statistical_rungs(whole_contract(), backend, remaining, batches, laws)

@@ -1,7 +1,8 @@
 """Cases: what a backend is given, and what it gives back."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -54,13 +55,44 @@ class Failure:
     ----------
     reason : str
         One line.
+    timed_out : bool
+        It took longer than one call may.
+    """
+
+    reason: str
+    timed_out: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Unasked:
+    """Nothing is known: a call was not made, or was cut short from outside.
+
+    Attributes
+    ----------
+    reason : str
+        One line.
     """
 
     reason: str
 
 
-Outcome = Buffers | Failure | None
+class UnaskedError(Exception):
+    """A call in the middle of something else was not made, or was cut short."""
+
+
+NO_TIME = Unasked("no time was left")
+NOT_AGAIN = Unasked("not asked again after a call that took too long")
+
+Outcome = Buffers | Failure | Unasked | None
 """Outputs of a case; ``None`` where the backend does not have the pass."""
+
+Remaining = Callable[[], float]
+"""Seconds that are left."""
+
+
+def for_ever() -> float:
+    """Seconds that are left where nobody counts them."""
+    return inf
 
 
 def output_shapes(passes: Passes, case: Case) -> dict[str, tuple[int, ...]]:

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable
 from concurrent.futures import Executor
+from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from reference.errors import UsageError
 from reference.oracle.afar import Reached, rungs_afar
 from reference.oracle.backends.open import open_backend
 from reference.oracle.backends.running import Limits
+from reference.oracle.cases import UnaskedError
 from reference.oracle.contract.fields import Precision
 from reference.oracle.golden import read_golden
 from reference.oracle.ladder import golden_rungs, ladder, statistical_rungs
@@ -40,7 +42,7 @@ def judge(
         An object is called in this process; a string names one, or is a command line
         with ``{directory}``.
     budget : float, s
-        No step begins after that.
+        In which the backend is loaded and asked; what has no time then is told.
     statistics : bool
         Whether whole runs are among the steps.
     limits : Limits, optional
@@ -65,15 +67,18 @@ def judge(
     UsageError
         No such backend or folder, or they are of different precision.
     """
-    golden = read_golden(against) if against is not None else None
-    given = golden[0] if golden else precision
-    opened = open_backend(backend, limits or Limits(), given)
-    passes = whole_contract()
     start = time.monotonic()
 
     def remaining() -> float:
         return start + budget - time.monotonic()
 
+    golden = read_golden(against) if against is not None else None
+    given = golden[0] if golden else precision
+    passes = whole_contract()
+    try:
+        opened = open_backend(backend, limits or Limits(), given, remaining)
+    except UnaskedError as error:
+        return Verdict("UNDECIDED", [], [str(error)], [], [])
     try:
         if golden and opened.precision != golden[0]:
             raise UsageError(
@@ -92,9 +97,11 @@ def judge(
                 runs = statistical_rungs(passes, opened, remaining)
                 rungs = chain(rungs, runs)
         clock = time.monotonic
-        return climb(passes, opened.precision, rungs, budget, clock, tell)
-    finally:
+        verdict = climb(passes, opened.precision, rungs, remaining(), clock, tell)
+    except BaseException:
         opened.close()
+        raise
+    return replace(verdict, left_running=opened.close())
 
 
 def told(verdict: Verdict) -> str:

@@ -1,6 +1,7 @@
 """Buffers of a case as the parts of one OpenEXR file."""
 
 from collections.abc import Mapping
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from reference.exr_parts import decode
 from reference.files import read_file
 from reference.oracle.cases import Case, Failure, output_shapes
 from reference.oracle.contract.fields import Passes, dtype_of
+from reference.oracle.raw import MOST_MORE, MOST_TIMES
 
 VECTOR = ("R", "G", "B")
 
@@ -54,7 +56,13 @@ def read_frames(
         In the types of single precision.
     """
     try:
-        parts = {part.name(): part.channels for part in decode(path, read_file(path))}
+        promised = sum(
+            4 * prod(shape) for shape in output_shapes(passes, case).values()
+        )
+        contents = read_file(path, MOST_TIMES * promised + MOST_MORE)
+        parts = {
+            part.name(): part.channels for part in decode(path, contents, case.rows)
+        }
     except UsageError as error:
         return Failure(f"{case.name}: {error}")
     found: dict[str, NDArray[Any]] = {}

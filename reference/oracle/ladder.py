@@ -20,7 +20,7 @@ from reference.oracle.rungs.relations import relations_of
 from reference.oracle.rungs.replayed import replayed
 from reference.oracle.rungs.spheres import furnace, half_lit
 from reference.oracle.stage import SCENES, stage
-from reference.oracle.steps import Rung, Step, ask_all, taken
+from reference.oracle.steps import Rung, Step, asked, taken
 from reference.scene.catalogue.registry import find_scene
 
 SIZE, SEED = 48, 1
@@ -45,11 +45,8 @@ def ladder(passes: Passes, backend: Backend) -> Iterator[Rung]:
     """
     precision = backend.precision
 
-    def asked(rung: str, title: str, probes: Callable[[], Sequence[Probe]]) -> Rung:
-        def take() -> Step:
-            return Step(rung, title, ask_all(passes, backend, probes()))
-
-        return rung, title, take
+    def rung_of(rung: str, title: str, probes: Callable[[], Sequence[Probe]]) -> Rung:
+        return rung, title, lambda: asked(rung, title, passes, backend, probes())
 
     questions = [(part, part.probes(precision)) for part in parts()]
 
@@ -58,22 +55,24 @@ def ladder(passes: Passes, backend: Backend) -> Iterator[Rung]:
             chosen = [probe for probe in probes if probe.rung == rung]
             if chosen:
                 more = part.frames if rung == "L3" else no_frames
-                take = partial(_asked, passes, backend, rung, part.title, chosen, more)
+                take = partial(
+                    _asked_of_part, passes, backend, rung, part.title, chosen, more
+                )
                 yield rung, part.title, take
 
-    yield asked("L0", "kernels", partial(kernel_probes, precision))
+    yield rung_of("L0", "kernels", partial(kernel_probes, precision))
     yield from of_parts("L0")
-    yield asked("L1", "lattices", partial(lattice_probes, precision))
+    yield rung_of("L1", "lattices", partial(lattice_probes, precision))
     yield from of_parts("L1")
     yield "L2", "spheres", partial(_spheres, passes, backend)
     yield "L2", "relations", partial(_relations, passes, backend)
     yield from of_parts("L2")
     for scene in SCENES:
-        yield asked("L3", scene, partial(scene_probes, scene, precision))
+        yield rung_of("L3", scene, partial(scene_probes, scene, precision))
     yield from of_parts("L3")
 
 
-def _asked(
+def _asked_of_part(
     passes: Passes,
     backend: Backend,
     rung: str,
@@ -82,12 +81,17 @@ def _asked(
     frames: Frames,
 ) -> Step:
     """A step of a part: frames are made for a backend that has the passes alone."""
-    answers = ask_all(passes, backend, probes)
-    names = {a.probe.case.pass_name for a in answers if a.finding is not None}
+    step = asked(rung, title, passes, backend, probes)
+    names = {a.probe.case.pass_name for a in step.answers if a.finding is not None}
     more = frames(backend.precision, frozenset(names))
-    if more:
-        answers += ask_all(passes, backend, more)
-    return Step(rung, title, answers)
+    if not more:
+        return step
+    rest = asked(rung, title, passes, backend, more)
+    return replace(
+        step,
+        answers=step.answers + rest.answers,
+        unasked=step.unasked + rest.unasked,
+    )
 
 
 def statistical_rungs(
@@ -151,7 +155,7 @@ def golden_rungs(
         chosen = [probe for probe in probes if probe.rung == rung]
 
         def take(rung: str = rung, chosen: list[Probe] = chosen) -> Step:
-            return Step(rung, "golden", ask_all(passes, backend, chosen))
+            return asked(rung, "golden", passes, backend, chosen)
 
         yield rung, "golden", take
 

@@ -1,13 +1,21 @@
 """Steps of the ladder, and asking a backend."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from reference.oracle.backends.backend import Backend
 from reference.oracle.builtin.backend import BuiltIn
-from reference.oracle.cases import Buffers, Case, Failure, refused
+from reference.oracle.cases import (
+    NO_TIME,
+    Buffers,
+    Case,
+    Failure,
+    Unasked,
+    UnaskedError,
+    refused,
+)
 from reference.oracle.contract.fields import Passes
 from reference.oracle.diagnosis.hypothesis import Departure
 from reference.oracle.loop import Ask
@@ -34,6 +42,8 @@ class Step:
         What more time would buy; empty where it buys nothing.
     relies_on : tuple of str
         Departures from the contract under which its findings say nothing.
+    unasked : list of str
+        Calls of which nothing is known, and why, a line each.
     """
 
     rung: str
@@ -43,6 +53,7 @@ class Step:
     certified: float | None = None
     more: str = ""
     relies_on: tuple[Departure, ...] = ()
+    unasked: list[str] = field(default_factory=list)
 
     @property
     def faults(self) -> list[str]:
@@ -54,11 +65,15 @@ class Step:
 Rung = tuple[str, str, Callable[[], Step]]
 
 
-def ask_all(passes: Passes, backend: Backend, probes: Sequence[Probe]) -> list[Answer]:
-    """Ask a backend.
+def asked(
+    rung: str, title: str, passes: Passes, backend: Backend, probes: Sequence[Probe]
+) -> Step:
+    """A step of probes: ask a backend, and examine what it answers.
 
     Parameters
     ----------
+    rung, title : str
+        Of the step.
     passes : mapping of str to Pass
         The contract.
     backend : Backend
@@ -68,15 +83,21 @@ def ask_all(passes: Passes, backend: Backend, probes: Sequence[Probe]) -> list[A
 
     Returns
     -------
-    list of Answer
-        In the same order.
+    Step
+        With an answer to each question that was asked, in the same order.
     """
     outcomes = backend.run(passes, [probe.case for probe in probes])
     _canary()
-    return [
-        examined(passes, backend.precision, probe, outcome)
-        for probe, outcome in zip(probes, outcomes, strict=True)
-    ]
+    answers, unasked = [], []
+    for probe, outcome in zip(probes, outcomes, strict=True):
+        # A failure is known as it is; to judge numbers takes time.
+        late = isinstance(outcome, Mapping) and backend.remaining() <= 0
+        known = NO_TIME if late else outcome
+        if isinstance(known, Unasked):
+            unasked.append(f"{probe.case.name}: {known.reason}")
+        else:
+            answers.append(examined(passes, backend.precision, probe, known))
+    return Step(rung, title, answers, unasked=unasked)
 
 
 def _canary() -> None:
@@ -134,8 +155,14 @@ class Asker:
             The backend has the pass, and gives nothing that can be judged.
         NothingOfItsOwnError
             Nothing that was asked so far was the backend's: there is nothing to judge.
+        UnaskedError
+            There was no time to ask, or nothing is known for another reason.
         """
+        if self._backend.remaining() <= 0:
+            raise UnaskedError(f"{case.name}: {NO_TIME.reason}")
         outcome = self._backend.run(self._passes, [case])[0]
+        if isinstance(outcome, Unasked):
+            raise UnaskedError(f"{case.name}: {outcome.reason}")
         if outcome is None:
             self._lent += 1
             if self._lent >= PATIENCE and not self.answered:
@@ -182,7 +209,7 @@ def taken(
     Step
         Without findings of tests in which nothing was the backend's own.
     """
-    found = []
+    found, unasked = [], []
     for test in tests:
         ask = Asker(passes, backend)
         try:
@@ -191,6 +218,9 @@ def taken(
             finding = Finding(False, str(reason))
         except NothingOfItsOwnError:
             continue
+        except UnaskedError as reason:
+            unasked.append(str(reason))
+            continue
         if ask.answered:
             found.append(finding)
-    return Step(rung, title, findings=found, relies_on=relies_on)
+    return Step(rung, title, findings=found, relies_on=relies_on, unasked=unasked)

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from reference.oracle.cases import UnaskedError
 from reference.oracle.contract.fields import Passes, Precision
 from reference.oracle.diagnosis.diagnose import Diagnosis, diagnose
 from reference.oracle.rungs.probe import Answer
@@ -44,6 +45,8 @@ class Verdict:
         Of passes that are not the contract's, in its order.
     absent : list of str
         Passes that the backend does not have.
+    left_running : int
+        Processes that the backend had left when it was closed; they were ended.
     """
 
     status: Status
@@ -51,6 +54,12 @@ class Verdict:
     left: list[str]
     diagnoses: list[Diagnosis]
     absent: list[str]
+    left_running: int = 0
+
+    @property
+    def unasked(self) -> list[str]:
+        """Calls of which nothing is known."""
+        return [line for timed in self.steps for line in timed.step.unasked]
 
     @property
     def certified(self) -> float | None:
@@ -95,7 +104,7 @@ def climb(
     rungs : iterator of Rung
         The ladder.
     budget : float, s
-        No step begins after that.
+        No step begins after that, and those who ask a backend stop by themselves.
     clock : callable
         Gives seconds.
     tell : callable
@@ -114,7 +123,10 @@ def climb(
             continue
         tell(f"{rung} {title}")
         began = clock()
-        steps.append(Timed(take(), clock() - began))
+        try:
+            steps.append(Timed(take(), clock() - began))
+        except UnaskedError:
+            left.append(f"{rung} {title}")
     answers = [a for timed in steps for a in timed.step.answers]
     wrong = {
         a.probe.case.pass_name for a in answers if a.finding and not a.finding.passed
@@ -131,7 +143,7 @@ def climb(
     verdict = Verdict("PASS", steps, left, diagnoses, absent)
     if _is_wrong(verdict, answers):
         return replace(verdict, status="FAIL")
-    if left or not (judged or findings) or verdict.more:
+    if left or verdict.unasked or not (judged or findings) or verdict.more:
         return replace(verdict, status="UNDECIDED")
     return verdict
 

@@ -5,11 +5,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reference.arrays import Indices
-from reference.passes.neighbors import NONE
 from reference.passes.passage import Passage
 from reference.passes.receivers import Receivers
 from reference.passes.shifting import Shift, shift
-from reference.records import take
+from reference.records import NONE, take
 from reference.resampling.reservoir import (
     Candidates,
     Reservoirs,

@@ -6,9 +6,8 @@ import numpy as np
 
 from reference.arrays import Indices, Masks
 from reference.passes.entries import Donors, Entry, other_entry, own_entry
-from reference.passes.neighbors import NONE
 from reference.passes.receivers import Receivers
-from reference.records import cut, take
+from reference.records import NONE, cut, take
 from reference.resampling.reservoir import Reservoirs
 
 

@@ -4,10 +4,10 @@ import numpy as np
 
 from reference.arrays import Indices, Masks
 from reference.passes.moment import Frame, Moment
-from reference.passes.neighbors import NONE
 from reference.passes.passage import Passage
 from reference.passes.reproject import alike_before, places_before, row_at
 from reference.passes.taps import nearby, permuted
+from reference.records import NONE
 from reference.rng import Stream
 
 TAPS, REACH = 4, 4.0

@@ -17,13 +17,13 @@ from reference.sampling import (
     sample_uniform_hemisphere,
 )
 from reference.scene.materials.bsdf_sampling import (
-    HAS_DELTA,
+    APART,
     BsdfSamples,
     sample,
-    sample_delta,
+    sample_apart,
 )
 from reference.scene.materials.parameters import Kind, MaterialTable, lit_cosine
-from reference.scene.materials.table import can_scatter, pdf, scattering
+from reference.scene.materials.table import can_scatter, is_shared, pdf, scattering
 from reference.scene.origins import contact
 from reference.scene.surface import SurfacePoints, direction_and_distance
 from reference.settings import GlossySamples, Source
@@ -42,7 +42,8 @@ class InitialSamples:
         Source density of the direction to the sample point.
     unshared : (N, 3) float64, W/(m² sr)
         Light of this frame's paths that cannot be reused by reconnection: by way of a
-        delta lobe of the visible point, or of a sample point that is not Lambertian.
+        delta lobe or a rough dielectric at the visible point, or of a sample point that
+        is not Lambertian.
     """
 
     y: Samples
@@ -69,12 +70,15 @@ def source_pdf(
     Returns
     -------
     (N,) float64, 1/sr
-        0 below the horizon, and for black points that draw by their BSDF: such a draw
-        is a null.
+        0 below the horizon, for black points that draw by their BSDF, and on rough
+        dielectrics: such a draw is a null, or not reused.
     """
     if source == "bsdf":
-        return np.where(can_scatter(table, points), pdf(table, points, omega), 0.0)
+        able = can_scatter(table, points) & is_shared(table, points)
+        return np.where(able, pdf(table, points, omega), 0.0)
     cosine = lit_cosine(table, points, omega)
+    if table.transmits:
+        cosine = np.where(is_shared(table, points), cosine, 0.0)
     if source == "cosine":
         return pdf_cosine_hemisphere(cosine)
     return np.where(cosine > 0, pdf_uniform_hemisphere(cosine), 0.0)
@@ -140,7 +144,7 @@ def initial_samples(
     bounces : int
         Bounces of indirect light, at least 1.
     directions, paths, speculars : Uniforms
-        N rows: for the direction, for L_o at the sample point, for delta lobes.
+        N rows: for the direction, for L_o at the sample point, for what is not reused.
     numbers : (N,) int64 or None
         Of the paths, where their radiance will have to be found again.
     tail : (N,) float64 or None
@@ -172,7 +176,10 @@ def initial_samples(
     omega, _ = direction_and_distance(points.position, x_s)
     density = source_pdf(source, world.materials, points, omega)
     shared = ~drawn.delta & (density > 0)
-    unshared = np.where(drawn.delta[:, None], drawn.weight * radiance, 0.0)
+    apart = drawn.delta
+    if source == "bsdf" and world.materials.transmits:
+        apart = apart | ~is_shared(world.materials, points)
+    unshared = np.where(apart[:, None], drawn.weight * radiance, 0.0)
     if glossy_samples == "path-traced" and world.plan.glossy:
         lambertian = is_lambertian(world.materials, met)
         value = scattering(world.materials, points, omega) * radiance
@@ -181,7 +188,7 @@ def initial_samples(
         # A miss has no material, and no radiance.
         shared &= lambertian | ~met.hit
     if source != "bsdf" and world.plan.delta:
-        first = sample_delta(world.materials, points, speculars.draw(0))
+        first = sample_apart(world.materials, points, speculars.draw(0))
         unshared += reflected_radiance(
             world,
             points,
@@ -240,5 +247,5 @@ def shares_all(world: World, source: Source, glossy_samples: GlossySamples) -> b
     """
     kinds = world.materials.kinds
     lambertian = kinds == (Kind.LAMBERTIAN,)
-    smooth = any(kind in HAS_DELTA for kind in kinds)
-    return lambertian or (glossy_samples == "as-lambertian" and not smooth)
+    apart = any(kind in APART for kind in kinds)
+    return lambertian or (glossy_samples == "as-lambertian" and not apart)

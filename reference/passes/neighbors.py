@@ -5,13 +5,10 @@ import numpy as np
 from reference.arrays import Indices, Scalars
 from reference.passes.gbuffer import similar
 from reference.passes.lattice import corner
-from reference.records import take
+from reference.records import NONE, take
 from reference.rng import Draw
 from reference.scene.surface import VisiblePoints
 from reference.settings import Search
-
-NONE = -1
-"""In place of a neighbour: outside of the image, not similar, or the pixel itself."""
 
 
 def find_neighbors(

@@ -7,10 +7,9 @@ import numpy as np
 from reference.arrays import Masks, Scalars, dot
 from reference.passes.entries import Entry, Origin
 from reference.passes.initial import source_pdf
-from reference.passes.neighbors import NONE
 from reference.passes.receivers import Receivers, sees
 from reference.passes.shifting import mirrored
-from reference.records import take
+from reference.records import NONE, take
 from reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
 from reference.resampling.reservoir import Candidates, Reservoirs, Samples
 from reference.resampling.shift import reconnection_jacobian

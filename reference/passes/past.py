@@ -11,10 +11,9 @@ from reference.passes.history import History
 from reference.passes.home import find_home
 from reference.passes.lattice import corner, keeps_reservoir
 from reference.passes.moment import Frame, Moment
-from reference.passes.neighbors import NONE
 from reference.passes.passage import Passage, passage_between
 from reference.passes.validation import validated
-from reference.records import cut
+from reference.records import NONE, cut
 from reference.resampling.reservoir import Reservoirs
 from reference.resampling.suffix import age
 from reference.scene.motion import carry

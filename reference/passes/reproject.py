@@ -4,8 +4,7 @@ import numpy as np
 
 from reference.arrays import Indices, Masks, Scalars
 from reference.passes.gbuffer import similar
-from reference.passes.neighbors import NONE
-from reference.records import take
+from reference.records import NONE, take
 from reference.scene.camera import image_points, view_depth
 from reference.scene.motion import Motion, carry, turn
 from reference.scene.surface import VisiblePoints

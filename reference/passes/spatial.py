@@ -8,10 +8,10 @@ import numpy as np
 from reference.arrays import Indices, Masks, Scalars
 from reference.passes.entries import Donors, Entry, other_entry, own_entry
 from reference.passes.history import History, past_entry
-from reference.passes.neighbors import NONE, find_neighbors
+from reference.passes.neighbors import find_neighbors
 from reference.passes.receivers import Receivers
 from reference.passes.resample import Competition
-from reference.records import keep
+from reference.records import NONE, keep
 from reference.resampling.reservoir import Reservoirs
 from reference.rng import Uniforms
 

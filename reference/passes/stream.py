@@ -4,8 +4,7 @@ import numpy as np
 
 from reference.arrays import Indices, Masks, Scalars
 from reference.passes.entries import Donors, Entry
-from reference.passes.neighbors import NONE
-from reference.records import take, where
+from reference.records import NONE, take, where
 from reference.resampling.reservoir import Candidates, Samples, merge
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from reference.arrays import Indices, Scalars
-from reference.passes.neighbors import NONE
+from reference.records import NONE
 from reference.rng import Draw
 
 FLIP = 3

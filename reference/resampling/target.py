@@ -8,7 +8,7 @@ from reference.arrays import Scalars, Vec3s, divide_or_zero, dot, saturate
 from reference.images import luminance_weights
 from reference.resampling.reservoir import Samples
 from reference.scene.materials.parameters import Kind, MaterialTable, lit_cosine
-from reference.scene.materials.table import scattering
+from reference.scene.materials.table import is_shared, scattering
 from reference.scene.surface import SurfacePoints, direction_and_distance
 
 Target = Literal["scattered", "outgoing"]
@@ -46,7 +46,8 @@ def reflected(table: MaterialTable, receiver: SurfacePoints, y: Samples) -> Vec3
     Returns
     -------
     (N, 3), W/(m² sr²)
-        0 below the receiver's horizon and on the unlit side of the sample point.
+        0 below the receiver's horizon, on the unlit side of the sample point, and on
+        rough dielectrics, whose light is not reused.
 
     Notes
     -----
@@ -54,6 +55,8 @@ def reflected(table: MaterialTable, receiver: SurfacePoints, y: Samples) -> Vec3
     """
     omega, _ = direction_and_distance(receiver.position, y.position)
     lit = dot(y.normal, omega) < 0
+    if table.transmits:
+        lit = lit & is_shared(table, receiver)
     value = scattering(table, receiver, omega) * y.radiance
     return np.where(lit[:, None], value, 0.0)
 

@@ -2,14 +2,10 @@
 
 from dataclasses import replace
 
-from reference.scene.lights import (
-    ConstantEnvironment,
-    DirectionalLight,
-    LatLongEnvironment,
-    PointLight,
-)
+from reference.scene.lights import ConstantEnvironment, LatLongEnvironment
 from reference.scene.scene import Scene
-from reference.scene.textures import Color
+from reference.scene.shapes import emits
+from reference.scene.textures import Color, scaled, scaled_color
 
 
 def brightened(scene: Scene, factor: float) -> Scene:
@@ -29,32 +25,26 @@ def brightened(scene: Scene, factor: float) -> Scene:
         Shapes that do not emit are the same objects.
     """
 
-    def scaled(color: Color) -> Color:
-        r, g, b = color
-        return factor * r, factor * g, factor * b
-
-    def point(light: PointLight) -> PointLight:
-        return replace(light, intensity=scaled(light.intensity))
-
-    def sun(light: DirectionalLight) -> DirectionalLight:
-        return replace(light, irradiance=scaled(light.irradiance))
+    def times(color: Color) -> Color:
+        return scaled_color(color, factor)
 
     sky = scene.environment
     if isinstance(sky, ConstantEnvironment):
-        sky = replace(sky, radiance=scaled(sky.radiance))
+        sky = replace(sky, radiance=times(sky.radiance))
     elif isinstance(sky, LatLongEnvironment):
         sky = replace(sky, pixels=factor * sky.pixels)
     return replace(
         scene,
         meshes=tuple(
-            replace(m, emission=scaled(m.emission)) if any(m.emission) else m
+            replace(m, emission=scaled(m.emission, factor)) if emits(m) else m
             for m in scene.meshes
         ),
         spheres=tuple(
-            replace(s, emission=scaled(s.emission)) if any(s.emission) else s
+            replace(s, emission=scaled(s.emission, factor)) if emits(s) else s
             for s in scene.spheres
         ),
-        points=tuple(point(p) for p in scene.points),
-        suns=tuple(sun(s) for s in scene.suns),
+        points=tuple(replace(p, intensity=times(p.intensity)) for p in scene.points),
+        spots=tuple(replace(s, intensity=times(s.intensity)) for s in scene.spots),
+        suns=tuple(replace(s, irradiance=times(s.irradiance)) for s in scene.suns),
         environment=sky,
     )

@@ -18,7 +18,7 @@ ray resolves, well above the rounding of float64."""
 def first_obstacle(scene: Scene) -> Mesh | Sphere | None:
     """A shape that may stand between two points; ``None`` if certainly none does.
 
-    Points of surfaces, and point lights.
+    Points of surfaces, point and spot lights.
 
     Parameters
     ----------
@@ -30,9 +30,9 @@ def first_obstacle(scene: Scene) -> Mesh | Sphere | None:
     Mesh, Sphere or None
         ``None`` for a single sphere, and for triangles that all lie on the surface of
         their convex hull: a segment between two of them runs inside the hull, or
-        within one of its faces.  Point lights have to be inside, too.
+        within one of its faces.  Point and spot lights have to be inside, too.
     """
-    lights = np.array([light.position for light in scene.points]).reshape(-1, 3)
+    lights = np.array([lamp.position for lamp in scene.lamps]).reshape(-1, 3)
     if scene.spheres:
         first = scene.spheres[0]
         alone = len(scene.spheres) == 1 and not scene.meshes

@@ -16,6 +16,7 @@ from reference.arrays import (
 from reference.images import luminance_weights
 from reference.records import take
 from reference.sampling import sample_uniform_sphere
+from reference.scene.cones import Cones, build_cones, solid_angles
 from reference.scene.environment import (
     EnvironmentMap,
     build_environment,
@@ -23,6 +24,7 @@ from reference.scene.environment import (
     pdf_environment,
 )
 from reference.scene.geometry import Geometry
+from reference.scene.light_cells import LightCells, cut_lights, radiance_at
 from reference.scene.origins import contact
 from reference.scene.scene import Scene
 from reference.scene.surface import SurfacePoints
@@ -31,7 +33,9 @@ from reference.tables import cumulate, guide_of
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Emitters:
-    """All lights: A primitives, then points, suns, and last the environment.
+    """All lights: A areas, then points and spots, suns, and last the environment.
+
+    An area is a primitive that emits, or a cell of one that has a textured emission.
 
     Attributes
     ----------
@@ -40,11 +44,15 @@ class Emitters:
     guide : (G,) int64
         Where searches in the running sum begin.
     primitive : (A,) int32
-        Primitives that emit.
+        Primitive of each area, in ascending order.
     entry : (P + 1,) int32
-        Light of each primitive of the scene, -1 for none, and -1 for a miss.
+        First light of each primitive of the scene, -1 for none, and -1 for a miss.
+    cells : LightCells or None
+        How textured primitives are cut into areas; ``None`` where each is one.
     position, intensity : (L, 3) float64
-        Point lights.
+        Point lights, then spot lights with their intensity on the axis.
+    cones : Cones or None
+        Of the L lights; ``None`` where all shine alike in all directions.
     direction, irradiance : (D, 3) float64
         Suns.
     environment : EnvironmentMap or None
@@ -56,8 +64,10 @@ class Emitters:
     guide: Indices
     primitive: Indices
     entry: Indices
+    cells: LightCells | None
     position: Vec3s
     intensity: Vec3s
+    cones: Cones | None
     direction: Vec3s
     irradiance: Vec3s
     environment: EnvironmentMap | None
@@ -66,6 +76,24 @@ class Emitters:
     def can_be_hit(self) -> bool:
         """Whether a ray can find a light by chance."""
         return len(self.primitive) > 0 or self.environment is not None
+
+    def sides(self, primitive: Indices) -> Indices:
+        """Cells along a side of primitives, each of which has its square of them.
+
+        Parameters
+        ----------
+        primitive : (N,) int
+            Primitives.
+
+        Returns
+        -------
+        (N,) int64
+            1 where the primitive is one area.
+        """
+        if self.cells is None:
+            return np.ones(len(primitive), np.int64)
+        sides: Indices = self.cells.side[primitive]
+        return sides
 
 
 def build_emitters(scene: Scene, geometry: Geometry) -> Emitters | None:
@@ -84,17 +112,30 @@ def build_emitters(scene: Scene, geometry: Geometry) -> Emitters | None:
         ``None`` where nothing emits.
     """
     weights = np.array(luminance_weights())
-    primitive = np.flatnonzero(geometry.emission.any(axis=1)).astype(np.int32)
+    primitive: Indices = np.flatnonzero(geometry.emission.any(axis=1)).astype(np.int32)
+    cells, area = None, geometry.area[primitive, None]
+    radiance = geometry.emission[primitive]
+    if geometry.emission_texture is not None:
+        cells, primitive, radiance = cut_lights(geometry, primitive)
+        area = (geometry.area / cells.side**2)[primitive, None]
     # One row more than there are primitives: -1, a miss, finds no light either.
     entry = np.full(len(geometry.emission) + 1, -1, np.int32)
-    entry[primitive] = np.arange(len(primitive))
-    intensity = np.array([p.intensity for p in scene.points], float).reshape(-1, 3)
+    areas = np.arange(len(primitive))
+    entry[primitive[::-1]] = areas[::-1]
+    intensity = np.array([p.intensity for p in scene.lamps], float).reshape(-1, 3)
+    cones = build_cones(scene.lamps) if scene.spots else None
     irradiance = np.array([s.irradiance for s in scene.suns], float).reshape(-1, 3)
     environment = build_environment(scene.environment) if scene.environment else None
-    # Power: π A L of an area, 4π I of a point; light from afar falls on a disk.
+    # Power: π A L of each side of an area, 4π I of a point; light from afar falls on a
+    # disk.
     disk = np.pi * 3.0 * geometry.extent**2
-    area_power = np.pi * geometry.area[primitive, None] * geometry.emission[primitive]
-    powers = [area_power, 4.0 * np.pi * intensity, disk * irradiance]
+    area_power = np.pi * area * radiance
+    if geometry.emits_behind is not None:
+        area_power[geometry.emits_behind[primitive]] *= 2.0
+    lamp_power = 4.0 * np.pi * intensity
+    if cones is not None:
+        lamp_power = solid_angles(cones)[:, None] * intensity
+    powers = [area_power, lamp_power, disk * irradiance]
     if environment is not None:
         nodes = sample_uniform_sphere(*_sphere_nodes())
         mean = environment_radiance(environment, nodes).mean(axis=0)
@@ -109,8 +150,10 @@ def build_emitters(scene: Scene, geometry: Geometry) -> Emitters | None:
         guide=guide_of(cumulative),
         primitive=primitive,
         entry=entry,
-        position=np.array([p.position for p in scene.points], float).reshape(-1, 3),
+        cells=cells,
+        position=np.array([p.position for p in scene.lamps], float).reshape(-1, 3),
         intensity=intensity,
+        cones=cones,
         direction=np.array([s.direction for s in scene.suns], float).reshape(-1, 3),
         irradiance=irradiance,
         environment=environment,
@@ -137,7 +180,7 @@ def may_emit(emitters: Emitters, primitive: Indices) -> Masks:
     Returns
     -------
     (N,) bool
-        True for the backs of lights, too.
+        True for backs that do not emit, and for dark parts of a texture, too.
     """
     is_light: Masks = emitters.entry[primitive] >= 0
     return is_light if emitters.environment is None else is_light | (primitive < 0)
@@ -146,7 +189,7 @@ def may_emit(emitters: Emitters, primitive: Indices) -> Masks:
 def emitted(
     emitters: Emitters | None, geometry: Geometry, points: SurfacePoints
 ) -> Vec3s:
-    """Radiance that reaches a ray from what it met: a light's front, or the sky.
+    """Radiance that reaches a ray from what it met: a light, or the sky.
 
     Parameters
     ----------
@@ -160,18 +203,33 @@ def emitted(
     Returns
     -------
     (N, 3) float64, W/(m² sr)
-        0 from backs and from surfaces that do not emit.
+        0 from backs, unless they emit as well, and from surfaces that do not emit.
     """
     radiance = zero_vectors(len(points))
     if emitters is None:
         return radiance
     if len(emitters.primitive):
-        rows = np.flatnonzero(points.front & (emitters.entry[points.primitive] >= 0))
-        radiance[rows] = geometry.emission[points.primitive[rows]]
+        rows, lights = _lights_seen(emitters, geometry, points)
+        if geometry.emission_texture is None:
+            radiance[rows] = geometry.emission[lights.primitive]
+        else:
+            x = contact(geometry, lights)
+            radiance[rows] = radiance_at(geometry, lights.primitive, x)
     if emitters.environment is not None:
         rows = np.flatnonzero(~points.hit)
         radiance[rows] = environment_radiance(emitters.environment, -points.wo[rows])
     return radiance
+
+
+def _lights_seen(
+    emitters: Emitters, geometry: Geometry, points: SurfacePoints
+) -> tuple[Indices, SurfacePoints]:
+    """Rows that met an emitting side of a light, and these points."""
+    shown = points.front
+    if geometry.emits_behind is not None:
+        shown = shown | geometry.emits_behind[points.primitive]
+    rows = np.flatnonzero(shown & (emitters.entry[points.primitive] >= 0))
+    return rows, take(points, rows)
 
 
 def pdf_light(
@@ -193,17 +251,19 @@ def pdf_light(
     Returns
     -------
     (N,) float64, 1/sr
-        0 for what does not emit.
+        0 for what does not emit; over a textured light it is that of the cell.
     """
     pdf = np.zeros(len(points))
     if len(emitters.primitive):
-        light = emitters.entry[points.primitive]
-        rows = np.flatnonzero(points.front & (light >= 0))
-        primitive = points.primitive[rows]
-        light_points = take(points, rows)
-        offset = contact(geometry, light_points) - x[rows]
-        cosine = dot(light_points.normal, light_points.wo)
-        density = emitters.probability[light[rows]] / geometry.area[primitive]
+        rows, lights = _lights_seen(emitters, geometry, points)
+        x_to = contact(geometry, lights)
+        offset = x_to - x[rows]
+        cosine = dot(lights.normal, lights.wo)
+        light, area = emitters.entry[lights.primitive], geometry.area[lights.primitive]
+        if emitters.cells is not None:
+            light = light + emitters.cells.cell_of(geometry, lights.primitive, x_to)
+            area = area / emitters.cells.side[lights.primitive] ** 2
+        density = emitters.probability[light] / area
         pdf[rows] = divide_or_zero(density * dot(offset, offset), cosine)
     if emitters.environment is not None:
         rows = np.flatnonzero(~points.hit)

@@ -1,6 +1,7 @@
 """All shapes of a scene as one list of primitives, in the world."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,22 +12,39 @@ from reference.arrays import (
     Vec3s,
     cross,
     divide_or_zero,
+    dot,
     length,
     normalize,
     triangle_normal,
 )
 from reference.records import take
-from reference.scene.materials.kinds import Material
+from reference.scene.materials.kinds import Dielectric, Material
 from reference.scene.materials.parameters import MaterialTable, tabulate
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh, Sphere
-from reference.scene.textures import Bitmap, Checker
+from reference.scene.textures import Bitmap, Pattern, Texture, mean_color
 
 INSIDE = 2.0**-16
 """How far hit points stay inside their triangle, in half extents of the scene.
 
 Eight times the step that rays take off a surface: enough for wedges of 10 degrees.
 """
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class AlphaMask:
+    """Where a mesh has holes.
+
+    Attributes
+    ----------
+    opacity : Bitmap
+        Its channels' mean is compared.
+    cutoff : float
+        There is a surface from this opacity on.
+    """
+
+    opacity: Bitmap
+    cutoff: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,6 +64,12 @@ class Geometry:
         Vertex normals; ``None`` where every face is flat.
     uv : (T, 3, 2) float64 or None
         Texture coordinates; ``None`` where no texture needs them.
+    color : (T, 3, 3) float64 or None
+        Factors on the reflectance at the vertices; ``None`` where there are none.
+    mask : (T,) int32 or None
+        Row of ``masks``, -1 for triangles without holes; ``None`` where none has any.
+    masks : tuple of AlphaMask
+        Of the meshes.
     center : (S, 3) float64, m
         Sphere centres.
     radius : (S,) float64, m
@@ -55,7 +79,13 @@ class Geometry:
     material : (T + S,) int32
         Row of ``materials``.
     emission : (T + S, 3) float64, W/(m² sr)
-        Radiance of the front.
+        Radiance of the front; the mean of its texture, where it has one.
+    emission_texture : (T + S,) int32 or None
+        Row of ``emission_textures``, -1 for one colour; ``None`` where all have one.
+    emission_textures : tuple of Bitmap or Checker
+        Textures of radiance.
+    emits_behind : (T + S,) bool or None
+        The back emits as the front does; ``None`` where no back does.
     shape : (T + S,) int32
         Mesh, or sphere after the last mesh.
     materials : MaterialTable
@@ -71,11 +101,17 @@ class Geometry:
     area: Scalars
     smooth: Scalars | None
     uv: Scalars | None
+    color: Scalars | None
+    mask: Indices | None
+    masks: tuple[AlphaMask, ...]
     center: Vec3s
     radius: Scalars
     inward: Masks
     material: Indices
     emission: Vec3s
+    emission_texture: Indices | None
+    emission_textures: tuple[Pattern, ...]
+    emits_behind: Masks | None
     shape: Indices
     materials: MaterialTable
     middle: Vec3s
@@ -107,6 +143,8 @@ def build_geometry(scene: Scene) -> Geometry:
             materials.append(shape.material)
     row = {id(m): i for i, m in enumerate(materials)}
     table = tabulate(materials)
+    if any(m.colors is not None and np.min(m.colors) <= 0 for m in scene.meshes):
+        table = replace(table, plain=False)
 
     def per_triangle(parts: list[Scalars], *shape: int) -> Scalars:
         return np.concatenate(parts) if parts else np.zeros((0, *shape))
@@ -115,7 +153,11 @@ def build_geometry(scene: Scene) -> Geometry:
     counts = [len(m.faces) for m in scene.meshes] + [1] * len(scene.spheres)
     shape_index = np.repeat(np.arange(len(shapes), dtype=np.int32), counts)
     smooth = any(m.normals is not None for m in scene.meshes)
-    textured = any(isinstance(t, Bitmap | Checker) for t in table.textures)
+    glow = [s.emission for s in shapes]
+    glow_textures, glow_row = _textures_of(glow)
+    both = np.array([s.two_sided_emission for s in shapes], bool)[shape_index]
+    textured = any(isinstance(t, Pattern) for t in table.textures)
+    masks, mask_row = _masks_of(scene.meshes)
     edge_u, edge_v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     front, normal = cross(edge_u, edge_v), triangle_normal(edge_u, edge_v)
     center = np.array([s.center for s in scene.spheres], float).reshape(-1, 3)
@@ -132,20 +174,58 @@ def build_geometry(scene: Scene) -> Geometry:
         if smooth
         else None,
         uv=per_triangle([_corner_uv(m) for m in scene.meshes], 3, 2)
-        if textured
+        if textured or glow_textures or masks
         else None,
+        color=per_triangle([_corner_colors(m) for m in scene.meshes], 3, 3)
+        if any(m.colors is not None for m in scene.meshes)
+        else None,
+        mask=mask_row[shape_index[: len(corners)]] if masks else None,
+        masks=masks,
         center=center,
         radius=radius,
         inward=np.array([s.inward for s in scene.spheres], bool),
         material=np.array([row[id(s.material)] for s in shapes], np.int32)[shape_index],
         emission=take(
-            np.array([s.emission for s in shapes], float).reshape(-1, 3), shape_index
+            np.array([mean_color(t) for t in glow], float).reshape(-1, 3), shape_index
         ),
+        emission_texture=glow_row[shape_index] if glow_textures else None,
+        emission_textures=glow_textures,
+        emits_behind=both if both.any() else None,
         shape=shape_index,
         materials=table,
         middle=(low + high) / 2,
         extent=extent,
     )
+
+
+def _masks_of(meshes: Sequence[Mesh]) -> tuple[tuple[AlphaMask, ...], Indices]:
+    """Masks of meshes, each once, and the row of each mesh's own."""
+    masks: list[AlphaMask] = []
+    row = np.full(len(meshes), -1, np.int32)
+    for i, mesh in enumerate(meshes):
+        if mesh.opacity is None:
+            continue
+        opacity, cutoff = mesh.opacity, mesh.opacity_cutoff
+        same = [m.opacity is opacity and m.cutoff == cutoff for m in masks]
+        if not any(same):
+            masks.append(AlphaMask(opacity, cutoff))
+            same.append(True)
+        row[i] = same.index(True)
+    return tuple(masks), row
+
+
+def _textures_of(
+    emissions: Sequence[Texture],
+) -> tuple[tuple[Pattern, ...], Indices]:
+    """Textures among emissions, each object once, and the row of each emission."""
+    textures: list[Pattern] = []
+    row = np.full(len(emissions), -1, np.int32)
+    for i, emission in enumerate(emissions):
+        if isinstance(emission, Pattern):
+            if not any(emission is t for t in textures):
+                textures.append(emission)
+            row[i] = next(k for k, t in enumerate(textures) if t is emission)
+    return tuple(textures), row
 
 
 def _margins(
@@ -211,6 +291,72 @@ def on_triangles(
     return position, np.asfortranarray(rows[:, 3])
 
 
+def barycentric(
+    geometry: Geometry, triangle: Indices, x: Vec3s
+) -> tuple[Scalars, Scalars]:
+    """Barycentric coordinates of points of triangles.
+
+    Parameters
+    ----------
+    geometry : Geometry
+        The scene.
+    triangle : (N,) int
+        Which triangles.
+    x : (N, 3) float64, m
+        Points on them, to rounding.
+
+    Returns
+    -------
+    (N,), (N,) float64
+        Of the second and third vertex; both >= 0, sum at most 1.
+    """
+    rows = geometry.triangle.take(triangle, axis=0)
+    edge_u, edge_v, normal = (np.ascontiguousarray(rows[:, k]) for k in (1, 2, 3))
+    offset, doubled_area = x - rows[:, 0], 2.0 * geometry.area[triangle]
+    u = np.maximum(dot(normal, cross(offset, edge_v)) / doubled_area, 0.0)
+    v = np.maximum(dot(normal, cross(edge_u, offset)) / doubled_area, 0.0)
+    total = np.maximum(u + v, 1.0)
+    return u / total, v / total
+
+
+def texture_coordinates(
+    geometry: Geometry, primitive: Indices, u: Scalars, v: Scalars, outward: Vec3s
+) -> Scalars:
+    """Texture coordinates of points of primitives.
+
+    Parameters
+    ----------
+    geometry : Geometry
+        The scene.
+    primitive : (N,) int
+        Triangles and spheres.
+    u, v : (N,) float64
+        Barycentric coordinates of the second and third vertex, on triangles.
+    outward : (N, 3) float64
+        Unit vectors from the centre, on spheres.
+
+    Returns
+    -------
+    (N, 2) float64
+        0 on triangles of meshes that have none.
+    """
+    uv = np.zeros((len(primitive), 2))
+    on_sphere = primitive >= geometry.triangles
+    triangle = np.flatnonzero(~on_sphere)
+    if geometry.uv is not None and len(triangle):
+        corners = geometry.uv[primitive[triangle]]
+        b1, b2 = u[triangle, None], v[triangle, None]
+        blended = (1 - b1 - b2) * corners[:, 0] + b1 * corners[:, 1]
+        uv[triangle] = blended + b2 * corners[:, 2]
+    sphere = np.flatnonzero(on_sphere)
+    if len(sphere):
+        n = outward[sphere]
+        # Longitude from +x towards +z, latitude from the south pole at -y.
+        uv[sphere, 0] = (np.arctan2(n[:, 2], n[:, 0]) / (2.0 * np.pi)) % 1.0
+        uv[sphere, 1] = 0.5 + np.arcsin(np.clip(n[:, 1], -1.0, 1.0)) / np.pi
+    return uv
+
+
 def world_corners(mesh: Mesh) -> Scalars:
     """Corners of the triangles of a mesh.
 
@@ -245,3 +391,11 @@ def _corner_uv(mesh: Mesh) -> Scalars:
         return np.zeros((len(mesh.faces), 3, 2))
     corner_uv: Scalars = np.asarray(mesh.uv, float)[mesh.faces]
     return corner_uv
+
+
+def _corner_colors(mesh: Mesh) -> Scalars:
+    # A dielectric has no reflectance that a colour could be a factor of.
+    if mesh.colors is None or isinstance(mesh.material, Dielectric):
+        return np.ones((len(mesh.faces), 3, 3))
+    corner_colors: Scalars = np.asarray(mesh.colors, float)[mesh.faces]
+    return corner_colors

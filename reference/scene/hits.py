@@ -14,7 +14,12 @@ from reference.arrays import (
     zero_vectors,
 )
 from reference.records import take
-from reference.scene.geometry import Geometry, inside, on_triangles
+from reference.scene.geometry import (
+    Geometry,
+    inside,
+    on_triangles,
+    texture_coordinates,
+)
 from reference.scene.origins import step_before
 from reference.scene.surface import SurfacePoints
 from reference.scene.textures import Bitmap, Checker, read
@@ -147,21 +152,16 @@ def _colors(
         if len(rows):
             uv = _texture_coordinates(geometry, take(hits, rows), normal[rows])
             color[rows] = read(texture, uv)
+    if geometry.color is not None:
+        rows = np.flatnonzero(hit & (hits.primitive < geometry.triangles))
+        corners = geometry.color[hits.primitive[rows]]
+        color[rows] *= _barycentric(corners, hits, rows)
     return color
 
 
 def _texture_coordinates(geometry: Geometry, hits: Hits, normal: Vec3s) -> Scalars:
-    uv = np.zeros((len(hits.primitive), 2))
-    on_sphere = hits.primitive >= geometry.triangles
-    triangle = np.flatnonzero(~on_sphere)
-    if geometry.uv is not None and len(triangle):
-        corners = geometry.uv[hits.primitive[triangle]]
-        uv[triangle] = _barycentric(corners, hits, triangle)
-    sphere = np.flatnonzero(on_sphere)
-    if len(sphere):
-        inward = geometry.inward[hits.primitive[sphere] - geometry.triangles]
-        n = normal[sphere] * np.where(inward, -1.0, 1.0)[:, None]
-        # Longitude from +x towards +z, latitude from the south pole at -y.
-        uv[sphere, 0] = (np.arctan2(n[:, 2], n[:, 0]) / (2.0 * np.pi)) % 1.0
-        uv[sphere, 1] = 0.5 + np.arcsin(np.clip(n[:, 1], -1.0, 1.0)) / np.pi
-    return uv
+    outward = normal
+    if len(geometry.radius):
+        sphere = np.maximum(hits.primitive - geometry.triangles, 0)
+        outward = np.where(geometry.inward[sphere][:, None], -normal, normal)
+    return texture_coordinates(geometry, hits.primitive, hits.u, hits.v, outward)

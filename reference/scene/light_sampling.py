@@ -16,9 +16,12 @@ from reference.arrays import (
 from reference.records import take
 from reference.rng import Draw
 from reference.sampling import sample_triangle, sample_uniform_sphere
+from reference.scene.cones import falloff
 from reference.scene.emitters import Emitters
 from reference.scene.environment import environment_radiance, sample_environment
 from reference.scene.geometry import Geometry, on_triangles
+from reference.scene.light_cells import radiance_at
+from reference.scene.masks import is_solid_at
 from reference.scene.surface import direction_and_distance
 from reference.tables import index_in_table
 
@@ -32,11 +35,13 @@ class LightSamples:
     wi : (N, 3) float64
         Unit directions to the light.
     weight : (N, 3) float64
-        Radiance over density; irradiance over probability for point lights and suns.
+        Radiance over density; irradiance over probability for point and spot lights
+        and suns.
     pdf : (N,) float64, 1/sr
         Density in solid angle; 0 where only this strategy finds the light.
     x_to, n_to : (N, 3) float64
-        Point and normal on the light; 0 where it is infinitely far.
+        Point and normal on the light, on the side that emits towards the surface point
+        where one does; 0 where the light is infinitely far.
     distant : (N,) bool
         Infinitely far.
     """
@@ -68,7 +73,7 @@ def sample_light(
     Returns
     -------
     LightSamples
-        Weight 0 where the light's back faces the point.
+        Weight 0 where a back that does not emit faces the point, and in holes.
     """
     light = index_in_table(emitters.cumulative, emitters.guide, u[0])
     return points_on_lights(emitters, geometry, x, light, u)
@@ -129,17 +134,33 @@ def _sample_area(
     emitters: Emitters, geometry: Geometry, x: Vec3s, light: Indices, u: Draw
 ) -> LightSamples:
     primitive = emitters.primitive[light]
-    x_to, n_to = _point_on(geometry, primitive, u)
+    area, place = geometry.area[primitive], (u[1], u[2])
+    if emitters.cells is not None:
+        cell = light - emitters.entry[primitive]
+        place = emitters.cells.place_in(primitive, cell, *place)
+        area = area / emitters.cells.side[primitive] ** 2
+    x_to, n_to = _point_on(geometry, primitive, *place)
     wi, distance = direction_and_distance(x, x_to)
-    cos_light = np.maximum(-dot(n_to, wi), 0.0)
-    density = emitters.probability[light] / geometry.area[primitive]
+    cos_light = -dot(n_to, wi)
+    if geometry.emits_behind is not None:
+        behind = geometry.emits_behind[primitive] & (cos_light < 0)
+        cos_light = np.where(behind, -cos_light, cos_light)
+        n_to = np.where(behind[:, None], -n_to, n_to)
+    cos_light = np.maximum(cos_light, 0.0)
+    density = emitters.probability[light] / area
     pdf = divide_or_zero(density * distance * distance, cos_light)
-    weight = divide_or_zero(take(geometry.emission, primitive), pdf[:, None])
+    radiance = radiance_at(geometry, primitive, x_to)
+    if geometry.mask is not None:
+        solid = is_solid_at(geometry, primitive, x_to)
+        radiance = np.where(solid[:, None], radiance, 0.0)
+    weight = divide_or_zero(radiance, pdf[:, None])
     return LightSamples(wi, weight, pdf, x_to, n_to, np.zeros(len(x), bool))
 
 
-def _point_on(geometry: Geometry, primitive: Indices, u: Draw) -> tuple[Vec3s, Vec3s]:
-    b1, b2 = sample_triangle(u[1], u[2])
+def _point_on(
+    geometry: Geometry, primitive: Indices, u1: Scalars, u2: Scalars
+) -> tuple[Vec3s, Vec3s]:
+    b1, b2 = sample_triangle(u1, u2)
     on_sphere = primitive >= geometry.triangles
     if not on_sphere.all():
         row = np.where(on_sphere, 0, primitive)
@@ -149,7 +170,7 @@ def _point_on(geometry: Geometry, primitive: Indices, u: Draw) -> tuple[Vec3s, V
     else:
         x = n = zero_vectors(len(primitive))
     sphere = np.where(on_sphere, primitive - geometry.triangles, 0)
-    outward = sample_uniform_sphere(u[1], u[2])
+    outward = sample_uniform_sphere(u1, u2)
     on = geometry.center[sphere] + geometry.radius[sphere][:, None] * outward
     front = np.where(geometry.inward[sphere][:, None], -outward, outward)
     choose = on_sphere[:, None]
@@ -162,8 +183,12 @@ def _sample_point(
     x_to = emitters.position[light]
     wi, distance = direction_and_distance(x, x_to)
     probability = emitters.probability[len(emitters.primitive) + light]
-    per_distance = divide_or_zero(1.0 / probability, distance * distance)
-    weight = emitters.intensity[light] * per_distance[:, None]
+    certain = divide_or_zero(np.ones(len(x)), probability)
+    per_distance = divide_or_zero(certain, distance * distance)
+    intensity = emitters.intensity[light]
+    if emitters.cones is not None:
+        intensity = intensity * falloff(emitters.cones, light, -wi)[:, None]
+    weight = intensity * per_distance[:, None]
     size = len(x)
     free_space = zero_vectors(size)
     return LightSamples(
@@ -176,7 +201,7 @@ def _sample_sun(
 ) -> LightSamples:
     size = len(x)
     probability = emitters.probability[_first_far(emitters) + light]
-    weight = emitters.irradiance[light] / probability[:, None]
+    weight = divide_or_zero(emitters.irradiance[light], probability[:, None])
     nowhere = zero_vectors(size)
     return LightSamples(
         -emitters.direction[light],
@@ -196,5 +221,5 @@ def _sample_sky(
     pdf = density * emitters.probability[-1]
     radiance = environment_radiance(emitters.environment, wi)
     nowhere = np.zeros_like(wi)
-    weight = radiance / pdf[:, None]
+    weight = divide_or_zero(radiance, pdf[:, None])
     return LightSamples(wi, weight, pdf, nowhere, nowhere, np.ones(len(wi), bool))

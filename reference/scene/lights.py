@@ -38,7 +38,7 @@ class SpotLight:
     intensity : Color, W/sr
         On the axis.
     cutoff : float, degrees
-        Angle from the axis beyond which there is no light; above 0, at most 180.
+        Angle from the axis beyond which there is no light; 0.01 to 180.
     beam : float, degrees
         Angle up to which the intensity is that on the axis; at most ``cutoff``.
     falloff : 'linear' or 'smooth'
@@ -52,6 +52,9 @@ class SpotLight:
     cutoff: float
     beam: float
     falloff: Literal["linear", "smooth"] = "linear"
+
+
+Lamp = PointLight | SpotLight
 
 
 @dataclass(frozen=True, slots=True)

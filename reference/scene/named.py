@@ -25,6 +25,8 @@ class Named:
         Of the picture.
     frame : int
         Of an animated scene the frame to begin at.
+    allow_outside : bool
+        Read files outside the scene's folder, if it names them.
     """
 
     name: str
@@ -32,9 +34,12 @@ class Named:
     width: int
     height: int
     frame: int = 0
+    allow_outside: bool = False
 
 
-def find_scene_or_file(name: str, lenient: bool = False) -> Scene:
+def find_scene_or_file(
+    name: str, lenient: bool = False, allow_outside: bool = False
+) -> Scene:
     """Scene that a word on the command line names.
 
     Parameters
@@ -43,6 +48,8 @@ def find_scene_or_file(name: str, lenient: bool = False) -> Scene:
         Built-in, or a file.
     lenient : bool
         Replace what the file holds and the project does not model.
+    allow_outside : bool
+        Read files outside the scene's folder, if it names them.
 
     Returns
     -------
@@ -57,7 +64,7 @@ def find_scene_or_file(name: str, lenient: bool = False) -> Scene:
     path = Path(name)
     is_file = path.suffix.lower() in LOADERS or path.exists()
     if is_file and name not in CATALOGUE:
-        return load_scene(path, lenient)
+        return load_scene(path, lenient, allow_outside)
     try:
         return find_scene(name)
     except UsageError as error:

@@ -21,7 +21,8 @@ class Plan:
         Sample points are told apart by whether they send the same radiance into all
         directions; light of those that do not is added without reuse.
     delta : bool
-        Paths that leave a visible point by a delta lobe are traced apart.
+        Paths that leave a visible point by a delta lobe, or through a rough dielectric,
+        are traced apart.
     motion : bool
         What a frame left is shifted into the next, with Jacobian, visibility and Z,
         though nothing has moved.
@@ -38,12 +39,12 @@ EVERYTHING = Plan()
 """All parts, whatever the scene is."""
 
 NEEDED_BY = {
-    "occlusion": "occlusion between points",
-    "chance": "lights met by chance",
-    "glossy": "sample points that are not Lambertian",
-    "delta": "delta lobes",
+    "occlusion": ("occlusion between points",),
+    "chance": ("lights met by chance",),
+    "glossy": ("sample points that are not Lambertian",),
+    "delta": ("delta lobes", "rough dielectrics"),
 }
-"""Which requirement of a scene asks for a part; none asks for motion where nothing
+"""Which requirements of a scene ask for a part; none asks for motion where nothing
 moves."""
 
 
@@ -61,9 +62,8 @@ def plan_of(scene: Scene) -> Plan:
         See :mod:`reference.scene.requirements`.
     """
     needed = {r.name for r in requirements(scene)}
-    return Plan(
-        **{part: name in needed for part, name in NEEDED_BY.items()}, motion=False
-    )
+    asked = {part: bool(needed & set(names)) for part, names in NEEDED_BY.items()}
+    return Plan(**asked, motion=False)
 
 
 def everything(scene: Scene) -> Plan:

@@ -14,7 +14,7 @@ from reference.scene.materials.kinds import (
 )
 from reference.scene.materials.parameters import Kind, kind_of
 from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, Sphere
+from reference.scene.shapes import Mesh, Sphere, emits
 from reference.scene.textures import Bitmap, Checker, color_range
 
 Shape = Mesh | Sphere
@@ -144,7 +144,7 @@ def _smooth(scene: Scene) -> str:
 
 
 def _area_lights(scene: Scene) -> str:
-    return _listed(shape for shape in _shapes(scene) if any(shape.emission))
+    return _listed(shape for shape in _shapes(scene) if emits(shape))
 
 
 def _count(number: int, what: str) -> str:
@@ -179,6 +179,16 @@ _FEATURES: tuple[tuple[str, Callable[[Scene], str], str], ...] = (
     ("spheres", lambda s: _listed(s.spheres), "no analytic sphere"),
     ("smooth normals", _smooth, "all faces are flat"),
     ("textures", _made_of(_is_textured), "one colour a material"),
+    (
+        "vertex colours",
+        lambda s: _listed(m for m in s.meshes if m.colors is not None),
+        "no mesh has colours at its vertices",
+    ),
+    (
+        "alpha masks",
+        lambda s: _listed(m for m in s.meshes if m.opacity is not None),
+        "no mesh has holes",
+    ),
     ("one-sided materials", _made_of(_is_one_sided), "both sides scatter alike"),
     ("Lambertian surfaces", _made_of(_is_diffuse), "nothing diffuse"),
     (
@@ -189,6 +199,11 @@ _FEATURES: tuple[tuple[str, Callable[[Scene], str], str], ...] = (
     ("coats", _made_of(lambda m: isinstance(m, Coated)), "nothing is coated"),
     ("delta lobes", _made_of(_has_delta_lobe), "nothing is perfectly smooth"),
     ("dielectrics", _made_of(lambda m: isinstance(m, Dielectric)), "nothing refracts"),
+    (
+        "rough dielectrics",
+        _made_of(lambda m: kind_of(m) == Kind.ROUGH_DIELECTRIC),
+        "no light is scattered through a surface",
+    ),
     ("area lights", _area_lights, "no shape emits"),
     ("point lights", lambda s: _count(len(s.points), "point light"), "none"),
     ("suns", lambda s: _count(len(s.suns), "sun"), "none"),

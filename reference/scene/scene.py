@@ -3,7 +3,13 @@
 from dataclasses import dataclass
 
 from reference.scene.camera import Camera
-from reference.scene.lights import DirectionalLight, Environment, PointLight, SpotLight
+from reference.scene.lights import (
+    DirectionalLight,
+    Environment,
+    Lamp,
+    PointLight,
+    SpotLight,
+)
 from reference.scene.shapes import Mesh, Sphere
 
 
@@ -42,3 +48,8 @@ class Scene:
     suns: tuple[DirectionalLight, ...] = ()
     environment: Environment | None = None
     notes: tuple[str, ...] = ()
+
+    @property
+    def lamps(self) -> tuple[Lamp, ...]:
+        """Point lights, then spot lights: what shines from a single point."""
+        return *self.points, *self.spots

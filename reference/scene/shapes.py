@@ -6,7 +6,7 @@ import numpy as np
 
 from reference.arrays import Indices, Scalars, Vec3s
 from reference.scene.materials.kinds import Material
-from reference.scene.textures import Bitmap, Color, Texture
+from reference.scene.textures import Bitmap, Color, Texture, shines
 
 
 def _identity() -> Scalars:
@@ -91,13 +91,29 @@ class Sphere:
     inward: bool = False
 
 
+def emits(shape: Mesh | Sphere) -> bool:
+    """Whether any point of a shape emits.
+
+    Parameters
+    ----------
+    shape : Mesh or Sphere
+        Any.
+
+    Returns
+    -------
+    bool
+        Its texture may still be dark wherever the shape shows it.
+    """
+    return shines(shape.emission)
+
+
 def quad(
     name: str,
     corner: Color,
     edge_u: Color,
     edge_v: Color,
     material: Material,
-    emission: Color = (0.0, 0.0, 0.0),
+    emission: Texture = (0.0, 0.0, 0.0),
 ) -> Mesh:
     """A parallelogram of two triangles; its front is the side of edge_u × edge_v.
 
@@ -109,7 +125,7 @@ def quad(
         One corner and the two edges that leave it.
     material : Material
         How it scatters.
-    emission : Color, W/(m² sr)
+    emission : Texture, W/(m² sr)
         Radiance that leaves the front.
 
     Returns

@@ -1,32 +1,38 @@
-"""Reflectance that varies over a surface: a bitmap, a checker, or one colour."""
+"""Colours that vary over a surface: a bitmap, a checker, or one colour."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s
+from reference.arrays import Indices, Scalars, Vec3s
 
 Color = tuple[float, float, float]
+
+Wrap = Literal["repeat", "mirror", "clamp"]
+"""What stands beyond the edges of a picture: itself, itself mirrored, its edge."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bitmap:
-    """Colours on a grid, repeated beyond the unit square.
+    """Colours on a grid over the unit square.
 
     Attributes
     ----------
     pixels : (h, w, 3) float64
-        Linear Rec. 709 reflectance; row 0 is the top, v = 1.
+        Linear Rec. 709, of reflectance or of radiance; row 0 is the top, v = 1.
     filter : 'bilinear' or 'nearest'
         How it is read between the texel centres.
     scale : (float, float)
         Repetitions along u and v.
+    wrap : (Wrap, Wrap)
+        How it goes on beyond the unit square along u and v.
     """
 
     pixels: Vec3s
     filter: Literal["bilinear", "nearest"] = "bilinear"
     scale: tuple[float, float] = (1.0, 1.0)
+    wrap: tuple[Wrap, Wrap] = ("repeat", "repeat")
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,11 +52,12 @@ class Checker:
     scale: tuple[float, float] = (1.0, 1.0)
 
 
-Texture = Color | Bitmap | Checker
+Pattern = Bitmap | Checker
+Texture = Color | Pattern
 
 
 def mean_color(texture: Texture) -> Vec3s:
-    """Average reflectance of a texture.
+    """Average colour of a texture.
 
     Parameters
     ----------
@@ -95,41 +102,90 @@ def color_range(texture: Texture) -> tuple[float, float]:
     return float(values.min()), float(values.max())
 
 
+def shines(texture: Texture) -> bool:
+    """Whether a texture of radiance is above 0 anywhere.
+
+    Parameters
+    ----------
+    texture : Texture
+        Any kind.
+
+    Returns
+    -------
+    bool
+        False if a value is NaN.
+    """
+    return color_range(texture)[1] > 0
+
+
+def scaled_color(color: Color, factor: float) -> Color:
+    """A colour, brighter or darker.
+
+    Parameters
+    ----------
+    color : Color
+        Any.
+    factor : float
+        On each channel.
+
+    Returns
+    -------
+    Color
+        The product.
+    """
+    r, g, b = color
+    return factor * r, factor * g, factor * b
+
+
+def scaled(texture: Texture, factor: float) -> Texture:
+    """The same texture, brighter or darker.
+
+    Parameters
+    ----------
+    texture : Texture
+        Any kind.
+    factor : float
+        On each channel.
+
+    Returns
+    -------
+    Texture
+        Of the same kind.
+    """
+    if isinstance(texture, Bitmap):
+        return replace(texture, pixels=factor * texture.pixels)
+    if isinstance(texture, Checker):
+        color0 = scaled_color(texture.color0, factor)
+        color1 = scaled_color(texture.color1, factor)
+        return replace(texture, color0=color0, color1=color1)
+    return scaled_color(texture, factor)
+
+
 def read(texture: Texture, uv: Scalars) -> Vec3s:
-    """Reflectance at texture coordinates.
+    """Colour at texture coordinates.
 
     Parameters
     ----------
     texture : Texture
         Any kind.
     uv : (N, 2) float
-        Any real numbers; the texture repeats.
+        Up to 1e50 in magnitude; where float64 does not resolve texels any more, some
+        colour of the texture.
 
     Returns
     -------
     (N, 3) float64
-        Reflectance.
+        Interpolated between texel centres where the bitmap asks for it.
     """
     if isinstance(texture, Bitmap):
-        nearest = texture.filter == "nearest"
-        return (_nearest if nearest else _bilinear)(texture.pixels, uv * texture.scale)
+        u, v = (uv * texture.scale).T
+        look_up = _nearest if texture.filter == "nearest" else _blend
+        return look_up(texture.pixels, u, 1.0 - v, texture.wrap)
     if isinstance(texture, Checker):
         scaled = uv * texture.scale
         same_half = np.equal(*((scaled - np.floor(scaled) > 0.5).T))
         return np.where(same_half[:, None], texture.color0, texture.color1)
     return np.broadcast_to(np.asarray(texture, float), (len(uv), 3))
-
-
-def _nearest(pixels: Vec3s, uv: Scalars) -> Vec3s:
-    height, width, _ = pixels.shape
-    column = np.floor(uv[:, 0] * width).astype(np.int64) % width
-    row = np.floor((1.0 - uv[:, 1]) * height).astype(np.int64) % height
-    nearest: Vec3s = pixels[row, column]
-    return nearest
-
-
-def _bilinear(pixels: Vec3s, uv: Scalars) -> Vec3s:
-    return _blend(pixels, uv[:, 0], 1.0 - uv[:, 1], wrap_rows=True)
 
 
 def read_latitudes(pixels: Vec3s, u: Scalars, v: Scalars) -> Vec3s:
@@ -147,22 +203,40 @@ def read_latitudes(pixels: Vec3s, u: Scalars, v: Scalars) -> Vec3s:
     (N, 3) float64
         Interpolated between texel centres.
     """
-    return _blend(pixels, u, v, wrap_rows=False)
+    return _blend(pixels, u, v, ("repeat", "clamp"))
 
 
-def _blend(pixels: Vec3s, u: Scalars, v: Scalars, wrap_rows: bool) -> Vec3s:
+def _nearest(pixels: Vec3s, u: Scalars, v: Scalars, wrap: tuple[Wrap, Wrap]) -> Vec3s:
+    height, width, _ = pixels.shape
+    column = _texel(np.floor(u * width), width, wrap[0])
+    row = _texel(np.floor(v * height), height, wrap[1])
+    nearest: Vec3s = pixels[row, column]
+    return nearest
+
+
+def _blend(pixels: Vec3s, u: Scalars, v: Scalars, wrap: tuple[Wrap, Wrap]) -> Vec3s:
     height, width, _ = pixels.shape
     x, y = u * width - 0.5, v * height - 0.5
-    left, top = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
+    left, top = np.floor(x), np.floor(y)
     right_share, bottom_share = (x - left)[:, None], (y - top)[:, None]
-    columns = (left % width, (left + 1) % width)
-    if wrap_rows:
-        rows = (top % height, (top + 1) % height)
-    else:
-        rows = (np.clip(top, 0, height - 1), np.clip(top + 1, 0, height - 1))
+    columns = [_texel(place, width, wrap[0]) for place in (left, left + 1)]
+    rows = [_texel(place, height, wrap[1]) for place in (top, top + 1)]
     upper = (1 - right_share) * pixels[rows[0], columns[0]]
     upper += right_share * pixels[rows[0], columns[1]]
     lower = (1 - right_share) * pixels[rows[1], columns[0]]
     lower += right_share * pixels[rows[1], columns[1]]
     blended: Vec3s = (1 - bottom_share) * upper + bottom_share * lower
     return blended
+
+
+def _texel(place: Scalars, count: int, wrap: Wrap) -> Indices:
+    """Index of whole places on an endless row of texels; places stay floats till then.
+
+    Beyond 2⁶³ they are no int64, but their remainder still is exact.
+    """
+    if wrap == "clamp":
+        return np.clip(place, 0, count - 1).astype(np.int64)
+    if wrap == "repeat":
+        return np.mod(place, count).astype(np.int64)
+    there = np.mod(place, 2 * count).astype(np.int64)
+    return np.minimum(there, 2 * count - 1 - there)

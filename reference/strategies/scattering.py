@@ -29,6 +29,7 @@ EXAMPLES: dict[Kind, list[Material]] = {
         Conductor((1.0, 1.0, 1.0), 0.6, eta=(0.2, 0.9, 1.1), k=(3.9, 2.4, 2.2)),
         Conductor(COLOR, 1.0, schlick=True),
         Conductor(COLOR, 0.15, two_sided=False),
+        Conductor(COLOR, 0.3, distribution="beckmann"),
     ],
     Kind.SMOOTH_CONDUCTOR: [
         mirror(COLOR),
@@ -38,12 +39,17 @@ EXAMPLES: dict[Kind, list[Material]] = {
         Coated(COLOR, 0.3),
         Coated(COLOR, 0.5, ior=1.8, nonlinear=True),
         Coated((0.0, 0.0, 0.0), 0.3, two_sided=False),
+        Coated(COLOR, 0.3, distribution="beckmann"),
     ],
     Kind.SMOOTH_COATED: [
         Coated(COLOR, 0.0),
         Coated(COLOR, 0.0, ior=1.8, nonlinear=True, two_sided=False),
     ],
     Kind.DIELECTRIC: [Dielectric(1.5), Dielectric(1.0 / 1.5)],
+    Kind.ROUGH_DIELECTRIC: [
+        Dielectric(1.5, 0.3),
+        Dielectric(1.0 / 1.5, 0.6, "beckmann"),
+    ],
 }
 """Materials of each kind, one for each branch of its code."""
 

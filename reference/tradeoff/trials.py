@@ -186,5 +186,6 @@ def opened(named: Named) -> tuple[World, Animation]:
     World, Animation
         Of frame 0, and all frames.
     """
-    animation = frames_of(named, find_scene_or_file(named.name, named.lenient))
+    scene = find_scene_or_file(named.name, named.lenient, named.allow_outside)
+    animation = frames_of(named, scene)
     return build_world(animation(0)), animation

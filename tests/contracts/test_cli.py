@@ -15,6 +15,7 @@ import pytest
 from reference import announced
 from reference.cli import main
 from reference.exr import read_exr
+from reference.metadata import header
 from reference.methods import (
     Method,
     Progress,
@@ -271,7 +272,9 @@ def test_render_for_a_program(restir, tmp_path):
     results = json.loads(text)
     assert results["out"] == str(out)
     assert results["layers"] == ["color", "depth"]
-    assert results["metadata"] == dict(read_exr(out).metadata)
+    assert header(results["metadata"]) == dict(read_exr(out).metadata)
+    assert results["metadata"]["spp"] == 1
+    assert results["metadata"]["settings.pixel"] == "center"
     assert Path(results["png"]).read_bytes().startswith(b"\x89PNG")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["x.exr", "x.png"]
 

@@ -18,7 +18,6 @@ PACKAGES = ("reference", "extensions", "hashgrid", "gradient_domain")
 MODULES = sorted(path for name in PACKAGES for path in (ROOT / name).rglob("*.py"))
 BIBLIOGRAPHY = ROOT / "docs" / "reference" / "references.md"
 EMBREE_FILE = ROOT / "reference" / "rays.py"
-MOST_LINES = 250
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 
@@ -263,24 +262,6 @@ def test_only_rays_imports_embree(path):
 def test_control_an_import_of_embree_is_found(plant, statement):
     path = plant(f"def late():\n    {statement}\n")
     assert "embreex" in imports(path)
-
-
-# ---------------------------------------------------------------- size
-
-
-def count_lines(path: Path) -> int:
-    """Lines of a file."""
-    return len(path.read_text(encoding="utf-8").splitlines())
-
-
-@every_module
-def test_a_module_holds_one_idea(path):
-    assert count_lines(path) <= MOST_LINES
-
-
-def test_control_a_long_module_is_found(plant):
-    assert count_lines(plant("x = 1\n" * MOST_LINES)) == MOST_LINES
-    assert count_lines(plant("x = 1\n" * (MOST_LINES + 1))) > MOST_LINES
 
 
 # ---------------------------------------------------------------- wheel

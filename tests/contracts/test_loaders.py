@@ -68,15 +68,15 @@ def test_pictures_of_any_mode_become_linear_colours(tmp_path, mode):
     picture = picture.quantize(2) if mode == "P" else picture.convert(mode)
     picture.save(tmp_path / "a.png")
     ledger = Ledger(tmp_path / "scene", lenient=False)
-    assert_allclose(read_picture(tmp_path / "a.png", ledger), decode_srgb(stored / 255))
-    assert_allclose(read_picture(tmp_path / "a.png", ledger, raw=True), stored / 255)
+    assert_allclose(read_picture("a.png", ledger), decode_srgb(stored / 255))
+    assert_allclose(read_picture("a.png", ledger, raw=True), stored / 255)
     assert ledger.notes == []
 
 
 def test_sixteen_bits_of_grey_are_kept(tmp_path):
     stored = np.array([[1000, 65535]], np.uint16)
     (tmp_path / "a.png").write_bytes(png(stored))
-    pixels = read_picture(tmp_path / "a.png", Ledger(tmp_path, False), raw=True)
+    pixels = read_picture("a.png", Ledger(tmp_path / "scene", False), raw=True)
     assert_allclose(pixels[0, :, 0], [1000 / 65535, 1])
     assert pixels.shape == (1, 2, 3)
 
@@ -87,9 +87,7 @@ def test_exr_is_linear_already(tmp_path):
     pixels = np.arange(24, dtype=np.float32).reshape(2, 4, 3)
     header = {"type": OpenEXR.scanlineimage, "compression": OpenEXR.ZIP_COMPRESSION}
     OpenEXR.File(header, {"RGB": pixels}).write(str(tmp_path / "a.exr"))
-    assert_array_equal(
-        read_picture(tmp_path / "a.exr", Ledger(tmp_path, False)), pixels
-    )
+    assert_array_equal(read_picture("a.exr", Ledger(tmp_path / "scene", False)), pixels)
 
 
 def radiance_file(rgbe, packed):
@@ -117,7 +115,7 @@ def test_radiance_files_hold_mantissas_and_an_exponent(tmp_path, packed):
     rgbe[..., 0], rgbe[..., 1] = 128, np.arange(9)
     rgbe[..., 3] = 129
     (tmp_path / "a.hdr").write_bytes(radiance_file(rgbe, packed))
-    pixels = read_picture(tmp_path / "a.hdr", Ledger(tmp_path, False))
+    pixels = read_picture("a.hdr", Ledger(tmp_path / "scene", False))
     # 128 · 2^(129 - 136) = 1
     assert_array_equal(pixels[..., 0], np.ones((2, 9)))
     assert_array_equal(pixels[0, :, 1], np.arange(9) / 128)

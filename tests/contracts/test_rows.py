@@ -50,10 +50,12 @@ from reference.scene.materials import (
     coated,
     conductor,
     dielectric,
+    facets,
     fresnel,
     lambertian,
     microfacet,
     parameters,
+    rough_dielectric,
     table,
 )
 from reference.scene.materials.parameters import Kind
@@ -82,6 +84,7 @@ A, B, C = rng.normal(size=(3, N, 3))
 OMEGA, LOCAL = unit(A), unit(np.abs(B))
 WORD = rng.integers(0, 2**32, (4, N), dtype=np.uint32)
 ALPHA, COS = rng.uniform(0.05, 1, N), rng.uniform(0, 1, N)
+FACETS = facets.Facets(ALPHA, ALPHA < 0.5)
 COLOR = rng.random((N, 3))
 
 
@@ -165,6 +168,7 @@ def search(rows, u, v):
 LIMITED = Settings(jacobian_limit=2.0)
 METAL = (Kind.ROUGH_CONDUCTOR, Kind.SMOOTH_CONDUCTOR)
 ROUGH_METAL, GLASS = (Kind.ROUGH_CONDUCTOR,), (Kind.DIELECTRIC,)
+ROUGH_GLASS = (Kind.ROUGH_DIELECTRIC,)
 COATS = (Kind.ROUGH_COATED, Kind.SMOOTH_COATED)
 ROUGH_COAT, SMOOTH_COAT = (Kind.ROUGH_COATED,), (Kind.SMOOTH_COATED,)
 METALS, ON_METALS = points_on(*METAL)
@@ -273,7 +277,7 @@ KERNELS = {
     rtxdi.unpack: (rtxdi.unpack, (rtxdi.pack(CLOSED, *AGE_AND_MISC),)),
     # Materials.
     coat.base_scattering: (coat.base_scattering, (COLOR, COS, MASK)),
-    coat.specular_lobe: (coat.specular_lobe, (COS, U[0], U[1], ALPHA)),
+    coat.specular_lobe: (coat.specular_lobe, (COS, U[0], U[1], FACETS)),
     coat.transmittance: (lambda c: coat.transmittance(c, COAT), (COS,)),
     coated.base_reflection: of_material(coated.base_reflection, *COATS),
     coated.coat_probability: of_view(coated.coat_probability, *COATS),
@@ -296,6 +300,19 @@ KERNELS = {
     lambertian.pdf: of_material(lambertian.pdf, Kind.LAMBERTIAN),
     lambertian.sample: (lambertian.sample, (POINTS, U)),
     lambertian.scattering: of_material(lambertian.scattering, Kind.LAMBERTIAN),
+    rough_dielectric.pdf: of_material(rough_dielectric.pdf, *ROUGH_GLASS),
+    rough_dielectric.sample: of_draw(rough_dielectric.sample, *ROUGH_GLASS),
+    rough_dielectric.scattering: of_material(rough_dielectric.scattering, *ROUGH_GLASS),
+    dielectric.relative_index: of_view(dielectric.relative_index, *GLASS),
+    conductor.sample_normal: of_draw(conductor.sample_normal, *ROUGH_METAL),
+    table.is_shared: of_view(table.is_shared),
+    microfacet.beckmann_density: (microfacet.beckmann_density, (COS, ALPHA)),
+    microfacet.beckmann_g1: (microfacet.beckmann_g1, (COS, ALPHA)),
+    microfacet.facing_share: (microfacet.facing_share, (COS, ALPHA, U[0])),
+    microfacet.sample_facing_normal: (
+        microfacet.sample_facing_normal,
+        (LOCAL, ALPHA, *U[:3]),
+    ),
     microfacet.ggx_density: (microfacet.ggx_density, (COS, ALPHA)),
     microfacet.reflect: (microfacet.reflect, (OMEGA, LOCAL)),
     microfacet.sample_visible_normal: (
@@ -307,7 +324,7 @@ KERNELS = {
     table.can_scatter: of_view(table.can_scatter),
     table.pdf: of_material(table.pdf),
     bsdf_sampling.sample: of_draw(bsdf_sampling.sample),
-    bsdf_sampling.sample_delta: of_draw(bsdf_sampling.sample_delta),
+    bsdf_sampling.sample_apart: of_draw(bsdf_sampling.sample_apart),
     table.scattering: of_material(table.scattering),
     # Passes, as far as they trace no ray.
     gbuffer.similar: (
@@ -383,6 +400,7 @@ MODULES = [
 ]
 MODULES += [checkerboard, jacobian_limits, pairwise, roulette, shifting, suffix, taps]
 MODULES += [coat, coated, conductor, dielectric, fresnel, lambertian, microfacet]
+MODULES += [rough_dielectric]
 MODULES += [bsdf_sampling, parameters, table]
 MODULES += [log_luv, octahedral, paper, restir_pt, rounding, rtxdi]
 

@@ -105,6 +105,7 @@ BAD = {
     ),
     "too few normals": (floor(normals=np.ones((3, 3))), '"floor"', "3 normals"),
     "uv infinite": (floor(uv=np.full((4, 2), INF)), '"floor"', "texture coordinate 0"),
+    "uv too far": (floor(uv=np.full((4, 2), -1e60)), '"floor"', "coordinate", "1e+50"),
     "face too high": (floor(faces=FACES + 1), '"floor"', "face 1", "0 to 3"),
     "face negative": (floor(faces=FACES - 1), '"floor"', "face 0"),
     "faces of floats": (floor(faces=FACES * 1.0), '"floor"', "integers"),

@@ -21,13 +21,13 @@ from typing import Any
 
 import numpy as np
 
-from extensions.reuse import resample
 from gradient_domain.candidates import choose_pair, paired
 from gradient_domain.frame import estimate
 from gradient_domain.pair_donor import PairDonor
 from gradient_domain.paired_domain import MINUS, PLUS, WHOLE, PairedPaths, part
 from gradient_domain.pairs import Pairs
 from gradient_domain.shifts import InnerShift, OuterShift
+from reference.resampling.generalized import resample
 from reference.resampling.reservoir import Reservoirs
 from tests.exact.explore import draw
 
@@ -214,12 +214,12 @@ def fresh(p, uniform, signs=SIGNS):
     return [choose_pair(both, sign, uniform(), target) for sign in signs]
 
 
-def donor(p, p_from, r, sign, sign_from, stands=False):
+def donor(p, p_from, r, sign, sign_from, same_domain=False):
     """A pair that is offered to a pair, outcome by outcome."""
     size = len(r.W)
     none, rows = np.zeros(size), np.arange(size)
     way = of_pair(p, size), of_pair(p_from, size), r, rows, none, none, sign, sign_from
-    return PairDonor(OUTER, OUTER, *way, stands=stands)
+    return PairDonor(OUTER, OUTER, *way, same_domain=same_domain)
 
 
 def merged(donors, uniform, mis, cap=9999):

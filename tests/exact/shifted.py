@@ -1,4 +1,4 @@
-"""Generalized resampling of whole samples on the toy domain: `extensions.reuse` itself.
+"""The engine `reference.resampling.generalized` itself, on the toy domain.
 
 It has the passes of :mod:`tests.exact.pipeline`, so that the same claims are proved of
 it.  Donors read shifts, targets and visibility from tables of fractions; what becomes
@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from extensions.reuse import resample
+from reference.resampling.generalized import resample
 from reference.resampling.reservoir import Reservoirs
 from tests.exact import pipeline
 from tests.exact.pipeline import HELD, P_HAT, SEEN, jacobian
@@ -63,16 +63,16 @@ class ToyDonor:
     rows: Any
     limit: Any = float("inf")
     part: Any = None
-    stands: bool = False
+    same_domain: bool = False
 
-    def forth(self, at):
+    def shifted(self, at):
         """Of its own samples; refused are the unseen, and shifts beyond the limit."""
         cell = self.reservoirs.y.cell[self.rows[at]]
         ratio = self.tables.jacobian(self.j, self.i, cell)
         usable = self.tables.seen[self.i][cell] & (ratio <= self.limit)
         return self.tables.worth(self.j, self.i, cell, usable & self._parted(cell))
 
-    def back(self, samples, at):
+    def inverse(self, samples, at):
         """Of others' samples; refused is what it could not have made, or lent."""
         cell = samples.cell[at]
         ratio = self.tables.jacobian(self.j, self.i, cell)
@@ -100,7 +100,7 @@ def initial(code, i, uniform):
 
 
 def temporal(code, i, history, new, cap, uniform):
-    """The past of the same pixel, and a new candidate: both stand."""
+    """The past of the same pixel, and a new candidate: both of one domain."""
     k = code.reservoir
     fresh = k.finalize(new, new.M)
     pairs = [(i, fresh)] if history is None else [(i, history), (i, fresh)]
@@ -112,14 +112,14 @@ def spatial(
 ):
     """Donors are pairs (pixel, Reservoirs), the pixel's own first."""
 
-    def stands(slot, j):
+    def same_domain(slot, j):
         return j == i
 
-    return _resampled(code, i, donors, uniform, mis, cap, stands, limit, parts)
+    return _resampled(code, i, donors, uniform, mis, cap, same_domain, limit, parts)
 
 
 def _resampled(
-    code, i, pairs, uniform, mis, cap, stands, limit=float("inf"), parts=None
+    code, i, pairs, uniform, mis, cap, same_domain, limit=float("inf"), parts=None
 ):
     found = []
     for slot, (j, r) in enumerate(pairs):
@@ -127,7 +127,7 @@ def _resampled(
         part = parts[slot] if parts else None
         shown = toys(P_HAT, j, r)
         donor = ToyDonor(tables(code), i, j, shown, everyone, limit, part)
-        found.append(replace(donor, stands=stands(slot, j)))
+        found.append(replace(donor, same_domain=same_domain(slot, j)))
     decisions = [uniform() for _ in pairs]
     kept = resample(found, decisions, mis, cap, target)
     cell, full = kept.y.cell, kept.W > 0

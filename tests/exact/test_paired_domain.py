@@ -137,7 +137,7 @@ def spatial(law, mis, lenders, sign):
     """Pair A takes over samples of pair B, for one sign."""
 
     def program(rows, uniform):
-        donors = [toy.donor(A, A, rows.of(A, sign), sign, sign, stands=True)]
+        donors = [toy.donor(A, A, rows.of(A, sign), sign, sign, same_domain=True)]
         for lender in lenders(sign):
             donors.append(toy.donor(A, B, rows.of(B, lender), sign, lender))
         return toy.closed(A, toy.merged(donors, uniform, mis))
@@ -183,7 +183,7 @@ def without_signs(mis):
     def program(rows, uniform):
         (own,), (other,) = (toy.fresh(p, uniform, (WHOLE,)) for p in (A, B))
         donors = [
-            toy.donor(A, A, own, WHOLE, WHOLE, stands=True),
+            toy.donor(A, A, own, WHOLE, WHOLE, same_domain=True),
             toy.donor(A, B, toy.with_trust(other, 3), WHOLE, WHOLE),
         ]
         return toy.closed(A, toy.merged(donors, uniform, mis))
@@ -213,8 +213,10 @@ def chain(mis, sign, frames=3, cap=2):
         def program(rows, uniform, first=(frame == 0)):
             (new,) = toy.fresh(A, uniform, (sign,))
             if not first:
-                own = toy.donor(A, A, new, sign, sign, stands=True)
-                before = toy.donor(A, A, rows.opened(A, sign), sign, sign, stands=True)
+                own = toy.donor(A, A, new, sign, sign, same_domain=True)
+                before = toy.donor(
+                    A, A, rows.opened(A, sign), sign, sign, same_domain=True
+                )
                 new = toy.merged([before, own], uniform, mis, cap)
             return toy.closed(A, new)
 
@@ -241,7 +243,7 @@ def two_passes(mis, sign):
         own, other = rows.a.opened(A, sign), rows.b.opened(B, sign)
         mine, theirs = (own, other) if p == A else (other, own)
         donors = [
-            toy.donor(p, p, mine, sign, sign, stands=True),
+            toy.donor(p, p, mine, sign, sign, same_domain=True),
             toy.donor(p, q, theirs, sign, sign),
         ]
         kept = toy.closed(p, toy.merged(donors, uniform, mis))

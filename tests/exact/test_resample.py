@@ -1,4 +1,4 @@
-"""Whole samples are reused without bias: `extensions.reuse`, proved by enumeration.
+"""`reference.resampling.generalized` is unbiased: proved by enumeration.
 
 E[W 1{z = x}] is the measure of x for each weight but 1/M, one pass or two, supports
 that differ, confidences of any kind; and weights sum to one over those who could have
@@ -13,8 +13,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from extensions.reuse import resample
-from reference.passes.neighbors import NONE
+from reference.records import NONE
+from reference.resampling.generalized import resample
 from reference.resampling.reservoir import Reservoirs
 from tests.exact import claims, shifted
 from tests.exact.domain import CELLS, HOLDS, MU, NOTHING, PIXELS, SEES
@@ -22,7 +22,7 @@ from tests.exact.explore import explore
 from tests.exact.mutants import MODULES
 from tests.exact.pipeline import P_HAT
 from tests.mutants.plant import planted
-from tests.mutants.reuse import BIASES
+from tests.mutants.reuse import BIASES, ENGINE
 
 CODE = SimpleNamespace(**{**MODULES, "pipeline": shifted})
 CAP = Fraction(2)
@@ -104,7 +104,9 @@ def alone(tables, i, k, x, M, mis):
         weight = np.array([Fraction(j == k)], object)
         r = Reservoirs(cell, weight, np.array([M[j]], object))
         shown = shifted.toys(tables.p_hat, j, r)
-        here = shifted.ToyDonor(tables, i, j, shown, np.zeros(1, int), stands=j == i)
+        here = shifted.ToyDonor(
+            tables, i, j, shown, np.zeros(1, int), same_domain=j == i
+        )
         donors.append(here)
     decisions = [np.array([Fraction(1, 2)], object)] * len(M)
     kept = resample(donors, decisions, mis, 9999, shifted.target)
@@ -178,7 +180,7 @@ def test_a_slot_without_donor_is_as_if_it_were_not(mis):
             r = Reservoirs(cells, W, np.full(3, M[j], object))
             rows = np.full(3, NONE) if j == 2 else np.arange(3)
             shown = shifted.toys(P_HAT, j, r)
-            donors.append(shifted.ToyDonor(t, 0, j, shown, rows, stands=j == 0))
+            donors.append(shifted.ToyDonor(t, 0, j, shown, rows, same_domain=j == 0))
         u = [np.full(3, Fraction(2, 5), object)] * len(slots)
         kept.append(resample(donors, u, mis, 9999, shifted.target))
     np.testing.assert_array_equal(kept[0].y.cell, kept[1].y.cell)
@@ -192,7 +194,7 @@ def test_weights_in_pairs_need_somebody_who_covers_the_domain():
         shifted.tables(CODE), 0, 1, shifted.toys(P_HAT, 1, r), np.zeros(1, int)
     )
     u = [np.array([Fraction(0)])]
-    with pytest.raises(ValueError, match="stands"):
+    with pytest.raises(ValueError, match="domain"):
         resample([donor], u, "pairwise", 9, shifted.target)
 
 
@@ -202,9 +204,7 @@ UNASKED = "slots without a donor have the confidence of the first row"
 """No claim has such slots; the test of them above does."""
 
 MISTAKES = [
-    mutant
-    for mutant in BIASES
-    if mutant.module.startswith("extensions.") and mutant.name != UNASKED
+    mutant for mutant in BIASES if mutant.module == ENGINE and mutant.name != UNASKED
 ]
 
 EVIDENCE = {

@@ -1,6 +1,7 @@
 """Files that are no image for us: one line each, and nothing else on any stream."""
 
 import os
+import re
 import struct
 import sys
 
@@ -159,7 +160,7 @@ def test_without_one_picture_the_channels_are_named(refuse, foreign, channels):
     message = refuse(foreign(channels))
     assert "no colour channels R, G, B" in message
     for name in channels:
-        assert f"'{name}" in message
+        assert re.search(rf"[ ,]{name}[,;]", message)
 
 
 def test_subsampled_channels(refuse, good):

@@ -12,9 +12,8 @@ from extensions.area_restir import render_area_frames
 from extensions.area_settings import AreaSettings
 from extensions.frame_loop import Moment
 from extensions.windows import windows
-from reference.passes.neighbors import NONE
 from reference.path_tracer import first_hits
-from reference.records import take
+from reference.records import NONE, take
 from reference.scene.animation import Animation
 from reference.scene.catalogue.registry import find_animation
 from reference.scene.origins import contact
@@ -145,13 +144,13 @@ def test_there_and_back_leads_to_where_it_came_from(primary):
     """But for the rounding of hits, which are traced anew: x_1 is no part of a path."""
     last, donor = donor_of(primary)
     at = np.flatnonzero((donor.rows != NONE) & (last.reservoirs.W[donor.rows] > 0))
-    placed, forth = donor.forth(at)
+    placed, forth = donor.shifted(at)
     base = take(last.reservoirs.y, donor.rows[at])
     there = base.moved(placed, forth)
     ok = np.flatnonzero(forth > 0)
     assert len(ok) > 50
     everywhere = take(there, np.searchsorted(at, np.clip(ROWS, at[0], at[-1])))
-    back, home = donor.back(everywhere, at[ok])
+    back, home = donor.inverse(everywhere, at[ok])
     # Of the few that graze an edge the way back may end on its other side.
     returned = home > 0
     assert returned.mean() > 0.99
@@ -171,7 +170,7 @@ def test_there_and_back_leads_to_where_it_came_from(primary):
 def test_what_falls_out_of_the_receiver_is_nothing(primary):
     _, donor = donor_of(primary)
     at = np.flatnonzero(donor.rows != NONE)
-    placed, jacobian = donor.forth(at)
+    placed, jacobian = donor.shifted(at)
     inside = (np.floor(placed.x) == at % SIZE) & (np.floor(placed.y) == at // SIZE)
     assert (~inside).any()
     assert not jacobian[~inside].any()
@@ -183,7 +182,7 @@ def test_a_kept_hit_is_the_point_that_it_was():
     """What is seen at its new place is what was seen before."""
     last, donor = donor_of("keep")
     at = np.flatnonzero(donor.rows != NONE)
-    placed, jacobian = donor.forth(at)
+    placed, jacobian = donor.shifted(at)
     ok = jacobian > 0
     base = take(last.reservoirs.y, donor.rows[at])
     before = first_hits(donor.shift.world_from, base.x, base.y)

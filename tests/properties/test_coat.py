@@ -20,6 +20,7 @@ from reference.scene.materials.coat import (
     transmittance,
     transmittance_table,
 )
+from reference.scene.materials.facets import Facets
 from reference.scene.materials.fresnel import fresnel_dielectric
 from reference.strategies import ROWS, colors, scalars
 
@@ -199,7 +200,7 @@ def test_the_lobe_is_its_formula(cos_i, cos_o, cos_h, alpha):
     tan2 = (1 - cos_h**2) / cos_h**2
     D = 1 / (np.pi * alpha**2 * cos_h**4 * (1 + tan2 / alpha**2) ** 2)
     shape = D * masking(cos_i, alpha) * masking(cos_o, alpha) / (4 * cos_o)
-    found = specular_lobe(cos_i, cos_o, cos_h, alpha)
+    found = specular_lobe(cos_i, cos_o, cos_h, Facets(alpha))
     off = 32 * EPS * (1 + 1 / (cos_h**2 * alpha**2 + 1 - cos_h**2))
     # 1 - cos² in G1 and in tan² has an absolute error of eps.
     off = off + 8 * EPS * (1 / cos_h**2 + 1)
@@ -209,7 +210,7 @@ def test_the_lobe_is_its_formula(cos_i, cos_o, cos_h, alpha):
 def test_the_lobe_is_above_the_surface():
     cos = np.array([0.5, -0.5, 0.5, 0.0])
     other = np.array([0.5, 0.5, -0.5, 0.5])
-    lobe = specular_lobe(cos, other, np.full(4, 0.9), np.full(4, 0.3))
+    lobe = specular_lobe(cos, other, np.full(4, 0.9), Facets(np.full(4, 0.3)))
     assert (lobe > 0).tolist() == [True, False, False, False]
 
 

@@ -13,8 +13,7 @@ from hashgrid.keys import Keys, Lattice, edges, jittered, keys_of, lattice_of, l
 from hashgrid.report import occupancy
 from hashgrid.visits import visits
 from reference.arrays import dot, normalize
-from reference.passes.neighbors import NONE
-from reference.records import take
+from reference.records import NONE, take
 from reference.scene.camera import Camera
 
 LATTICE = Lattice((0.0, 0.0, 0.0), 0.05)

@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 from reference.methods import method_named
 from reference.options import with_values
 from reference.passes.lattice import corner, keeps_reservoir
-from reference.passes.neighbors import NONE, find_neighbors
+from reference.passes.neighbors import find_neighbors
+from reference.records import NONE
 from reference.restir_gi import render_frames
 from reference.scene.catalogue.answers import sphere_furnace
 from reference.scene.named import Named, find_scene_or_file, frames_of

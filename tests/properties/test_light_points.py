@@ -12,8 +12,7 @@ from hashgrid.light_settings import LightSettings
 from hashgrid.lights import GONE, draw_lights, in_sight, reflected, same_lights
 from hashgrid.world_reservoirs import render_light_frames
 from reference.direct_light import choose_light
-from reference.passes.neighbors import NONE
-from reference.records import take
+from reference.records import NONE, take
 from reference.resampling.reservoir import Reservoirs
 from reference.rng import KeyedUniforms, Stream
 from reference.scene.catalogue.registry import find_animation, find_scene

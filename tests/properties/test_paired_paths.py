@@ -32,8 +32,7 @@ from gradient_domain.paired_domain import (
 from gradient_domain.pairs import pair_at, pixel_pairs
 from gradient_domain.settings import GradientSettings
 from gradient_domain.shifts import OuterShift
-from reference.passes.neighbors import NONE
-from reference.records import take
+from reference.records import NONE, take
 from reference.schedule import Schedule
 from tests.properties.path_scenes import world
 from tests.statistics.path_runs import SIZE, moving

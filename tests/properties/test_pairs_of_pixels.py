@@ -10,8 +10,7 @@ from gradient_domain.differences import differences
 from gradient_domain.edges import across_edges, alike, differ, looks
 from gradient_domain.pairs import Axis, as_differences, pair_at, pixel_pairs
 from gradient_domain.search import draw_around, find_alike
-from reference.passes.neighbors import NONE
-from reference.records import take
+from reference.records import NONE, take
 from reference.rng import KeyedUniforms, Stream
 from reference.scene.surface import SurfacePoints, VisiblePoints
 from tests.properties.path_scenes import world

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
-from reference.passes.neighbors import NONE
 from reference.passes.taps import nearby, permuted
+from reference.records import NONE
 from reference.strategies import draws, scalars
 
 sizes = st.tuples(st.integers(1, 13), st.integers(1, 13))

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from extensions.reuse import resample
 from reference.arrays import Indices, Scalars, Vec3s
 from reference.oracle.builtin.buffers import Array, as_real
 from reference.oracle.contract.fields import Precision
-from reference.passes.neighbors import NONE
+from reference.records import NONE
+from reference.resampling.generalized import resample
 from reference.resampling.reservoir import Reservoirs
 
 
@@ -35,12 +35,12 @@ class _Donor:
     elsewhere: Array
     reservoirs: Reservoirs
     rows: Indices
-    stands: bool
+    same_domain: bool
 
-    def forth(self, at: Indices) -> tuple[Vec3s, Scalars]:
+    def shifted(self, at: Indices) -> tuple[Vec3s, Scalars]:
         return self.here[at, self.k, None], self.jacobian[at, self.k]
 
-    def back(self, samples: Any, at: Indices) -> tuple[Vec3s, Scalars]:
+    def inverse(self, samples: Any, at: Indices) -> tuple[Vec3s, Scalars]:
         p = self.elsewhere[at, samples.slot[at], self.k]
         return p[:, None], (p > 0).astype(p.dtype)
 

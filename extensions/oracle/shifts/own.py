@@ -164,9 +164,9 @@ def _by_turns(
     ones = np.ones(size)
     offered = Reservoirs(take(paths, rows), ones, ones)
     donor = PointDonor(shift, world, there, world, take(here, rows), offered, rows)
-    value[forth], jacobian[forth] = donor.forth(forth)
+    value[forth], jacobian[forth] = donor.shifted(forth)
     donor = PointDonor(shift, world, here, world, take(there, rows), offered, rows)
-    value[back], jacobian[back] = donor.back(paths, back)
+    value[back], jacobian[back] = donor.inverse(paths, back)
     return value, jacobian
 
 

@@ -13,7 +13,7 @@ from extensions.oracle.shifts.formulas import (
     where_positive,
 )
 from extensions.oracle.shifts.rules import ShiftRules, shifting
-from extensions.oracle.shifts.worth import Worth, worth_joined, worth_replayed
+from extensions.oracle.shifts.worth import Shifted, worth_joined, worth_replayed
 from reference.arrays import Indices, Masks
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
@@ -106,14 +106,14 @@ def judge_shift(
     )
 
 
-def _worth(case: Case, kinds: Kinds, rounding: Rounding, rules: ShiftRules) -> Worth:
+def _worth(case: Case, kinds: Kinds, rounding: Rounding, rules: ShiftRules) -> Shifted:
     """Of every row in its own way, whether or not the path exists."""
     with np.errstate(invalid="ignore", over="ignore"):
         yes = worth_joined(case, kinds.last, rounding, rules)
         no = worth_replayed(case, kinds.last, rounding, rules)
     value = choose(kinds.joins, yes.value, no.value)
     jacobian = choose(kinds.joins, yes.jacobian, no.jacobian)
-    return Worth(bounded_somehow(value), bounded_somehow(jacobian))
+    return Shifted(bounded_somehow(value), bounded_somehow(jacobian))
 
 
 def _not_nothing(value: Bounded) -> Choice:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from extensions.connection import Criterion, segment
+from extensions.connection import NEVER_JOINED, Criterion, segment
 from extensions.oracle.shifts.stage import Frame
 from extensions.oracle.shifts.walks import Walk
 from extensions.paths import Paths, Technique
@@ -54,7 +54,7 @@ def columns(world: World, walk: Walk) -> dict[str, Any]:
 
 
 def lobes_of(table: MaterialTable, points: SurfacePoints) -> tuple[Scalars, Masks]:
-    """GGX widths, and who scatters into single directions alone.
+    """Widths of microfacets, and who is never joined.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def lobes_of(table: MaterialTable, points: SurfacePoints) -> tuple[Scalars, Mask
     """
     kind = table.kind[points.material]
     rough = (kind == Kind.ROUGH_CONDUCTOR) | (kind == Kind.ROUGH_COATED)
-    single = (kind == Kind.SMOOTH_CONDUCTOR) | (kind == Kind.DIELECTRIC)
+    single = np.isin(kind, NEVER_JOINED)
     alpha = np.where(rough, table.alpha[points.material], np.where(single, 0.0, 1.0))
     return np.where(points.hit, alpha, 0.0), single & points.hit
 

@@ -14,7 +14,7 @@ from reference.oracle.replay.verbs import choose, times
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Worth:
+class Shifted:
     """Of shifted paths.
 
     Attributes
@@ -31,7 +31,7 @@ class Worth:
 
 def worth_replayed(
     case: Case, last: Indices, rounding: Rounding, rules: ShiftRules
-) -> Worth:
+) -> Shifted:
     """Worth of paths that are replayed whole.
 
     Parameters
@@ -47,19 +47,19 @@ def worth_replayed(
 
     Returns
     -------
-    Worth
+    Shifted
         N rows.
     """
     light = told(case.inputs["light"], rounding)
     value = throughput(case, last, rounding, rules.end_throughput) * light
     one = constant(1.0, value[:, 0])
     density = told(case.inputs["density"], rounding)
-    return Worth(value, one / density if rules.replayed_over_density else one)
+    return Shifted(value, one / density if rules.replayed_over_density else one)
 
 
 def worth_joined(
     case: Case, last: Indices, rounding: Rounding, rules: ShiftRules
-) -> Worth:
+) -> Shifted:
     """Worth of paths that are joined.
 
     Parameters
@@ -75,7 +75,7 @@ def worth_joined(
 
     Returns
     -------
-    Worth
+    Shifted
         N rows.
     """
     given = case.inputs
@@ -87,7 +87,7 @@ def worth_joined(
     before = throughput(case, last, rounding, rules.throughput)
     value = before * (left / p_left[:, None]) * (onward / q[:, None])
     value = times(value, share_of(case, rounding, rules)) * incoming
-    return Worth(value, _jacobian(case, last, rounding, rules))
+    return Shifted(value, _jacobian(case, last, rounding, rules))
 
 
 def throughput(case: Case, last: Indices, rounding: Rounding, whose: str) -> Bounded:

@@ -14,10 +14,20 @@ class Backend(Protocol):
         """In which it calculates."""
         ...
 
+    def remaining(self) -> float:
+        """Seconds that are left to ask it, and to judge its answers."""
+        ...
+
     def run(self, passes: Passes, cases: list[Case]) -> list[Outcome]:
         """Outcome of each case, whatever the backend does."""
         ...
 
-    def close(self) -> None:
-        """Let go of processes and files."""
+    def close(self) -> int:
+        """Let go of processes and files.
+
+        Returns
+        -------
+        int
+            Processes that it had left running, and that were ended.
+        """
         ...

@@ -1,15 +1,24 @@
 """A program as a backend: run on a folder of cases in the raw form."""
 
 import shlex
-import tempfile
-from pathlib import Path
+from dataclasses import replace
 
 from reference.errors import UsageError
 from reference.oracle.backends.files import FilesBackend
 from reference.oracle.backends.running import Limits, run_program
-from reference.oracle.cases import Case, Failure, Outcome
+from reference.oracle.backends.workspace import Workspace
+from reference.oracle.cases import (
+    NO_TIME,
+    NOT_AGAIN,
+    Case,
+    Failure,
+    Outcome,
+    Remaining,
+    Unasked,
+    for_ever,
+)
 from reference.oracle.contract.fields import Passes, Precision
-from reference.oracle.raw import write_cases
+from reference.oracle.raw import outputs_size, write_cases
 
 PLACE = "{directory}"
 
@@ -25,6 +34,8 @@ class ProgramBackend:
         Of time and memory.
     precision : 'float32' or 'float64'
         In which it calculates.
+    remaining : callable
+        Seconds that are left: no call lasts longer.
 
     Raises
     ------
@@ -33,15 +44,19 @@ class ProgramBackend:
     """
 
     def __init__(
-        self, template: str, limits: Limits, precision: Precision = "float32"
+        self,
+        template: str,
+        limits: Limits,
+        precision: Precision = "float32",
+        remaining: Remaining = for_ever,
     ) -> None:
         try:
             self._words = shlex.split(template)
         except ValueError as error:
             raise UsageError(f"{template!r} is no command line: {error}") from error
-        self._limits, self.precision = limits, precision
-        self._folder = tempfile.TemporaryDirectory(prefix="restir-cases-")
-        self._batches = 0
+        self._limits, self.precision, self.remaining = limits, precision, remaining
+        self._too_slow: set[str] = set()
+        self._workspace = Workspace("cases")
 
     def run(self, passes: Passes, cases: list[Case]) -> list[Outcome]:
         """Outcome of each case.
@@ -57,30 +72,47 @@ class ProgramBackend:
         -------
         list of Outcome
             In the same order.  Where the program fails on all cases at once, each
-            case is given to it alone.
+            case is given to it alone, but none of a pass that took too long before.
         """
-        outcomes, trouble = self._batch(passes, cases)
-        if trouble is None or len(cases) == 1:
-            words = trouble or ""
-            return [
-                Failure(f"{case.name}: the program {words}")
-                if words and not isinstance(outcome, Failure)
-                else outcome
-                for case, outcome in zip(cases, outcomes, strict=True)
-            ]
-        return [self.run(passes, [case])[0] for case in cases]
+        asked = [case for case in cases if case.pass_name not in self._too_slow]
+        if len(asked) > 1 and self.remaining() > 0:
+            outcomes, trouble = self._batch(passes, asked, self.remaining() / 2)
+            if trouble is None:
+                found = iter(outcomes)
+                return [next(found) if c in asked else NOT_AGAIN for c in cases]
+        return [self._alone(passes, case) for case in cases]
 
-    def close(self) -> None:
-        """Remove the files."""
-        self._folder.cleanup()
+    def close(self) -> int:
+        """End what the program has left running, and remove the files."""
+        return self._workspace.close()
+
+    def _alone(self, passes: Passes, case: Case) -> Outcome:
+        if case.pass_name in self._too_slow:
+            return NOT_AGAIN
+        if (left := self.remaining()) <= 0:
+            return NO_TIME
+        (outcome,), trouble = self._batch(passes, [case], left)
+        if trouble is None:
+            return outcome
+        if isinstance(trouble, Failure) and trouble.timed_out:
+            self._too_slow.add(case.pass_name)
+        if isinstance(trouble, Failure) and isinstance(outcome, Failure):
+            return outcome
+        if trouble is NO_TIME:
+            return trouble
+        return replace(trouble, reason=f"{case.name}: the program {trouble.reason}")
 
     def _batch(
-        self, passes: Passes, cases: list[Case]
-    ) -> tuple[list[Outcome], str | None]:
-        folder = Path(self._folder.name) / str(self._batches)
-        self._batches += 1
-        write_cases(folder, passes, self.precision, cases)
-        words = [word.replace(PLACE, str(folder)) for word in self._words]
-        seconds = self._limits.seconds * len(cases)
-        trouble = run_program(words, seconds, self._limits.memory)
-        return FilesBackend(folder, self.precision).run(passes, cases), trouble
+        self, passes: Passes, cases: list[Case], left: float
+    ) -> tuple[list[Outcome], Failure | Unasked | None]:
+        with self._workspace.batch() as folder:
+            write_cases(folder, passes, self.precision, cases)
+            words = [word.replace(PLACE, str(folder)) for word in self._words]
+            trouble = run_program(
+                words, self._limits, left, self._workspace.environment, len(cases)
+            )
+            outcomes = FilesBackend(folder, self.precision).run(passes, cases)
+            if trouble or any(o is None or isinstance(o, Failure) for o in outcomes):
+                wanted = sum(outputs_size(passes, self.precision, c) for c in cases)
+                self._workspace.need_room(wanted)
+        return outcomes, trouble

@@ -4,7 +4,14 @@ from typing import Any
 
 import numpy as np
 
-from reference.oracle.cases import Case, Failure, Outcome
+from reference.oracle.cases import (
+    NO_TIME,
+    Case,
+    Failure,
+    Outcome,
+    Remaining,
+    for_ever,
+)
 from reference.oracle.contract.fields import Passes, Precision
 
 
@@ -14,11 +21,14 @@ class InsideBackend:
     Parameters
     ----------
     target : object
-        The backend.  If it takes the process down, the tests go with it.
+        The backend.  If it takes the process down, the tests go with it; a call that
+        does not return cannot be stopped.
+    remaining : callable
+        Seconds that are left: no call begins after that.
     """
 
-    def __init__(self, target: Any) -> None:
-        self._target = target
+    def __init__(self, target: Any, remaining: Remaining = for_ever) -> None:
+        self._target, self.remaining = target, remaining
         self.precision: Precision = getattr(target, "precision", "float32")
 
     def run(self, passes: Passes, cases: list[Case]) -> list[Outcome]:
@@ -38,13 +48,16 @@ class InsideBackend:
         """
         return [self._call(case) for case in cases]
 
-    def close(self) -> None:
+    def close(self) -> int:
         """Nothing is held."""
+        return 0
 
     def _call(self, case: Case) -> Outcome:
         method = getattr(self._target, case.pass_name, None)
         if method is None:
             return None
+        if self.remaining() <= 0:
+            return NO_TIME
         # Its own, to write into: others are asked the case, and judged by it.
         inputs = {name: array.copy() for name, array in case.inputs.items()}
         try:

@@ -9,10 +9,17 @@ from reference.oracle.backends.find import backend_names, is_python
 from reference.oracle.backends.inside import InsideBackend
 from reference.oracle.backends.process import PythonBackend
 from reference.oracle.backends.running import Limits
+from reference.oracle.cases import Remaining, for_ever
 from reference.oracle.contract.fields import Precision
+from reference.suggestions import unknown
 
 
-def open_backend(backend: Any, limits: Limits, precision: Precision) -> Backend:
+def open_backend(
+    backend: Any,
+    limits: Limits,
+    precision: Precision,
+    remaining: Remaining = for_ever,
+) -> Backend:
     """Reach a backend.
 
     Parameters
@@ -23,6 +30,8 @@ def open_backend(backend: Any, limits: Limits, precision: Precision) -> Backend:
         Of time and memory.
     precision : 'float32' or 'float64'
         Of a program.
+    remaining : callable
+        Seconds that are left: no call lasts longer.
 
     Returns
     -------
@@ -33,16 +42,18 @@ def open_backend(backend: Any, limits: Limits, precision: Precision) -> Backend:
     ------
     UsageError
         There is none.
+    UnaskedError
+        It was not ready before the time was over.
     """
     if not isinstance(backend, str):
-        found: Backend = backend if hasattr(backend, "run") else InsideBackend(backend)
-        return found
+        inside: Backend = InsideBackend(backend, remaining)
+        return backend if hasattr(backend, "run") else inside
     if PLACE in backend:
-        return ProgramBackend(backend, limits, precision)
+        return ProgramBackend(backend, limits, precision, remaining)
     if is_python(backend):
-        return PythonBackend(backend, limits)
-    raise UsageError(
-        f"no backend {backend!r}; known are {', '.join(backend_names())},"
-        f" module:object, file.py[:object], a command line with {PLACE}, or a golden"
-        " folder"
+        return PythonBackend(backend, limits, remaining)
+    every = (
+        f"{', '.join(backend_names())}, module:object, file.py[:object], a command"
+        f" line with {PLACE}, or a golden folder"
     )
+    raise UsageError(unknown("backend", backend, backend_names(), every))

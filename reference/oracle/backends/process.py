@@ -4,19 +4,41 @@ import os
 import queue
 import subprocess
 import sys
-import tempfile
 import threading
+import time
 from contextlib import suppress
-from pathlib import Path
+from dataclasses import replace
+from itertools import takewhile
+from typing import IO
 
 from reference.errors import UsageError
-from reference.oracle.backends.running import Limits, how_it_ended, last_line, stop
-from reference.oracle.cases import Case, Failure, Outcome
+from reference.oracle.backends.running import (
+    LastWords,
+    Limits,
+    how_it_ended,
+    started,
+    stop,
+)
+from reference.oracle.backends.workspace import Workspace
+from reference.oracle.cases import (
+    NO_TIME,
+    NOT_AGAIN,
+    Case,
+    Failure,
+    Outcome,
+    Remaining,
+    Unasked,
+    UnaskedError,
+    for_ever,
+)
 from reference.oracle.contract.fields import Passes, Precision
-from reference.oracle.raw import read_outputs, write_cases
+from reference.oracle.raw import outputs_size, read_outputs, write_cases
 
 LOADING = 60.0
 """Seconds at least for a backend to load: libraries may take long on a busy machine."""
+
+LONGEST_LINE = 2**16
+"""Bytes of an answer: a longer one is none."""
 
 
 class PythonBackend:
@@ -28,22 +50,27 @@ class PythonBackend:
         As :func:`reference.oracle.backends.find.find_object` takes it.
     limits : Limits
         Of time and memory.
+    remaining : callable
+        Seconds that are left: no call lasts longer.
 
     Raises
     ------
     UsageError
         It cannot be loaded.
+    UnaskedError
+        It was not ready before the time was over.
     """
 
-    def __init__(self, spec: str, limits: Limits) -> None:
-        self._spec, self._limits = spec, limits
-        self._folder = tempfile.TemporaryDirectory(prefix="restir-cases-")
-        self._errors = Path(self._folder.name) / "stderr.txt"
-        self._batches = 0
+    def __init__(
+        self, spec: str, limits: Limits, remaining: Remaining = for_ever
+    ) -> None:
+        self._spec, self._limits, self.remaining = spec, limits, remaining
+        self._too_slow: set[str] = set()
+        self._workspace = Workspace("cases")
         try:
             self.precision: Precision = self._start()
-        except UsageError:
-            self._folder.cleanup()
+        except BaseException:
+            self._workspace.close()
             raise
 
     def run(self, passes: Passes, cases: list[Case]) -> list[Outcome]:
@@ -60,48 +87,71 @@ class PythonBackend:
         -------
         list of Outcome
             In the same order.  After a death or a time-out a new process goes on with
-            the next case.
+            the next case, but none of a pass that took too long before.
         """
         outcomes: list[Outcome] = []
         while len(outcomes) < len(cases):
-            left = cases[len(outcomes) :]
-            try:
-                outcomes += self._batch(passes, left)
-            except UsageError as error:  # it died, and does not start again
-                outcomes += [Failure(f"{case.name}: {error}") for case in left]
+            outcomes += self._some(passes, cases[len(outcomes) :])
         return outcomes
 
-    def close(self) -> None:
-        """Stop the process and remove its files."""
+    def close(self) -> int:
+        """End the process and what it has left running, and remove its files."""
         self._stop()
-        self._folder.cleanup()
+        return self._workspace.close()
+
+    def _some(self, passes: Passes, cases: list[Case]) -> list[Outcome]:
+        """Outcomes of the first cases, of one at least."""
+        if cases[0].pass_name in self._too_slow:
+            return [NOT_AGAIN]
+        if self.remaining() <= 0:
+            return [NO_TIME] * len(cases)
+        if self._process.poll() is not None:
+            try:
+                self._start()
+            except NotLoadedError as error:
+                return [Failure(f"{case.name}: {error}") for case in cases]
+            except UnaskedError as error:
+                return [Unasked(str(error))] * len(cases)
+        asked = takewhile(lambda case: case.pass_name not in self._too_slow, cases)
+        return self._batch(passes, list(asked))
 
     def _batch(self, passes: Passes, cases: list[Case]) -> list[Outcome]:
         """Outcomes of the first cases: all of them, or up to one that was fatal."""
-        if self._process.poll() is not None:
-            self._start()
-        folder = Path(self._folder.name) / str(self._batches)
-        self._batches += 1
-        write_cases(folder, passes, self.precision, cases)
-        self._tell(str(folder))
         found: list[Outcome] = []
-        for case in cases:
-            answer = self._answer()
-            if answer == "begin":
-                answer = self._answer()
-            word, _, reason = answer.partition(" ")
-            if word == "end":
-                found.append(read_outputs(folder, passes, self.precision, case))
-            elif word == "absent":
-                found.append(None)
-            elif word == "failed":
-                found.append(Failure(f"{case.name}: {reason}"))
+        with self._workspace.batch() as folder:
+            write_cases(folder, passes, self.precision, cases)
+            self._tell(str(folder))
+            for case in cases:
+                answer = self._answer(self._limits.seconds)
+                if answer == "begin":
+                    answer = self._answer(self._limits.seconds)
+                if isinstance(answer, Failure | Unasked):
+                    self._stop()
+                    found.append(self._fatal(case, answer))
+                    break
+                word, _, reason = answer.partition(" ")
+                if word == "absent":
+                    found.append(None)
+                    continue
+                if word == "end":
+                    outcome = read_outputs(folder, passes, self.precision, case)
+                else:
+                    outcome = Failure(f"{case.name}: {reason or answer}")
+                if isinstance(outcome, Failure):
+                    size = outputs_size(passes, self.precision, case)
+                    self._workspace.need_room(size)
+                found.append(outcome)
             else:
-                found.append(Failure(f"{case.name}: the backend {answer}"))
-                self._stop()
-                return found
-        self._answer()  # done
+                self._answer(self._limits.seconds)  # done
         return found
+
+    def _fatal(self, case: Case, answer: Failure | Unasked) -> Failure | Unasked:
+        self._workspace.need_room()
+        if isinstance(answer, Failure) and answer.timed_out:
+            self._too_slow.add(case.pass_name)
+        if answer is NO_TIME:
+            return answer
+        return replace(answer, reason=f"{case.name}: the backend {answer.reason}")
 
     def _tell(self, line: str) -> None:
         assert self._process.stdin is not None
@@ -111,55 +161,74 @@ class PythonBackend:
 
     def _start(self) -> Precision:
         worker = "reference.oracle.backends.worker"
-        with self._errors.open("wb") as errors:
-            self._process = subprocess.Popen(
-                [sys.executable, "-m", worker, self._spec, str(self._limits.memory)],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=errors,
-                env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
-                start_new_session=True,
-            )
-        self._lines: queue.Queue[str | None] = queue.Queue()
-        self._listener = threading.Thread(
-            target=_listen, args=(self._process, self._lines), daemon=True
+        self._process = started(
+            [sys.executable, "-m", worker, self._spec, str(self._limits.memory)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            env={
+                **self._workspace.environment,
+                "PYTHONPATH": os.pathsep.join(sys.path),
+            },
+            start_new_session=True,
         )
-        self._listener.start()
-        seconds = max(self._limits.seconds, LOADING)
-        word, _, rest = self._answer(seconds).partition(" ")
-        if word != "ready" or rest not in ("float32", "float64"):
-            self._stop()
-            what = rest if word == "failed" else f"{word} {rest}"
-            raise UsageError(f"backend {self._spec}: {what}")
-        precision: Precision = "float64" if rest == "float64" else "float32"
-        return precision
-
-    def _answer(self, seconds: float | None = None) -> str:
-        """Next line of the worker, or how it ended."""
-        seconds = seconds or self._limits.seconds
+        assert self._process.stdout is not None
+        assert self._process.stderr is not None
         try:
-            line = self._lines.get(timeout=seconds)
-        except queue.Empty:
-            return f"gave no answer within {seconds:g} s"
-        if line is not None:
-            return line
-        code = self._process.wait()
-        said = self._errors.read_text(errors="replace")
-        return how_it_ended(code, last_line(said))
+            self._said = LastWords(self._process.stderr)
+            self._lines: queue.Queue[str | None] = queue.Queue()
+            _listen(self._process.stdout, self._lines)
+            answer = self._answer(max(self._limits.seconds, LOADING))
+        except BaseException:
+            self._stop()
+            raise
+        if answer in ("ready float32", "ready float64"):
+            return "float64" if answer == "ready float64" else "float32"
+        self._stop()
+        if isinstance(answer, Unasked):
+            raise UnaskedError(f"backend {self._spec}: while it loads, {answer.reason}")
+        text = answer.reason if isinstance(answer, Failure) else answer
+        raise NotLoadedError(f"backend {self._spec}: {text.removeprefix('failed ')}")
+
+    def _answer(self, allowed: float) -> str | Failure | Unasked:
+        """Next line of the worker, or why there is none."""
+        end = time.monotonic() + min(allowed, threading.TIMEOUT_MAX)
+        left = self.remaining()
+        try:
+            line = self._lines.get(timeout=max(min(allowed, left, 1e6), 0.0))
+            if line is not None:
+                return line
+            wait = min(end - time.monotonic(), self.remaining())
+            code = self._process.wait(max(wait, 0.0))
+        except (queue.Empty, subprocess.TimeoutExpired):
+            if left < allowed:
+                return NO_TIME
+            return Failure(f"gave no answer within {allowed:g} s", timed_out=True)
+        return how_it_ended(code, self._said.last_line())
 
     def _stop(self) -> None:
         stop(self._process)
         assert self._process.stdin is not None
         with suppress(OSError):
             self._process.stdin.close()
-        self._listener.join()
 
 
-def _listen(
-    process: "subprocess.Popen[bytes]", lines: "queue.Queue[str | None]"
-) -> None:
-    assert process.stdout is not None
-    with process.stdout:
-        for line in process.stdout:
-            lines.put(line.decode(errors="replace").rstrip("\n"))
-    lines.put(None)
+class NotLoadedError(UsageError):
+    """A backend cannot be loaded, by a fault of its own."""
+
+
+def _listen(stream: IO[bytes], lines: "queue.Queue[str | None]") -> None:
+    """Queue the lines of a stream, and ``None`` in the end, in a thread of its own."""
+
+    def read() -> None:
+        with suppress(OSError, ValueError), stream:
+            while line := stream.readline(LONGEST_LINE):
+                lines.put(line.decode(errors="replace").rstrip("\n"))
+        lines.put(None)
+
+    try:
+        threading.Thread(target=read, daemon=True).start()
+    except RuntimeError as error:
+        raise UsageError(
+            f"cannot listen to a backend: {error}; raise the limit of processes"
+        ) from error

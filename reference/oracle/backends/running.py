@@ -1,17 +1,30 @@
-"""Foreign programs: started with limits, stopped with all that they have started."""
+"""Foreign programs: started with limits, waited for, and stopped with their group."""
 
 import os
 import signal
 import subprocess
+import threading
 from contextlib import suppress
 from dataclasses import dataclass
+from errno import EAGAIN, EMFILE, ENFILE, ENOMEM
+from typing import IO, Any
 
 from reference.errors import UsageError
+from reference.oracle.cases import NO_TIME, Failure, Unasked
 
 try:
     import resource
 except ImportError:  # not on Windows
     resource = None  # type: ignore[assignment]
+
+LARGEST_FILE = 2**30
+"""Bytes of a file that a backend may write: more than any output or cache has."""
+
+LAST_BYTES = 4096
+"""Of what a process says, that are kept."""
+
+A_MOMENT = 0.5
+"""Seconds within which what an ended process has said is there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,61 +49,159 @@ def bind(memory: int) -> None:
     Parameters
     ----------
     memory : int, bytes
-        Of private data; no core is dumped.
+        Of private data; no core is dumped, and no file is larger than `LARGEST_FILE`.
     """
-    if resource is not None:
-        resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    if resource is None:
+        return
+    limits = {
+        resource.RLIMIT_DATA: memory,
+        resource.RLIMIT_CORE: 0,
+        resource.RLIMIT_FSIZE: LARGEST_FILE,
+    }
+    for what, most in limits.items():
+        _, hard = resource.getrlimit(what)
+        most = most if hard == resource.RLIM_INFINITY else min(most, hard)
+        resource.setrlimit(what, (most, most))
 
 
-def run_program(words: list[str], seconds: float, memory: int) -> str | None:
+def started(words: list[str], **options: Any) -> "subprocess.Popen[bytes]":
+    """Start a program.
+
+    Parameters
+    ----------
+    words : list of str
+        Its command line.
+    **options
+        Of `subprocess.Popen`.
+
+    Returns
+    -------
+    subprocess.Popen
+        It runs.
+
+    Raises
+    ------
+    UsageError
+        There is no such program, or this machine has no room for it.
+    """
+    try:
+        return subprocess.Popen(words, **options)
+    except (OSError, ValueError, subprocess.SubprocessError) as error:
+        code = getattr(error, "errno", None)
+        remedy = "name a program that exists and may be run"
+        if code in (EAGAIN, ENOMEM, EMFILE, ENFILE):
+            remedy = (
+                "a limit of this machine or container on processes, memory or open"
+                " files is reached; raise it"
+            )
+        reason = getattr(error, "strerror", None) or error
+        raise UsageError(f"cannot run {words[0]}: {reason}; {remedy}") from error
+
+
+class LastWords:
+    """The end of what a process says, however much that is.
+
+    Parameters
+    ----------
+    stream : binary file
+        A pipe, read until all who hold its other end are gone.
+
+    Raises
+    ------
+    UsageError
+        This machine has no room for another thread.
+    """
+
+    def __init__(self, stream: IO[bytes]) -> None:
+        self._stream, self._kept = stream, b""
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        try:
+            self._reader.start()
+        except RuntimeError as error:
+            raise UsageError(
+                f"cannot listen to a backend: {error}; raise the limit of processes"
+            ) from error
+
+    def last_line(self) -> str:
+        """Last line that is not empty, at most 200 characters.
+
+        Returns
+        -------
+        str
+            Of what is there a moment after the process ended: who still holds the pipe
+            is not waited for.
+        """
+        self._reader.join(A_MOMENT)
+        text = self._kept.decode(errors="replace")
+        lines = [line.strip() for line in text.splitlines() if line.strip()]
+        return lines[-1][:200] if lines else ""
+
+    def _read(self) -> None:
+        with suppress(OSError, ValueError), self._stream:
+            while piece := os.read(self._stream.fileno(), 2**16):
+                self._kept = (self._kept + piece)[-LAST_BYTES:]
+
+
+def run_program(
+    words: list[str],
+    limits: Limits,
+    left: float,
+    environment: dict[str, str] | None = None,
+    calls: int = 1,
+) -> Failure | Unasked | None:
     """Run a program to its end.
 
     Parameters
     ----------
     words : list of str
         Its command line.
-    seconds : float
-        After which it is stopped.
-    memory : int, bytes
-        Of private data.
+    limits : Limits
+        Of one call.
+    left : float
+        Seconds that are left for all.
+    environment : dict of str to str, optional
+        By default that of this process.
+    calls : int
+        That it does at once.
 
     Returns
     -------
-    str or None
-        What went wrong, as the end of a sentence; ``None`` if nothing did.
+    Failure, Unasked or None
+        What went wrong, as the end of a sentence; ``None`` if nothing did.  The program
+        is waited for, not those that it leaves behind, nor their ends of its pipes.
 
     Raises
     ------
     UsageError
-        There is no such program.
+        There is no such program, or no room for it.
     """
+    process = started(
+        words,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        env=environment,
+        preexec_fn=(lambda: bind(limits.memory)) if resource is not None else None,
+        start_new_session=True,
+    )
     try:
-        process = subprocess.Popen(
-            words,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            preexec_fn=(lambda: bind(memory)) if resource is not None else None,
-            start_new_session=True,
-        )
-    except OSError as error:
-        raise UsageError(
-            f"cannot run {words[0]}: {error.strerror}; name a program that exists"
-        ) from error
-    try:
-        _, said = process.communicate(timeout=seconds)
+        assert process.stderr is not None
+        said = LastWords(process.stderr)
+        allowed = limits.seconds * calls
+        code = process.wait(min(allowed, left, threading.TIMEOUT_MAX))
     except subprocess.TimeoutExpired:
-        return f"did not end within {seconds:g} s"
-    finally:
         stop(process)
-    if process.returncode == 0:
-        return None
-    return how_it_ended(process.returncode, last_line(said.decode(errors="replace")))
+        if left < allowed:
+            return NO_TIME
+        return Failure(f"did not end within {allowed:g} s", timed_out=True)
+    except BaseException:
+        stop(process)
+        raise
+    return None if code == 0 else how_it_ended(code, said.last_line())
 
 
 def stop(process: "subprocess.Popen[bytes]") -> None:
-    """Stop a process of a session of its own, and whatever it has left behind.
+    """Stop a process of a session of its own, and its group.
 
     Parameters
     ----------
@@ -104,12 +215,10 @@ def stop(process: "subprocess.Popen[bytes]") -> None:
     with suppress(OSError):
         process.kill()
     process.wait()
-    if process.stderr is not None:
-        process.stderr.close()
 
 
-def how_it_ended(code: int, last_words: str) -> str:
-    """Why a process is no more, in one line.
+def how_it_ended(code: int, last_words: str) -> Failure | Unasked:
+    """Why a process is no more.
 
     Parameters
     ----------
@@ -120,32 +229,17 @@ def how_it_ended(code: int, last_words: str) -> str:
 
     Returns
     -------
-    str
-        "was killed by SIGSEGV", "ended with exit code 1: MemoryError", ...
+    Failure or Unasked
+        "was killed by SIGSEGV", "ended with exit code 1: MemoryError", ...  Nothing is
+        known of a process that was killed from outside.
     """
     if code < 0:
         try:
             name = signal.Signals(-code).name
         except ValueError:
             name = f"signal {-code}"
-        hint = " (out of memory?)" if name == "SIGKILL" else ""
-        return f"was killed by {name}{hint}"
+        if name == "SIGKILL":
+            return Unasked("was killed by SIGKILL from outside (out of memory?)")
+        return Failure(f"was killed by {name}")
     words = f": {last_words}" if last_words else ""
-    return f"ended with exit code {code}{words}"
-
-
-def last_line(text: str) -> str:
-    """Last line of what a process said that is not empty.
-
-    Parameters
-    ----------
-    text : str
-        Of its stderr.
-
-    Returns
-    -------
-    str
-        At most 200 characters.
-    """
-    lines = [line.strip() for line in text.splitlines() if line.strip()]
-    return lines[-1][:200] if lines else ""
+    return Failure(f"ended with exit code {code}{words}")

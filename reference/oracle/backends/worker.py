@@ -30,11 +30,15 @@ def main(spec: str, memory: int) -> None:
         That it may use.
     """
     bind(memory)
-    channel = os.fdopen(os.dup(1), "w", buffering=1)
+    channel = os.fdopen(os.dup(1), "w", buffering=1, errors="backslashreplace")
     os.dup2(2, 1)  # a backend's prints must not be taken for answers
     try:
         backend = find_object(spec)
         precision = getattr(backend, "precision", "float32")
+        if precision not in ("float32", "float64"):
+            raise ValueError(
+                f"its precision is {precision!r}, and should be 'float32' or 'float64'"
+            )
     except Exception as error:
         _say(channel, f"failed cannot be loaded: {_words(error)}")
         return
@@ -61,7 +65,11 @@ def _run(backend: Any, folder: Path, case: Case) -> str:
 
 
 def _words(error: BaseException) -> str:
-    text = " ".join(str(error).split())[:300]
+    try:
+        text = str(error)
+    except Exception:  # what a backend raises is its own too
+        text = ""
+    text = " ".join(text.split())[:300]
     return f"{type(error).__name__}: {text}" if text else type(error).__name__
 
 

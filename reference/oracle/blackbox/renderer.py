@@ -37,6 +37,8 @@ class Renderer:
         Width and height.
     limits : Limits
         Of time and memory.
+    layer : str, optional
+        Which of several pictures in its file is meant.
     """
 
     template: str
@@ -44,6 +46,7 @@ class Renderer:
     frames: int
     size: tuple[int, int]
     limits: Limits
+    layer: str | None = None
 
     def render(self, seed: int) -> NDArray[Any] | Failure:
         """One picture, from nothing.
@@ -73,7 +76,7 @@ class Renderer:
 
     def _read(self, seed: int, out: Path) -> NDArray[Any] | Failure:
         try:
-            color = read_exr(out).color
+            color = read_exr(out, self.layer).color
         except UsageError as error:
             return Failure(f"seed {seed}: {error}")
         height, width = color.shape[:2]

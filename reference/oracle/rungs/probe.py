@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from reference.oracle.cases import Buffers, Case, Failure, Outcome, refused
+from reference.oracle.cases import Buffers, Case, Failure, refused
 from reference.oracle.contract.fields import Passes, Precision
 from reference.oracle.replay.judgement import Judgement
 
@@ -69,7 +69,10 @@ class Answer:
 
 
 def examined(
-    passes: Passes, precision: Precision, probe: Probe, outcome: Outcome
+    passes: Passes,
+    precision: Precision,
+    probe: Probe,
+    outcome: Buffers | Failure | None,
 ) -> Answer:
     """Examine what came of a question.
 
@@ -81,7 +84,7 @@ def examined(
         Of the backend.
     probe : Probe
         The question.
-    outcome : Outcome
+    outcome : Buffers, Failure or None
         What came of it.
 
     Returns

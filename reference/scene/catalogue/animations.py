@@ -21,7 +21,7 @@ from reference.scene.catalogue.rooms import WHITE, pose
 from reference.scene.lights import DirectionalLight
 from reference.scene.materials.kinds import Lambertian
 from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, box, quad
+from reference.scene.shapes import Mesh, box, emits, quad
 
 PERIOD = 64
 """Frames until blocks and lights are back where they were."""
@@ -123,7 +123,7 @@ def light_switch(scene: Scene) -> Animation:
         Black from frame ``CHANGE`` on: whatever light is left is of the past.
     """
     dark = tuple(
-        replace(mesh, emission=(0.0, 0.0, 0.0)) if any(mesh.emission) else mesh
+        replace(mesh, emission=(0.0, 0.0, 0.0)) if emits(mesh) else mesh
         for mesh in scene.meshes
     )
     after = replace(scene, meshes=dark)

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 
 from reference.errors import UsageError
 from reference.scene.animation import Animation, still
@@ -16,6 +15,7 @@ from reference.scene.catalogue import (
     walls,
 )
 from reference.scene.scene import Scene
+from reference.suggestions import unknown
 
 
 @dataclass(frozen=True, slots=True)
@@ -218,7 +218,4 @@ def find_animation(name: str, scene: Scene | None = None) -> Animation:
 def _entry(name: str) -> Entry:
     if name in CATALOGUE:
         return CATALOGUE[name]
-    close = get_close_matches(name, CATALOGUE, n=1)
-    hint = f"did you mean {close[0]}? " if close else ""
-    every = ", ".join(CATALOGUE)
-    raise UsageError(f"there is no scene {name!r}; {hint}the scenes are {every}")
+    raise UsageError(unknown("scene", name, CATALOGUE))

@@ -12,7 +12,7 @@ from reference.scene.checks.values import refuse
 from reference.scene.geometry import world_corners
 from reference.scene.materials.kinds import Dielectric
 from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, Sphere
+from reference.scene.shapes import Mesh, Sphere, emits
 
 Region = Shell | Ball
 
@@ -46,7 +46,8 @@ def _around(eye: Vec3s, scene: Scene) -> Iterator[tuple[Mesh | Sphere, Region]]:
     """Closed opaque parts of shapes that certainly hold the eye."""
     for mesh in scene.meshes:
         corners = world_corners(mesh)
-        if isinstance(mesh.material, Dielectric) or sees_out(eye, corners):
+        pervious = isinstance(mesh.material, Dielectric) or mesh.opacity is not None
+        if pervious or sees_out(eye, corners):
             continue
         for shell in closed_shells(mesh.faces, mesh.vertices, corners):
             if shell.holds(eye):
@@ -58,20 +59,21 @@ def _around(eye: Vec3s, scene: Scene) -> Iterator[tuple[Mesh | Sphere, Region]]:
 
 
 def _may_hold_light(region: Region, shell_of: Mesh | Sphere, scene: Scene) -> bool:
-    lamps: list[Vec3s] = [np.asarray(p.position) for p in scene.points]
+    lamps: list[Vec3s] = [np.asarray(lamp.position) for lamp in scene.lamps]
     if not all(region.excludes_point(lamp) for lamp in lamps):
         return True
-    if any(shell_of.emission) and not region.outward:
+    inside_emits = shell_of.two_sided_emission or not region.outward
+    if emits(shell_of) and inside_emits:
         return True
     for mesh in scene.meshes:
-        if any(mesh.emission):
+        if emits(mesh):
             corners = world_corners(mesh)
             if mesh is shell_of and isinstance(region, Shell):
                 corners = np.delete(corners, region.faces, axis=0)
             if not region.excludes_triangles(corners):
                 return True
     return any(
-        any(sphere.emission)
+        emits(sphere)
         and sphere is not shell_of
         and not region.excludes_sphere(np.asarray(sphere.center), sphere.radius)
         for sphere in scene.spheres

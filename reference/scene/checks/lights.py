@@ -5,11 +5,20 @@ import numpy as np
 from reference.arrays import Scalars
 from reference.scene.checks.shapes import LARGEST
 from reference.scene.checks.values import need_numbers, refuse, told
-from reference.scene.lights import ConstantEnvironment, Environment, LatLongEnvironment
+from reference.scene.lights import (
+    ConstantEnvironment,
+    Environment,
+    LatLongEnvironment,
+    SpotLight,
+)
 from reference.scene.scene import Scene
+from reference.scene.shapes import emits
 
 UNIT = 1e-6
 """How far from 1 a unit vector may be: it may have been stored in float32."""
+
+NARROWEST = 0.01
+"""Least cutoff of a spot light, in degrees: its cosine still tells it from its axis."""
 
 
 def check_lights(scene: Scene) -> None:
@@ -29,6 +38,8 @@ def check_lights(scene: Scene) -> None:
         where = f"{scene.name}: point light {i}"
         need_numbers(where, "position", point.position, -LARGEST, LARGEST, count=3)
         need_numbers(where, "intensity", point.intensity, 0, count=3)
+    for i, spot in enumerate(scene.spots):
+        _check_spot(f"{scene.name}: spot light {i}", spot)
     for i, sun in enumerate(scene.suns):
         where = f"{scene.name}: sun {i}"
         need_numbers(where, "direction", sun.direction, count=3)
@@ -99,15 +110,29 @@ def is_lit(scene: Scene) -> bool:
     bool
         Some shape, lamp, sun or sky has an emission above 0.
     """
-    colors = [mesh.emission for mesh in scene.meshes]
-    colors += [sphere.emission for sphere in scene.spheres]
-    colors += [point.intensity for point in scene.points]
+    if any(map(emits, scene.meshes)) or any(map(emits, scene.spheres)):
+        return True
+    colors = [lamp.intensity for lamp in scene.lamps]
     colors += [sun.irradiance for sun in scene.suns]
     if isinstance(scene.environment, ConstantEnvironment):
         colors.append(scene.environment.radiance)
     if isinstance(scene.environment, LatLongEnvironment):
         colors.append(tuple(scene.environment.pixels.max(axis=(0, 1))))
     return bool(np.any(np.array(colors) > 0))
+
+
+def _check_spot(where: str, spot: SpotLight) -> None:
+    need_numbers(where, "position", spot.position, -LARGEST, LARGEST, count=3)
+    need_numbers(where, "direction", spot.direction, count=3)
+    _need_unit(where, np.asarray(spot.direction, float))
+    need_numbers(where, "intensity", spot.intensity, 0, count=3)
+    need_numbers(where, "cutoff", spot.cutoff, NARROWEST, 180, count=1)
+    need_numbers(where, "beam", spot.beam, 0, 180, count=1)
+    if spot.beam > spot.cutoff:
+        wrong = f"beam is {spot.beam:g} degrees"
+        refuse(where, wrong, f"it must be at most cutoff, {spot.cutoff:g}")
+    if spot.falloff not in ("linear", "smooth"):
+        refuse(where, f"falloff is {spot.falloff!r}", "it must be linear or smooth")
 
 
 def _need_unit(where: str, direction: Scalars) -> None:

@@ -1,11 +1,20 @@
 """Materials: reflectances, widths and indices within what the models mean."""
 
+from typing import get_args
+
+from reference.scene.checks.textures import check_texture
 from reference.scene.checks.values import need_numbers, refuse
-from reference.scene.materials.kinds import Coated, Conductor, Dielectric, Material
-from reference.scene.textures import Bitmap, Checker, Texture
+from reference.scene.materials.kinds import (
+    Coated,
+    Conductor,
+    Dielectric,
+    Distribution,
+    Material,
+)
+from reference.scene.textures import Texture
 
 LEAST_ALPHA = 1e-3
-"""Narrowest GGX lobe; below it, say 0 for a smooth surface."""
+"""Narrowest lobe of microfacets; below it, say 0 for a smooth surface."""
 
 
 def check_material(where: str, material: Material) -> None:
@@ -23,15 +32,15 @@ def check_material(where: str, material: Material) -> None:
     UsageError
         Names the property.
     """
+    if isinstance(material, Conductor | Coated | Dielectric):
+        _check_facets(where, material)
     if isinstance(material, Dielectric):
         _check_index(where, material.ior)
+        if material.alpha > 0 and material.ior == 1:
+            right = "a rough boundary must refract: leave the shape out"
+            refuse(where, "ior is 1", right)
         return
     check_reflectance(where, material.reflectance)
-    if isinstance(material, Conductor | Coated):
-        need_numbers(where, "alpha", material.alpha)
-        if material.alpha != 0 and not LEAST_ALPHA <= material.alpha <= 1:
-            right = f"it must be 0 (smooth), or {LEAST_ALPHA:g} to 1"
-            refuse(where, f"alpha is {material.alpha:g}", right)
     if isinstance(material, Conductor):
         _check_metal(where, material)
     if isinstance(material, Coated):
@@ -57,19 +66,18 @@ def check_reflectance(where: str, texture: Texture) -> None:
     UsageError
         Names the texture's kind and the value.
     """
-    if isinstance(texture, Bitmap):
-        pixels = texture.pixels
-        if pixels.ndim != 3 or pixels.shape[2] != 3 or pixels.size == 0:
-            size = "x".join(map(str, pixels.shape))
-            refuse(where, f"its bitmap is {size}", "it must be (h, w, 3), not empty")
-        need_numbers(where, "reflectance in the bitmap", pixels, 0, 1)
-        need_numbers(where, "scale of the bitmap", texture.scale, count=2)
-    elif isinstance(texture, Checker):
-        for color in (texture.color0, texture.color1):
-            need_numbers(where, "reflectance of the checker", color, 0, 1, count=3)
-        need_numbers(where, "scale of the checker", texture.scale, count=2)
-    else:
-        need_numbers(where, "reflectance", texture, 0, 1, count=3)
+    check_texture(where, "reflectance", texture, 1.0)
+
+
+def _check_facets(where: str, material: Conductor | Coated | Dielectric) -> None:
+    need_numbers(where, "alpha", material.alpha)
+    if material.alpha != 0 and not LEAST_ALPHA <= material.alpha <= 1:
+        right = f"it must be 0 (smooth), or {LEAST_ALPHA:g} to 1"
+        refuse(where, f"alpha is {material.alpha:g}", right)
+    known = get_args(Distribution)
+    if material.distribution not in known:
+        wrong = f"distribution is {material.distribution!r}"
+        refuse(where, wrong, f"known are {', '.join(known)}")
 
 
 def _check_metal(where: str, metal: Conductor) -> None:

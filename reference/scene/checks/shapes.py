@@ -6,10 +6,12 @@ import numpy as np
 
 from reference.arrays import Masks, Scalars, cross, divide_or_zero, dot
 from reference.scene.checks.materials import check_material
+from reference.scene.checks.textures import check_texture
 from reference.scene.checks.values import need_numbers, need_rows, refuse
 from reference.scene.geometry import world_corners
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh, Sphere
+from reference.scene.textures import Bitmap
 
 LARGEST = 1e50
 """Coordinates in metres that may still be squared and multiplied."""
@@ -37,10 +39,26 @@ def check_mesh(where: str, mesh: Mesh) -> None:
         need_rows(where, "normal", np.asarray(mesh.normals), 3)
         _need_one_a_vertex(where, "normals", len(mesh.normals), mesh)
     if mesh.uv is not None:
-        need_rows(where, "texture coordinate", np.asarray(mesh.uv), 2)
+        uv = np.asarray(mesh.uv)
+        need_rows(where, "texture coordinate", uv, 2)
+        need_numbers(where, "a texture coordinate", uv, -LARGEST, LARGEST)
         _need_one_a_vertex(where, "texture coordinates", len(mesh.uv), mesh)
-    need_numbers(where, "emission", mesh.emission, 0, count=3)
+    check_texture(where, "emission", mesh.emission, np.inf)
+    if mesh.colors is not None:
+        need_rows(where, "vertex colour", np.asarray(mesh.colors), 3)
+        _need_one_a_vertex(where, "vertex colours", len(mesh.colors), mesh)
+        need_numbers(where, "colour of a vertex", mesh.colors, 0, 1)
+    if mesh.opacity is not None:
+        _check_mask(where, mesh, mesh.opacity)
     check_material(where, mesh.material)
+
+
+def _check_mask(where: str, mesh: Mesh, opacity: Bitmap) -> None:
+    check_texture(where, "opacity", opacity, 1.0)
+    need_numbers(where, "opacity_cutoff", mesh.opacity_cutoff, 0, 1)
+    if mesh.uv is None:
+        right = "they say where its holes are"
+        refuse(where, "it has an opacity but no texture coordinates", right)
 
 
 def check_faces(where: str, mesh: Mesh) -> None:
@@ -122,7 +140,7 @@ def check_sphere(where: str, sphere: Sphere) -> None:
     need_numbers(where, "radius", sphere.radius, high=LARGEST)
     if sphere.radius <= 0:
         refuse(where, f"radius is {sphere.radius:g}", "it must be above 0")
-    need_numbers(where, "emission", sphere.emission, 0, count=3)
+    check_texture(where, "emission", sphere.emission, np.inf)
     check_material(where, sphere.material)
 
 

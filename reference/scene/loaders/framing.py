@@ -9,7 +9,7 @@ from reference.scene.camera import FOV_AXES, Camera, FovAxis
 from reference.scene.lights import ConstantEnvironment
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, Sphere
+from reference.scene.shapes import Mesh, Sphere, emits
 from reference.scene.textures import Color
 
 FOV = 45.0  # degrees
@@ -131,8 +131,8 @@ def default_environment(scene: Scene, ledger: Ledger) -> ConstantEnvironment | N
     ConstantEnvironment or None
         Of radiance 1, unless something emits.
     """
-    emissions = [m.emission for m in scene.meshes] + [s.emission for s in scene.spheres]
-    if scene.points or scene.suns or np.any(emissions):
+    glows = any(map(emits, scene.meshes)) or any(map(emits, scene.spheres))
+    if scene.lamps or scene.suns or glows:
         return None
     ledger.note(
         "Nothing in the file emits light: a constant environment of radiance 1"

@@ -7,11 +7,18 @@ from typing import Any
 import numpy as np
 
 from reference.arrays import Scalars, Vec3s
-from reference.errors import UsageError
 from reference.scene.loaders.framing import color
-from reference.scene.loaders.gltf_buffers import Document, resolve_uri, view_bytes
+from reference.scene.loaders.gltf_buffers import Document
+from reference.scene.loaders.gltf_check import named, replace_word
+from reference.scene.loaders.gltf_forms import LARGEST
+from reference.scene.loaders.gltf_textures import (
+    bitmap,
+    placement,
+    read_alpha,
+    read_colors,
+    read_numbers,
+)
 from reference.scene.loaders.ledger import roughness
-from reference.scene.loaders.pictures import decode_picture
 from reference.scene.materials.kinds import (
     Coated,
     Conductor,
@@ -19,19 +26,12 @@ from reference.scene.materials.kinds import (
     Lambertian,
     Material,
 )
-from reference.scene.textures import Bitmap, Color
+from reference.scene.textures import Bitmap, Texture, mean_color
 
-REPEAT, NEAREST = 10497, 9728
-KNOWN_EXTENSIONS = {
-    "EXT_texture_webp",
-    "KHR_lights_punctual",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_transmission",
-    "KHR_materials_unlit",
-    "KHR_mesh_quantization",
-    "KHR_texture_transform",
-}
+PHOTOMETRIC = (
+    "Light in the file is photometric (candela, lux, nit); its numbers are taken as"
+    " W/sr, W/m² and W/(m² sr), as offline renderers do"
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,18 +42,54 @@ class Finish:
     ----------
     material : Material
         How it scatters.
-    emission : Color, W/(m² sr)
+    emission : Texture, W/(m² sr)
         Radiance of the front.
+    two_sided_emission : bool
+        And of the back.
+    opacity : Bitmap or None
+        Where there is a surface, as in `Mesh`.
+    opacity_cutoff : float
+        Least opacity of a surface.
+    masked : bool
+        The alpha of vertex colours counts.
+    absent : bool
+        Its alpha is below the cutoff everywhere.
     uv_set : int
-        Which texture coordinates the base-colour texture reads.
+        Which texture coordinates its textures read.
     uv_matrix : (3, 3) float64
         From these to places in the picture, in glTF's frame (v downwards).
     """
 
     material: Material
-    emission: Color
+    emission: Texture
+    two_sided_emission: bool
+    opacity: Bitmap | None
+    opacity_cutoff: float
+    masked: bool
+    absent: bool
     uv_set: int
     uv_matrix: Scalars
+
+
+@dataclass(frozen=True, slots=True)
+class _Entry:
+    """A material of the file, and what its parts are read with."""
+
+    document: Document
+    words: Mapping[str, Any]
+    where: str
+
+    @property
+    def pbr(self) -> Mapping[str, Any]:
+        found: Mapping[str, Any] = self.words.get("pbrMetallicRoughness", {})
+        return found
+
+    def extension(self, name: str) -> Mapping[str, Any]:
+        found: Mapping[str, Any] = self.words.get("extensions", {}).get(name, {})
+        return found
+
+    def replace(self, element: str, name: str, problem: str) -> None:
+        replace_word(self.document.ledger, element, name, self.where, problem)
 
 
 def read_finish(document: Document, index: int | None) -> Finish:
@@ -69,160 +105,173 @@ def read_finish(document: Document, index: int | None) -> Finish:
     Returns
     -------
     Finish
-        Metallic from one half upwards is metal, with Schlick's Fresnel term; below,
-        a diffuse base under a clear coat.
+        Metallic 1 is metal, with Schlick's Fresnel term; 0 a diffuse base under a
+        clear coat.
     """
-    entry = {} if index is None else document.tree["materials"][index]
-    where = f'material "{entry.get("name", index)}"'
-    ledger = document.ledger
-    extensions = entry.get("extensions", {})
-    for name in sorted(extensions.keys() - KNOWN_EXTENSIONS):
-        ledger.note(f"{where}: the extension {name} is ignored")
-    if "KHR_materials_unlit" in extensions:
-        ledger.note(f"{where} is meant to be shown unlit and is lit here")
-    if entry.get("alphaMode", "OPAQUE") != "OPAQUE":
-        ledger.note(f"{where}: its alpha is ignored, it is opaque")
-    for name in ("normalTexture", "occlusionTexture"):
-        if name in entry:
-            ledger.note(f"{where}: {name} is ignored")
-    pbr = entry.get("pbrMetallicRoughness", {})
-    factor = np.array(pbr.get("baseColorFactor", [1, 1, 1, 1]), float)[:3]
-    texture = pbr.get("baseColorTexture")
-    both = bool(entry.get("doubleSided", False))
+    words: Mapping[str, Any] = {}
+    where = "the default material"
+    if index is not None:
+        words = document.entry("materials", index)
+        where = named("material", document.entry("materials", index), index)
+    entry = _Entry(document, words, where)
+    texture = entry.pbr.get("baseColorTexture")
+    material = _material(entry)
+    opacity, cutoff, absent = _opacity(entry)
+    emission = _emission(entry)
+    base_is_read = opacity is not None or not isinstance(material, Dielectric)
+    uv_set, uv_matrix = placement(texture or {})
+    if isinstance(emission, Bitmap):
+        there = placement(words["emissiveTexture"])
+        if texture is None or not base_is_read:
+            uv_set, uv_matrix = there
+        elif there[0] != uv_set or not np.array_equal(there[1], uv_matrix):
+            name = "emissiveTexture placed unlike baseColorTexture"
+            entry.replace("material", name, f"{name} is not modelled")
+            emission = color(mean_color(emission))
     return Finish(
-        material=_material(document, pbr, extensions, factor, both, where),
-        emission=_emission(document, entry, extensions, where),
-        uv_set=0 if texture is None else _uv_set(texture),
-        uv_matrix=_uv_matrix(texture),
+        material=material,
+        emission=emission,
+        two_sided_emission=bool(words.get("doubleSided", False)),
+        opacity=opacity,
+        opacity_cutoff=cutoff,
+        masked=words.get("alphaMode", "OPAQUE") != "OPAQUE",
+        absent=absent,
+        uv_set=uv_set,
+        uv_matrix=uv_matrix,
     )
 
 
-def _material(
-    document: Document,
-    pbr: Mapping[str, Any],
-    extensions: Mapping[str, Any],
-    factor: Vec3s,
-    double_sided: bool,
-    where: str,
-) -> Material:
-    ledger = document.ledger
-    metallic = float(pbr.get("metallicFactor", 1.0))
-    rough = float(pbr.get("roughnessFactor", 1.0))
-    if "metallicRoughnessTexture" in pbr:
-        ledger.note(
-            f"{where}: metallicRoughnessTexture is replaced by its mean; roughness does"
-            " not vary over a surface here"
-        )
-        _, rough_mean, metal_mean = _mean(
-            document, pbr["metallicRoughnessTexture"], where, raw=True
-        )
-        metallic, rough = metallic * metal_mean, rough * rough_mean
-    alpha = roughness(rough**2, where, ledger)
-    ior = float(extensions.get("KHR_materials_ior", {}).get("ior", 1.5))
-    transmission = extensions.get("KHR_materials_transmission", {})
-    passing = float(transmission.get("transmissionFactor", 0.0))
-    if passing == 1 and alpha == 0 and "transmissionTexture" not in transmission:
-        ledger.note(
-            f"{where} is taken as the boundary of solid, colourless, smooth glass"
-        )
-        return Dielectric(ior)
-    if passing > 0:
-        ledger.replace(
-            f"{where} transmits light partly or roughly, which is not modelled"
-            " (transmissionFactor 1 with roughness 0 is)",
-            "taken as opaque",
-        )
-    reflectance: Color | Bitmap = color(factor)
-    if "baseColorTexture" in pbr:
-        reflectance = _bitmap(document, pbr["baseColorTexture"], factor, where)
-    if not double_sided:
-        ledger.note("Single-sided materials of the file scatter on both sides here")
+def _material(entry: _Entry) -> Material:
+    metallic, rough = _metallic_roughness(entry)
+    alpha = roughness(rough**2, entry.where, entry.document.ledger)
     if 0 < metallic < 1:
-        kind = "all metal" if metallic >= 0.5 else "no metal"
-        ledger.note(f"{where}: metallic {metallic:.3g} is taken as {kind}")
+        name = "metallicFactor between 0 and 1"
+        problem = f"metallic {metallic:.3g} is neither metal (1) nor none (0)"
+        entry.replace("pbrMetallicRoughness", name, problem)
     if metallic >= 0.5:
-        return Conductor(reflectance, alpha=alpha, schlick=True)
-    if ior <= 1:
-        ledger.note(f"{where}: with ior {ior:g} it has no coat and is matt")
-        return Lambertian(reflectance)
-    return Coated(reflectance, alpha=alpha, ior=ior)
+        return Conductor(_reflectance(entry), alpha=alpha, schlick=True)
+    ior = float(entry.extension("KHR_materials_ior").get("ior", 1.5))
+    if ior < 1:
+        problem = f"an index of refraction of {ior:g} is not modelled"
+        entry.replace("KHR_materials_ior", "ior below 1", problem)
+    if ior > 1 and _transmits(entry):
+        return Dielectric(ior, alpha)
+    if not entry.words.get("doubleSided", False):
+        entry.document.ledger.note(
+            "Single-sided materials of the file scatter on both sides here"
+        )
+    if ior <= 1 or not _is_specular(entry):
+        entry.document.ledger.note(f"{entry.where} has no coat and is matt")
+        return Lambertian(_reflectance(entry))
+    return Coated(_reflectance(entry), alpha=alpha, ior=ior)
 
 
-def _emission(
-    document: Document,
-    entry: Mapping[str, Any],
-    extensions: Mapping[str, Any],
-    where: str,
-) -> Color:
-    factor = np.array(entry.get("emissiveFactor", [0, 0, 0]), float)
-    strength = extensions.get("KHR_materials_emissive_strength", {})
+def _metallic_roughness(entry: _Entry) -> tuple[float, float]:
+    """Both factors, times the texture's one value or else its mean."""
+    metallic = float(entry.pbr.get("metallicFactor", 1.0))
+    rough = float(entry.pbr.get("roughnessFactor", 1.0))
+    texture = entry.pbr.get("metallicRoughnessTexture")
+    if texture is None:
+        return metallic, rough
+    pixels = read_numbers(entry.document, texture, entry.where)
+    parts = metallic * pixels[..., 2], rough * pixels[..., 1]
+    if any(part.min() < part.max() for part in parts):
+        name = "metallicRoughnessTexture that varies"
+        entry.replace("pbrMetallicRoughness", name, f"{name} is not modelled")
+        return float(parts[0].mean()), float(parts[1].mean())
+    return float(parts[0].flat[0]), float(parts[1].flat[0])
+
+
+def _transmits(entry: _Entry) -> bool:
+    """Whether it is glass; says where that is only nearly so."""
+    transmission = entry.extension("KHR_materials_transmission")
+    element = "KHR_materials_transmission"
+    share = transmission.get("transmissionFactor", 0.0)
+    if share == 0:
+        return False
+    if "transmissionTexture" in transmission:
+        entry.replace(element, "transmissionTexture", "transmissionTexture varies")
+        return False
+    if share < 1:
+        name = "transmissionFactor between 0 and 1"
+        entry.replace(element, name, f"it transmits {share:g} of the light")
+        return False
+    volume = entry.extension("KHR_materials_volume")
+    if volume.get("thicknessFactor", 0.0) == 0:
+        problem = "it is a thin wall of glass, without thicknessFactor"
+        entry.replace(element, "without thickness", problem)
+    tint = volume.get("attenuationColor", [1, 1, 1])
+    if "attenuationDistance" in volume and tint != [1, 1, 1]:
+        problem = "light fades within the glass by its attenuationColor"
+        entry.replace("KHR_materials_volume", "attenuationColor", problem)
+    white = entry.pbr.get("baseColorFactor", [1, 1, 1, 1])[:3] == [1, 1, 1]
+    if not white or "baseColorTexture" in entry.pbr:
+        entry.replace(element, "with a base colour", "its glass has a base colour")
+    return True
+
+
+def _is_specular(entry: _Entry) -> bool:
+    """Whether it has a coat at all; says where that is weaker or coloured."""
+    element = "KHR_materials_specular"
+    specular = entry.extension(element)
+    share = specular.get("specularFactor", 1.0)
+    if share == 0:
+        return False
+    if share < 1:
+        name = "specularFactor between 0 and 1"
+        entry.replace(element, name, f"specularFactor {share:g} is not modelled")
+    if specular.get("specularColorFactor", [1, 1, 1]) != [1, 1, 1]:
+        problem = "specularColorFactor is not white"
+        entry.replace(element, "specularColorFactor", problem)
+    for name in ("specularTexture", "specularColorTexture"):
+        if name in specular:
+            entry.replace(element, name, f"{name} is not modelled")
+    return True
+
+
+def _reflectance(entry: _Entry) -> Texture:
+    factor = np.array(entry.pbr.get("baseColorFactor", [1, 1, 1, 1]), float)[:3]
+    texture = entry.pbr.get("baseColorTexture")
+    if texture is None:
+        return color(factor)
+    pixels = read_colors(entry.document, texture, entry.where)
+    return bitmap(entry.document, texture, pixels * factor)
+
+
+def _opacity(entry: _Entry) -> tuple[Bitmap | None, float, bool]:
+    """Mask, cutoff, and whether there is nothing to see."""
+    mode = entry.words.get("alphaMode", "OPAQUE")
+    cutoff = float(entry.words.get("alphaCutoff", 0.5))
+    if mode == "OPAQUE":
+        return None, 0.5, False
+    alpha = np.full((1, 1), entry.pbr.get("baseColorFactor", [1, 1, 1, 1])[3], float)
+    texture = entry.pbr.get("baseColorTexture")
+    if texture is not None:
+        alpha = alpha * read_alpha(entry.document, texture, entry.where)
+    if mode == "BLEND":
+        if alpha.min() < 1:
+            problem = "alphaMode BLEND is not modelled"
+            entry.replace("material", "alphaMode BLEND", problem)
+        return None, 0.5, False
+    if texture is None or alpha.min() >= cutoff or alpha.max() < cutoff:
+        return None, 0.5, bool(alpha.max() < cutoff)
+    pixels = np.repeat(alpha[..., None], 3, axis=-1)
+    return bitmap(entry.document, texture, pixels), cutoff, False
+
+
+def _emission(entry: _Entry) -> Texture:
+    factor = np.array(entry.words.get("emissiveFactor", [0, 0, 0]), float)
+    strength = entry.extension("KHR_materials_emissive_strength")
     factor = factor * float(strength.get("emissiveStrength", 1.0))
+    ledger = entry.document.ledger
     if not factor.any():
         return 0.0, 0.0, 0.0
-    if "emissiveTexture" in entry:
-        document.ledger.note(f"{where}: emissiveTexture is replaced by its mean colour")
-        factor = factor * _mean(document, entry["emissiveTexture"], where, raw=False)
-    document.ledger.note(
-        "Light in the file is photometric (candela, lux, nit); its numbers are taken as"
-        " W/sr, W/m² and W/(m² sr), as offline renderers do"
-    )
-    if entry.get("doubleSided", False):
-        document.ledger.note(f"{where} emits from its front only")
-    return color(factor)
-
-
-def _bitmap(
-    document: Document, texture: Mapping[str, Any], factor: Vec3s, where: str
-) -> Bitmap:
-    entry = document.tree["textures"][texture["index"]]
-    sampler = {}
-    if "sampler" in entry:
-        sampler = document.tree["samplers"][entry["sampler"]]
-    if {sampler.get("wrapS", REPEAT), sampler.get("wrapT", REPEAT)} != {REPEAT}:
-        document.ledger.note(f"{where}: its texture repeats beyond its edges")
-    return Bitmap(
-        pixels=_pixels(document, texture, where, raw=False) * factor,
-        filter="nearest" if sampler.get("magFilter") == NEAREST else "bilinear",
-    )
-
-
-def _mean(
-    document: Document, texture: Mapping[str, Any], where: str, raw: bool
-) -> Vec3s:
-    mean: Vec3s = _pixels(document, texture, where, raw).mean(axis=(0, 1))
-    return mean
-
-
-def _pixels(
-    document: Document, texture: Mapping[str, Any], where: str, raw: bool
-) -> Vec3s:
-    entry = document.tree["textures"][texture["index"]]
-    webp = entry.get("extensions", {}).get("EXT_texture_webp", {})
-    source = webp.get("source", entry.get("source"))
-    image = document.tree["images"][source]
-    name = image.get("uri", f"image {source}")
-    name = f"{where}, texture {name if len(name) < 100 else f'image {source}'}"
-    try:
-        if "bufferView" in image:
-            contents = view_bytes(document, image["bufferView"])
-        else:
-            contents = resolve_uri(image["uri"], document.ledger)
-        return decode_picture(contents, name, document.ledger, raw)
-    except UsageError as error:
-        document.ledger.replace(f"{where}: {error}", "taken as mid grey")
-        return np.full((1, 1, 3), 0.5)
-
-
-def _uv_set(texture: Mapping[str, Any]) -> int:
-    transform = texture.get("extensions", {}).get("KHR_texture_transform", {})
-    return int(transform.get("texCoord", texture.get("texCoord", 0)))
-
-
-def _uv_matrix(texture: Mapping[str, Any] | None) -> Scalars:
-    """KHR_texture_transform: translation · rotation · scale."""
-    given = (texture or {}).get("extensions", {}).get("KHR_texture_transform", {})
-    offset = given.get("offset", [0.0, 0.0])
-    scale = given.get("scale", [1.0, 1.0])
-    c, s = np.cos(given.get("rotation", 0.0)), np.sin(given.get("rotation", 0.0))
-    turned = np.array([[c, s], [-s, c]]) * scale
-    return np.block([[turned, np.reshape(offset, (2, 1))], [np.eye(3)[2:]]])
+    if factor.max() > LARGEST:
+        problem = f"{entry.where} emits {factor.max():.3g} W/(m² sr)"
+        ledger.stop(f"{problem}; up to {LARGEST:.3g} fit single precision")
+    ledger.note(PHOTOMETRIC)
+    texture = entry.words.get("emissiveTexture")
+    if texture is None:
+        return color(factor)
+    pixels: Vec3s = read_colors(entry.document, texture, entry.where) * factor
+    return bitmap(entry.document, texture, pixels)

@@ -2,20 +2,21 @@
 
 import json
 from collections.abc import Mapping
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from reference.errors import UsageError
-from reference.files import read_file
 from reference.scene.camera import Camera
 from reference.scene.lights import (
     ConstantEnvironment,
     DirectionalLight,
     Environment,
+    Lamp,
     LatLongEnvironment,
     PointLight,
+    SpotLight,
 )
 from reference.scene.loaders.framing import camera_or_framing, color, fov_axis
 from reference.scene.loaders.json_entries import Entry
@@ -23,24 +24,26 @@ from reference.scene.loaders.json_materials import MATT, read_material
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.meshes import read_parts
 from reference.scene.loaders.pictures import read_picture
-from reference.scene.loaders.triangles import check_indices
+from reference.scene.loaders.triangles import (
+    check_indices,
+    drop_texture_without_uv,
+)
 from reference.scene.materials.kinds import Material
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh, Sphere
+from reference.scene.textures import Bitmap, Color, Texture
 
 KNOWN = {"name", "camera", "materials", "shapes", "lights", "environment"}
-LIGHTS = ("point", "directional", "constant", "envmap")
+LIGHTS = ("point", "spot", "directional", "constant", "envmap")
 
 
-def load(path: Path, lenient: bool) -> Scene:
+def load(ledger: Ledger) -> Scene:
     """Scene of a scene.json file.
 
     Parameters
     ----------
-    path : Path
-        .json; meshes and pictures are looked for beside it.
-    lenient : bool
-        Replace rather than refuse.
+    ledger : Ledger
+        Of the file: .json; meshes and pictures are looked for beside it.
 
     Returns
     -------
@@ -52,9 +55,8 @@ def load(path: Path, lenient: bool) -> Scene:
     UsageError
         Not such a file, or (unless lenient) with something not understood.
     """
-    ledger = Ledger(path, lenient)
     with ledger.reading("scene.json file"):
-        tree = json.loads(read_file(path).decode("utf-8"))
+        tree = json.loads(ledger.contents().decode("utf-8"))
     if not isinstance(tree, dict) or not isinstance(tree.get("shapes"), list):
         ledger.stop('an object with a list "shapes" is needed at the top')
     if ignored := sorted(tree.keys() - KNOWN):
@@ -79,11 +81,12 @@ def load(path: Path, lenient: bool) -> Scene:
     framed = camera_or_framing(camera, meshes, spheres, ledger)
     ledger.settle()
     return Scene(
-        name=str(tree.get("name", path.stem)),
+        name=str(tree.get("name", ledger.path.stem)),
         camera=framed,
         meshes=tuple(meshes),
         spheres=tuple(spheres),
         points=tuple(x for x in made if isinstance(x, PointLight)),
+        spots=tuple(x for x in made if isinstance(x, SpotLight)),
         suns=tuple(x for x in made if isinstance(x, DirectionalLight)),
         environment=environments[-1] if environments else None,
         notes=tuple(ledger.notes),
@@ -130,9 +133,7 @@ def _add_shape(
             "taken as diffuse with reflectance 0.5",
         )
         material = MATT
-    emission = (0.0, 0.0, 0.0)
-    if entry.get("emission") is not None:
-        emission = entry.color("emission")
+    glow = _emission(entry)
     if entry.get("type") == "sphere":
         center, radius = entry.color("center"), entry.number("radius")
         inward = bool(entry.get("inward", False))
@@ -142,18 +143,43 @@ def _add_shape(
                 center=center,
                 radius=radius,
                 material=material,
-                emission=emission,
+                emission=glow.texture,
+                two_sided_emission=glow.two_sided,
                 inward=inward,
             )
         )
     else:
-        meshes.extend(_meshes(entry, material, emission))
+        meshes.extend(_meshes(entry, material, glow))
     entry.refuse_unread(harmless={"id", "vertices", "area", "bounds", "bbox"})
 
 
-def _meshes(
-    entry: Entry, material: Material, emission: tuple[float, float, float]
-) -> list[Mesh]:
+@dataclass(frozen=True, slots=True)
+class _Glow:
+    """What a shape emits, and whether its back does, too."""
+
+    texture: Texture
+    two_sided: bool
+
+
+def _emission(entry: Entry) -> _Glow:
+    two_sided = bool(entry.get("two_sided_emission", False))
+    raw = entry.get("emission")
+    if raw is None:
+        return _Glow((0.0, 0.0, 0.0), two_sided)
+    if not isinstance(raw, dict):
+        return _Glow(entry.color("emission"), two_sided)
+    own = Entry(f"emission of {entry.name}", raw, entry.ledger)
+    name = str(own.get("file"))
+    scale = own.number("scale", 1.0)
+    own.refuse_unread()
+    try:
+        return _Glow(Bitmap(read_picture(name, entry.ledger) * scale), two_sided)
+    except UsageError as error:
+        entry.ledger.replace(f"{own.name}: {error}", "taken as dark")
+        return _Glow((0.0, 0.0, 0.0), two_sided)
+
+
+def _meshes(entry: Entry, material: Material, glow: _Glow) -> list[Mesh]:
     ledger = entry.ledger
     path = ledger.path.parent / str(entry.get("file"))
     if not path.is_file() or path.suffix.lower() not in (".ply", ".obj"):
@@ -178,13 +204,15 @@ def _meshes(
             vertices=part.vertices,
             faces=part.faces,
             material=material,
-            emission=emission,
+            emission=glow.texture,
+            two_sided_emission=glow.two_sided,
+            uv=part.uv,
         )
         for part in parts
     ]
     for mesh in meshes:
         check_indices(mesh, ledger)
-    return meshes
+    return [drop_texture_without_uv(mesh, ledger) for mesh in meshes]
 
 
 def _environment_entry(raw: Any, ledger: Ledger) -> Entry:
@@ -194,26 +222,43 @@ def _environment_entry(raw: Any, ledger: Ledger) -> Entry:
     return Entry("environment", {"type": kind, **raw}, ledger)
 
 
-def _light(entry: Entry) -> PointLight | DirectionalLight | Environment | None:
+def _direction(entry: Entry) -> Color:
+    direction = np.array(entry.color("direction"))
+    # A direction of length zero is the validation's to report.
+    return color(direction / (np.linalg.norm(direction) or 1.0))
+
+
+def _light(entry: Entry) -> Lamp | DirectionalLight | Environment | None:
     kind = entry.get("type")
-    light: PointLight | DirectionalLight | Environment
+    light: Lamp | DirectionalLight | Environment
     if kind == "point":
         light = PointLight(entry.color("position"), entry.color("intensity"))
     elif kind == "directional":
-        direction = np.array(entry.color("direction"))
-        # A direction of length zero is the validation's to report.
-        direction = direction / (np.linalg.norm(direction) or 1.0)
-        light = DirectionalLight(color(direction), entry.color("irradiance"))
+        light = DirectionalLight(_direction(entry), entry.color("irradiance"))
+    elif kind == "spot":
+        falloff = entry.get("falloff", "linear")
+        if falloff not in ("linear", "smooth"):
+            entry.ledger.stop(
+                f"{entry.name}: falloff is {falloff!r}; it can be linear or smooth"
+            )
+        light = SpotLight(
+            entry.color("position"),
+            _direction(entry),
+            entry.color("intensity"),
+            cutoff=entry.number("cutoff_deg"),
+            beam=entry.number("beam_deg"),
+            falloff=falloff,
+        )
     elif kind == "constant":
         light = ConstantEnvironment(entry.color("radiance"))
     elif kind == "envmap":
-        path = entry.ledger.path.parent / str(entry.get("file"))
         scale = entry.number("scale", 1.0)
         try:
-            light = LatLongEnvironment(read_picture(path, entry.ledger) * scale)
+            pixels = read_picture(str(entry.get("file")), entry.ledger)
         except UsageError as error:
             entry.ledger.replace(f"{entry.name}: {error}", "left out")
             return None
+        light = LatLongEnvironment(pixels * scale)
     else:
         entry.ledger.replace(
             f"{entry.name} has the type {kind!r}; known are {', '.join(LIGHTS)}",

@@ -1,14 +1,24 @@
 """What a loader notes, replaces, or refuses."""
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from json import JSONDecodeError
 from pathlib import Path
 from typing import NoReturn
 
 from reference.errors import UsageError
+from reference.files import read_file
 
 LEAST_ALPHA = 1e-3
+ROOM = 2**29
+"""Bytes of memory that a scene may take whatever its files are: a picture of one colour
+with 4096 x 4096 pixels."""
+MOST_EXPANSION = 1100
+"""Further bytes of memory for each byte of the files: deflate ends at 1032."""
+MOST_TOLD = 20  # refusals in one message
+ELSEWHERE = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:/*//|//")
 
 
 @dataclass(slots=True)
@@ -21,6 +31,8 @@ class Ledger:
         The scene file.
     lenient : bool
         Replace, and say so, where a strict loader stops.
+    allow_outside : bool
+        Read files outside the scene's folder, if it names them.
     notes : list of str
         Sentences for `Scene.notes`, each once.
     refusals : list of str
@@ -29,8 +41,102 @@ class Ledger:
 
     path: Path
     lenient: bool
+    allow_outside: bool = False
     notes: list[str] = field(default_factory=list)
     refusals: list[str] = field(default_factory=list)
+    _told: set[str] = field(default_factory=set)
+    _bytes: int = 0  # that were read
+    _memory: int = 0  # that was asked for
+
+    def contents(self) -> bytes:
+        """Contents of the scene file itself."""
+        return self._counted(self.path)
+
+    def locate(self, name: str) -> Path:
+        """Where a further file of the scene lies.
+
+        Parameters
+        ----------
+        name : str
+            Path from the scene's folder, or an absolute one; either kind of slash.
+
+        Returns
+        -------
+        Path
+            In the scene's folder, unless ``allow_outside``.  It need not exist.
+
+        Raises
+        ------
+        UsageError
+            The name leads to another machine, or (unless ``allow_outside``) out of the
+            folder, be it by "..", by a link or as an absolute path.
+        """
+        plain = name.replace("\\", "/")
+        if ELSEWHERE.match(plain):
+            raise UsageError(
+                f'"{name}" is not on this machine; put the file beside the scene and'
+                " name it by its path"
+            )
+        path = self.path.parent / plain
+        try:
+            folder, target = self.path.parent.resolve(), path.resolve()
+        except (OSError, ValueError, RuntimeError) as error:  # a NUL, a ring of links
+            raise UsageError(f"{name!r} is no path of a file") from error
+        if not self.allow_outside and not target.is_relative_to(folder):
+            raise UsageError(
+                f'"{name}" lies outside the scene\'s folder; move it there, or read it'
+                " with --allow-outside"
+            )
+        return path
+
+    def read(self, name: str) -> bytes:
+        """Contents of a further file of the scene.
+
+        Parameters
+        ----------
+        name : str
+            See `locate`.
+
+        Returns
+        -------
+        bytes
+            All of it.
+
+        Raises
+        ------
+        UsageError
+            The file may not be read, or cannot.
+        """
+        return self._counted(self.locate(name))
+
+    def _counted(self, path: Path) -> bytes:
+        contents = read_file(path)
+        self._bytes += len(contents)
+        return contents
+
+    def take(self, memory: int, what: str) -> None:
+        """Refuse what would take more memory than the files make believable.
+
+        Parameters
+        ----------
+        memory : int
+            Bytes that a promise of a file is about to take.
+        what : str
+            The promise: "a.png claims 65535 x 65535 pixels".
+
+        Raises
+        ------
+        UsageError
+            With this, the scene takes more than `ROOM` and `MOST_EXPANSION` times the
+            bytes that were read so far.
+        """
+        most = ROOM + MOST_EXPANSION * self._bytes
+        if self._memory + memory > most:
+            raise UsageError(
+                f"{what}: with it the scene takes more memory than {ROOM >> 20} MiB and"
+                f" {MOST_EXPANSION} times the bytes of its files"
+            )
+        self._memory += memory
 
     def note(self, sentence: str) -> None:
         """Write down what the reader of an image has to know.
@@ -40,8 +146,7 @@ class Ledger:
         sentence : str
             Without its full stop.
         """
-        if f"{sentence}." not in self.notes:
-            self.notes.append(f"{sentence}.")
+        self._tell_once(f"{sentence}.", self.notes)
 
     def replace(self, problem: str, instead: str) -> None:
         """Go on with something else: noted when lenient, else refused by `settle`.
@@ -56,9 +161,22 @@ class Ledger:
         if self.lenient:
             self.note(f"{problem}: {instead}")
             return
-        refusal = f"{self.path}: {problem} (with --lenient: {instead})"
-        if refusal not in self.refusals:
-            self.refusals.append(refusal)
+        self._tell_once(f"{problem} (with --lenient: {instead})", self.refusals)
+
+    def refuse(self, problem: str) -> None:
+        """Have `settle` refuse the file, lenient or not.
+
+        Parameters
+        ----------
+        problem : str
+            What is not modelled and cannot be replaced, in which element.
+        """
+        self._tell_once(problem, self.refusals)
+
+    def _tell_once(self, sentence: str, to: list[str]) -> None:
+        if sentence not in self._told:
+            self._told.add(sentence)
+            to.append(sentence)
 
     def settle(self) -> None:
         """Refuse the file if anything in it was replaced and the loader is strict.
@@ -68,8 +186,14 @@ class Ledger:
         UsageError
             Tells all refusals so far.
         """
-        if self.refusals:
-            raise UsageError("; ".join(self.refusals))
+        if not self.refusals:
+            return
+        if len(self.refusals) == 1:
+            self.stop(self.refusals[0])
+        told = [f"({i}) {x}" for i, x in enumerate(self.refusals[:MOST_TOLD], 1)]
+        if more := len(self.refusals) - len(told):
+            told.append(f"and {more} more")
+        self.stop(f"{len(self.refusals)} faults: {'; '.join(told)}")
 
     def stop(self, problem: str) -> NoReturn:
         """Refuse the file.
@@ -112,8 +236,29 @@ class Ledger:
         # Readers of foreign formats fail with whatever comes first: a KeyError, an
         # assertion, a RuntimeError out of C++.
         except Exception as error:
-            reason = " ".join(str(error).split()) or "no reason given"
-            self.stop(f"not a valid {what} ({type(error).__name__}: {reason})")
+            self.stop(f"not a valid {what} ({_in_words(error)})")
+
+
+def _in_words(error: Exception) -> str:
+    """What a reader's failure says about the file, without the names of Python."""
+    match error:
+        case JSONDecodeError():
+            return f"line {error.lineno}, column {error.colno}: {error.msg}"
+        case UnicodeDecodeError():
+            return f"byte {error.start} is no text in {error.encoding}"
+        case KeyError():
+            return f"it lacks {error.args[0]!r}" if error.args else "it lacks a part"
+        case IndexError():
+            return "it refers to something that it does not hold"
+        case RecursionError():
+            return "it is nested too deeply"
+        case OverflowError():
+            return "a number is too large"
+        case TypeError() | AttributeError():
+            return "a value is of another kind than it should be"
+        case RuntimeError() if str(error).strip():  # a library's own words
+            return " ".join(str(error).split())
+    return "a value makes no sense"
 
 
 def roughness(alpha: float, where: str, ledger: Ledger) -> float:

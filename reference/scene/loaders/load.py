@@ -5,6 +5,7 @@ from importlib import import_module
 from pathlib import Path
 
 from reference.errors import UsageError
+from reference.scene.loaders.ledger import Ledger
 from reference.scene.scene import Scene
 
 # The loader of a format is imported when a file of it comes: trimesh takes 0.3 s.
@@ -18,7 +19,7 @@ LOADERS = {
 }
 
 
-def load_scene(path: Path, lenient: bool = False) -> Scene:
+def load_scene(path: Path, lenient: bool = False, allow_outside: bool = False) -> Scene:
     """Scene in a file.
 
     Parameters
@@ -28,6 +29,8 @@ def load_scene(path: Path, lenient: bool = False) -> Scene:
     lenient : bool
         Replace what is missing or not modelled, and say so in the scene's notes,
         rather than refuse the file.
+    allow_outside : bool
+        Read files outside the scene's folder, if it names them.
 
     Returns
     -------
@@ -49,14 +52,16 @@ def load_scene(path: Path, lenient: bool = False) -> Scene:
         )
     try:
         size = path.stat().st_size
-    except OSError as error:
+        is_file = path.is_file()
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "no such name"
         raise UsageError(
-            f"cannot read {path}: {error.strerror}; name a scene file that exists"
+            f"cannot read {path}: {reason}; name a scene file that exists"
         ) from error
-    if not path.is_file():
+    if not is_file:
         raise UsageError(f"{path} is not a file; name a scene file")
     if size == 0:
         raise UsageError(f"{path} is empty; name a file with a scene in it")
     module = import_module(f"reference.scene.loaders.{LOADERS[suffix]}")
-    loader: Callable[[Path, bool], Scene] = module.load
-    return loader(path, lenient)
+    loader: Callable[[Ledger], Scene] = module.load
+    return loader(Ledger(path, lenient, allow_outside))

@@ -47,15 +47,13 @@ class Part:
     uv: Scalars | None
 
 
-def load(path: Path, lenient: bool) -> Scene:
+def load(ledger: Ledger) -> Scene:
     """Scene of an OBJ or PLY file.
 
     Parameters
     ----------
-    path : Path
-        .obj, with its .mtl files, or .ply.
-    lenient : bool
-        Replace rather than refuse.
+    ledger : Ledger
+        Of the file: .obj, with its .mtl files, or .ply.
 
     Returns
     -------
@@ -68,7 +66,7 @@ def load(path: Path, lenient: bool) -> Scene:
         Not such a file, truncated, without triangles, or (unless lenient) with a
         material file or a texture missing.
     """
-    ledger = Ledger(path, lenient)
+    path = ledger.path
     is_obj = path.suffix.lower() == ".obj"
     looks = read_looks(path, ledger) if is_obj else {}
     meshes = tuple(

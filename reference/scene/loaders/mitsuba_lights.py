@@ -1,7 +1,6 @@
 """Mitsuba's emitters outside its shapes."""
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -13,11 +12,12 @@ from reference.scene.lights import (
     Environment,
     LatLongEnvironment,
     PointLight,
+    SpotLight,
 )
 from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.mitsuba_nodes import Node
-from reference.scene.loaders.mitsuba_textures import read_color
+from reference.scene.loaders.mitsuba_textures import Textures
 from reference.scene.loaders.pictures import read_picture
 
 
@@ -29,6 +29,8 @@ class Lights:
     ----------
     points : list of PointLight
         Point lights.
+    spots : list of SpotLight
+        Spot lights.
     suns : list of DirectionalLight
         Directional lights.
     environment : Environment or None
@@ -36,72 +38,77 @@ class Lights:
     """
 
     points: list[PointLight] = field(default_factory=list)
+    spots: list[SpotLight] = field(default_factory=list)
     suns: list[DirectionalLight] = field(default_factory=list)
     environment: Environment | None = None
 
 
-def add_light(mi: Any, lights: Lights, node: Node, ledger: Ledger) -> None:
+def add_light(lights: Lights, node: Node, textures: Textures) -> None:
     """Add what an emitter outside the shapes stands for.
 
     Parameters
     ----------
-    mi : module
-        ``mitsuba``.
     lights : Lights
         Grows.
     node : Node
         The emitter.
-    ledger : Ledger
+    textures : Textures
         Of the file.
     """
-    matrix = node.matrix()
-    if node.kind in ("point", "spot"):
-        if node.kind == "spot":
-            ledger.replace(
-                f"{node.name} is not modelled (point is)",
-                "taken as a point light of the same intensity in all directions",
-            )
-            node.unread -= {"cutoff_angle", "beam_width", "texture"}
-        position = node.get("position", matrix[:3, 3])
-        intensity = read_color(mi, node, "intensity", 1.0, True, ledger)
-        lights.points.append(PointLight(color(position), intensity))
+    ledger = textures.ledger
+    # An area emitter outside the shapes shines from those alone that refer to it.
+    if node.kind == "area" or not node.is_modelled(ledger):
+        return
+    node.check_words(ledger)
+    matrix = node.matrix(ledger)
+    if node.kind == "point":
+        position = color(node.point("position", matrix[:3, 3], ledger))
+        intensity = textures.color(node, "intensity", 1.0, emission=True)
+        lights.points.append(PointLight(position, intensity))
+    elif node.kind == "spot":
+        lights.spots.append(_spot(node, textures))
     elif node.kind == "directional":
-        direction = normalize(np.array(node.get("direction", matrix[:3, 2]), float))
-        irradiance = read_color(mi, node, "irradiance", 1.0, True, ledger)
+        direction = normalize(node.point("direction", matrix[:3, 2], ledger))
+        irradiance = textures.color(node, "irradiance", 1.0, emission=True)
         lights.suns.append(DirectionalLight(color(direction), irradiance))
     elif node.kind == "constant":
-        radiance = read_color(mi, node, "radiance", 1.0, True, ledger)
+        radiance = textures.color(node, "radiance", 1.0, emission=True)
         lights.environment = ConstantEnvironment(radiance)
-    elif node.kind == "envmap":
-        lights.environment = _environment_map(node, ledger)
     else:
-        ledger.replace(
-            f"{node.name} is not modelled (of emitters, area, point, directional,"
-            " constant and envmap are)",
-            "left out",
-        )
-        return
-    node.refuse_unread(ledger, harmless="sampling_weight mis_compensation")
+        lights.environment = _environment_map(node, ledger)
+
+
+def _spot(node: Node, textures: Textures) -> SpotLight:
+    matrix = node.matrix(textures.ledger)
+    cutoff = node.number("cutoff_angle", 20.0, textures.ledger)
+    return SpotLight(
+        position=color(matrix[:3, 3]),
+        direction=color(normalize(matrix[:3, 2])),
+        intensity=textures.color(node, "intensity", 1.0, emission=True),
+        cutoff=cutoff,
+        beam=node.number("beam_width", 0.75 * cutoff, textures.ledger),
+    )
 
 
 def _environment_map(node: Node, ledger: Ledger) -> Environment | None:
-    filename = node.get("filename")
-    if filename is None:
-        ledger.replace(f"{node.name} has no filename; it needs one", "left out")
-        return None
+    scale = node.number("scale", 1.0, ledger)
     try:
-        pixels = read_picture(ledger.path.parent / filename, ledger)
+        pixels = read_picture(str(node.file(ledger)), ledger)
     except UsageError as error:
         ledger.replace(f"{node.name}: {error}", "left out")
         return None
-    axes = node.matrix()[:3, :3]
+    axes = node.matrix(ledger)[:3, :3]
     if not np.allclose(axes.T @ axes, np.eye(3), atol=1e-4):
         ledger.replace(
             f"{node.name}: to_world does more than turn it, which is not modelled",
             "taken as its nearest rotation",
         )
     left, _, right = np.linalg.svd(axes)
-    return LatLongEnvironment(_recentred(pixels * node.get("scale", 1.0)), left @ right)
+    with np.errstate(over="ignore", invalid="ignore"):
+        bright = pixels * scale
+    if not np.isfinite(bright).all():
+        ledger.stop(f"{node.name}: its scale of {scale:g} makes it infinitely bright")
+    return LatLongEnvironment(_recentred(bright), left @ right)
 
 
 def _recentred(pixels: Vec3s) -> Vec3s:

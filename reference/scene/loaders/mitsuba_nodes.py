@@ -1,17 +1,22 @@
 """A Mitsuba 3 file as Mitsuba's own parser understands it: a tree of plugins."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from importlib import import_module
-from typing import Any
+from pathlib import Path
+from typing import Any, NoReturn
 
 import numpy as np
 
-from reference.arrays import Scalars
+from reference.arrays import Scalars, Vec3s
 from reference.errors import UsageError
 from reference.scene.loaders.ledger import Ledger
+from reference.scene.loaders.mitsuba_source import DEEPEST, check_source
+from reference.scene.loaders.mitsuba_words import find, modelled
+from reference.scene.loaders.words import Fate, Word
 
+TYPES = {"ReconstructionFilter": "rfilter", "PhaseFunction": "phase"}
 VARIANT = "scalar_rgb"  # the one that needs no compiler at run time
 
 
@@ -61,7 +66,7 @@ class Node:
     Attributes
     ----------
     type : str
-        "Shape", "BSDF", "Emitter", ...
+        "shape", "bsdf", "emitter", ...
     kind : str
         Name of the plugin.
     name : str
@@ -72,8 +77,8 @@ class Node:
         Numbers, strings, colours, transforms.
     children : dict of str to Node
         Plugins inside; those without a name of their own begin with "_arg".
-    unread : set of str
-        Parameters that nobody has asked for yet.
+    folders : list of Path
+        Where the files that it names are looked for, the first first.
     """
 
     type: str
@@ -82,64 +87,55 @@ class Node:
     id: str
     values: dict[str, Any]
     children: dict[str, "Node"] = field(default_factory=dict)
-    unread: set[str] = field(default_factory=set)
-
-    def get(self, key: str, default: Any = None) -> Any:
-        """Value of a parameter.
-
-        Parameters
-        ----------
-        key : str
-            Name of the parameter.
-        default : Any
-            What it is if the file does not say.
-
-        Returns
-        -------
-        Any
-            As Mitsuba parsed it.
-        """
-        self.unread.discard(key)
-        return self.values.get(key, default)
-
-    def child(self, key: str) -> "Node | None":
-        """Plugin that is the value of a parameter.
-
-        Parameters
-        ----------
-        key : str
-            Name of the parameter.
-
-        Returns
-        -------
-        Node or None
-            ``None`` if the file has none of that name.
-        """
-        self.unread.discard(key)
-        return self.children.get(key)
+    folders: list[Path] = field(default_factory=list)
 
     def inside(self, type_name: str) -> "list[Node]":
-        """Plugins of one type inside this one.
+        """Plugins of one type inside this one, in the order of the file."""
+        return [node for node in self.children.values() if node.type == type_name]
 
-        Parameters
-        ----------
-        type_name : str
-            "BSDF", "Emitter", ...
+    def get(self, key: str, default: Any = None) -> Any:
+        """Value of a parameter as Mitsuba parsed it."""
+        return self.values.get(key, default)
 
-        Returns
-        -------
-        list of Node
-            In the order of the file.
-        """
-        found = {k: n for k, n in self.children.items() if n.type == type_name}
-        self.unread -= found.keys()
-        return list(found.values())
+    def number(self, key: str, default: float, ledger: Ledger) -> float:
+        """Value of a parameter that is a number."""
+        value = self.values.get(key, default)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            self._refuse_value(key, "a number", ledger)
+        return float(value)
 
-    def matrix(self, key: str = "to_world") -> Scalars:
+    def flag(self, key: str, default: bool, ledger: Ledger) -> bool:
+        """Value of a parameter that is true or false."""
+        value = self.values.get(key, default)
+        if not isinstance(value, bool):
+            self._refuse_value(key, "true or false", ledger)
+        return value
+
+    def text(self, key: str, default: str, ledger: Ledger) -> str:
+        """Value of a parameter that is a string."""
+        value = self.values.get(key, default)
+        if not isinstance(value, str):
+            self._refuse_value(key, "a string", ledger)
+        return value
+
+    def point(self, key: str, default: Vec3s, ledger: Ledger) -> Vec3s:
+        """Value of a parameter that is a point or a vector."""
+        value = self.values.get(key, default)
+        try:
+            point = np.array(value, np.float64)
+        except (TypeError, ValueError):
+            point = np.zeros(0)
+        if point.shape != (3,):
+            self._refuse_value(key, "three numbers", ledger)
+        return point
+
+    def matrix(self, ledger: Ledger, key: str = "to_world") -> Scalars:
         """Transform of a parameter.
 
         Parameters
         ----------
+        ledger : Ledger
+            Of the file.
         key : str
             Name of the parameter.
 
@@ -148,31 +144,85 @@ class Node:
         (4, 4) float64
             The identity if the file has none.
         """
-        transform = self.get(key)
+        transform = self.values.get(key)
         if transform is None:
             return np.eye(4)
+        if not hasattr(transform, "matrix"):
+            self._refuse_value(key, "a transform", ledger)
         return np.array(transform.matrix, np.float64)
 
-    def refuse_unread(self, ledger: Ledger, harmless: str = "") -> None:
-        """Stop, or note, if a parameter was never asked for.
+    def file(self, ledger: Ledger) -> Path:
+        """The file that it names.
+
+        Parameters
+        ----------
+        ledger : Ledger
+            Of the scene.
+
+        Returns
+        -------
+        Path
+            A regular file that may be read.
+
+        Raises
+        ------
+        UsageError
+            It names none, or one that is missing or may not be read.
+        """
+        name = self.text("filename", "", ledger)
+        if not name:
+            raise UsageError("it names no file; it needs a filename")
+        places = [str((folder / name).absolute()) for folder in self.folders]
+        # The first that exists, as Mitsuba; else the last, which is the scene's own.
+        there = [place for place in places if Path(place).exists()]
+        place = there[0] if there else places[-1]
+        try:
+            path = ledger.locate(place)
+        except UsageError as error:
+            raise UsageError(str(error).replace(place, name)) from error
+        if not path.exists():
+            raise UsageError(f'the file "{name}" is missing')
+        if not path.is_file():
+            raise UsageError(f'"{name}" is not a regular file')
+        return path
+
+    def check_words(self, ledger: Ledger, apart: Collection[str] = ()) -> None:
+        """Refuse, or note, what the table of words says is not modelled.
 
         Parameters
         ----------
         ledger : Ledger
             Of the file.
-        harmless : str
-            Names, separated by spaces, that do not change the picture's expectation.
-
-        Raises
-        ------
-        UsageError
-            Unless lenient.
+        apart : collection of str
+            Parameters that are refused by their value alone, elsewhere.
         """
-        for key in sorted(self.unread - set(harmless.split())):
-            inner = self.children.get(key)
-            what = f'parameter "{key}"' if inner is None else f"inner {inner.name}"
-            ledger.replace(f"{self.name}: its {what} is not modelled", "ignored")
-        self.unread.clear()
+        for key, value in (*self.values.items(), *self.children.items()):
+            plugin = value if isinstance(value, Node) else None
+            named = plugin is None or plugin.type in ("texture", "volume")
+            name = key if plugin is None or named else plugin.type
+            word = find(self.kind, name)
+            if word.fate in (Fate.MODELLED, Fate.HARMLESS) or name in apart:
+                continue
+            self.refuse_word(key, word, ledger)
+
+    def refuse_word(self, key: str, word: Word, ledger: Ledger) -> None:
+        """Refuse, or note, a parameter or an inner plugin."""
+        inner = self.children.get(key)
+        what = f'parameter "{key}"' if inner is None else f"{inner.type} {inner.name}"
+        ledger.replace(f"{self.name}: its {what} is not modelled", word.remark)
+
+    def is_modelled(self, ledger: Ledger) -> bool:
+        """Whether the plugin itself is modelled; if not, it is refused or noted."""
+        word = find(self.type, self.kind)
+        if word.fate is Fate.MODELLED:
+            return True
+        known = f"of {self.type}s, {modelled(self.type)} are"
+        ledger.replace(f"{self.name} is not modelled ({known})", word.remark)
+        return False
+
+    def _refuse_value(self, key: str, right: str, ledger: Ledger) -> NoReturn:
+        value = " ".join(str(self.values[key]).split())
+        ledger.stop(f'{self.name}: "{key}" is {value:.60}; it has to be {right}')
 
 
 def parse(mi: Any, ledger: Ledger) -> Node:
@@ -195,12 +245,14 @@ def parse(mi: Any, ledger: Ledger) -> Node:
     UsageError
         Not well-formed, or with a reference to nothing.
     """
-    with ledger.reading("Mitsuba scene"):
+    check_source(ledger)
+    with ledger.reading("Mitsuba scene"), _search_path(mi, ledger) as folders:
         config = mi.parser.ParserConfig(VARIANT)
         state = mi.parser.parse_file(config, str(ledger.path))
         mi.parser.transform_upgrade(config, state)
         mi.parser.transform_resolve(config, state)
-        nodes = [_node(mi, state, entry) for entry in state.nodes]
+        folders += [Path(str(folder)) for folder in mi.file_resolver()]
+        nodes = [_node(mi, state, entry, folders) for entry in state.nodes]
         reference = mi.Properties.Type.ResolvedReference
         for node, entry in zip(nodes, state.nodes, strict=True):
             for key in entry.props.keys():  # noqa: SIM118 (no mapping)
@@ -211,20 +263,60 @@ def parse(mi: Any, ledger: Ledger) -> Node:
             for inner in node.children.values():
                 if inner.id == inner.name:
                     inner.name = f"{inner.kind} in {node.name}"
-        return nodes[0]
+    _check_nesting(nodes[0], ledger)
+    return nodes[0]
 
 
-def _node(mi: Any, state: Any, entry: Any) -> Node:
+def _check_nesting(root: Node, ledger: Ledger) -> None:
+    """Refuse plugins that refer to what they are part of, or in too long a chain."""
+    reached = {id(root): 0}
+    waiting = [root]
+    while waiting:
+        node = waiting.pop()
+        depth = reached[id(node)] + 1
+        if depth > DEEPEST:
+            ledger.stop(
+                f"{node.name} refers to itself, or is nested more than {DEEPEST} deep"
+            )
+        for inner in node.children.values():
+            if reached.get(id(inner), -1) < depth:
+                reached[id(inner)] = depth
+                waiting.append(inner)
+
+
+@contextmanager
+def _search_path(mi: Any, ledger: Ledger) -> Iterator[list[Path]]:
+    """Let Mitsuba look beside the scene alone; where it did when it was there before.
+
+    Yields
+    ------
+    list of Path
+        To be filled.
+    """
+    resolver = mi.file_resolver()
+    before = [str(folder) for folder in resolver]
+    resolver.clear()
+    resolver.append(str(ledger.path.parent))
+    try:
+        yield []
+    finally:
+        resolver.clear()
+        for folder in before:
+            resolver.append(folder)
+
+
+def _node(mi: Any, state: Any, entry: Any, folders: list[Path]) -> Node:
     props = entry.props
+    kind_of_plugin = str(entry.type).rpartition(".")[2]
     kind, given = props.plugin_name(), props.id()
     place = mi.parser.file_location(state, entry).rpartition("(")[2].rstrip(")")
     name = f'{kind} "{given}"' if given else f"{kind} at {place}"
     values = {key: props[key] for key in props.keys()}  # noqa: SIM118 (no mapping)
     return Node(
-        type=str(entry.type).rpartition(".")[2],
+        type=TYPES.get(kind_of_plugin, kind_of_plugin.lower()),
         kind=kind,
         name=name,
         id=given or name,
         values=values,
-        unread=set(values),
+        folders=folders,
     )

@@ -1,200 +1,193 @@
-"""Mitsuba's shapes as meshes and spheres."""
+"""Mitsuba's shapes: first what they are, then their triangles."""
 
-from dataclasses import replace
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from reference.arrays import Vec3s
+from reference.arrays import Scalars
+from reference.errors import UsageError
 from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.mitsuba_materials import Materials
+from reference.scene.loaders.mitsuba_meshes import FILES, read_mesh
 from reference.scene.loaders.mitsuba_nodes import Node
-from reference.scene.loaders.mitsuba_textures import read_color
-from reference.scene.loaders.triangles import (
-    check_indices,
-    drop_texture_without_uv,
-    place,
-    turn_faces_to_normals,
-    turn_over,
-)
+from reference.scene.loaders.triangles import drop_texture_without_uv, place
 from reference.scene.materials.kinds import Dielectric, Lambertian, Material
 from reference.scene.shapes import Mesh, Sphere
-from reference.scene.textures import Bitmap, Checker, Color, mean_color
+from reference.scene.textures import Pattern, Texture, mean_color, shines
 
-FILES = ("obj", "ply", "serialized")
-KNOWN = (*FILES, "rectangle", "cube", "disk", "sphere")
-DISK_SIDES = 128
+BYTES = 4096
+"""Of memory for a shape without its triangles, generously."""
 
 
-def read_shape(mi: Any, node: Node, materials: Materials) -> Mesh | Sphere | None:
-    """Shape of a file.
+@dataclass(frozen=True, slots=True, eq=False)
+class Plan:
+    """A shape whose words were read, without its triangles.
+
+    Attributes
+    ----------
+    node : Node
+        The shape.
+    matrix : (4, 4) float64
+        Its own frame to world.
+    material : Material
+        How it scatters.
+    emission : Texture
+        Radiance of its front.
+    turn : (2, 3) float64 or None
+        What becomes of its texture coordinates.
+    path : Path or None
+        The file of its triangles.
+    """
+
+    node: Node
+    matrix: Scalars
+    material: Material
+    emission: Texture
+    turn: Scalars | None
+    path: Path | None
+
+
+def plan_shapes(
+    node: Node, materials: Materials, outer: Scalars | None = None
+) -> Iterator[Plan]:
+    """Read the words of a shape and of those inside it.
 
     Parameters
     ----------
-    mi : module
-        ``mitsuba``.
     node : Node
         The shape.
+    materials : Materials
+        Of the file.
+    outer : (4, 4) float64 or None
+        What an instance does with it.
+
+    Yields
+    ------
+    Plan
+        Of each that is not left out, which is noted.
+    """
+    ledger = materials.ledger
+    if not node.is_modelled(ledger):
+        return
+    node.check_words(ledger)
+    ledger.take(BYTES, f"{node.name} is one of very many shapes")
+    matrix = node.matrix(ledger) if outer is None else outer @ node.matrix(ledger)
+    if node.kind == "shapegroup":
+        return  # only its instances are seen
+    if node.kind in ("instance", "merge"):
+        for group in node.inside("shape"):
+            inner = group.inside("shape") if group.kind == "shapegroup" else [group]
+            for shape in inner:
+                yield from plan_shapes(shape, materials, matrix)
+        return
+    plan = _plan(node, matrix, materials)
+    if plan is not None:
+        yield plan
+
+
+def _plan(node: Node, matrix: Scalars, materials: Materials) -> Plan | None:
+    ledger = materials.ledger
+    path = None
+    if node.kind in FILES:
+        try:
+            path = node.file(ledger)
+        except UsageError as error:
+            ledger.replace(f"{node.name}: {error}", "left out")
+    emission = _emission(node, materials)
+    material = _material(node, materials, shines(emission))
+    if material is None or (node.kind in FILES and path is None):
+        return None
+    textures = (emission,)
+    if not isinstance(material, Dielectric):
+        textures = (material.reflectance, *textures)
+    if node.kind == "sphere":
+        emission = _plain(node, "emission", emission, ledger)
+        if not isinstance(material, Dielectric):
+            plain = _plain(node, "reflectance", material.reflectance, ledger)
+            material = replace(material, reflectance=plain)
+    turn = materials.textures.placement(textures, node.name)
+    return Plan(node, matrix, material, emission, turn, path)
+
+
+def _material(node: Node, materials: Materials, emits: bool) -> Material | None:
+    bsdfs = node.inside("bsdf")
+    if not bsdfs:
+        # Mitsuba's defaults: lamps are black, other shapes half white.
+        return Lambertian((0.0,) * 3 if emits else (0.5,) * 3, two_sided=False)
+    material = materials.of(bsdfs[0])
+    if material is None and emits:
+        materials.ledger.replace(
+            f"{node.name} is invisible and emits, which is not modelled", "left out"
+        )
+    return material
+
+
+def _emission(node: Node, materials: Materials) -> Texture:
+    for emitter in node.inside("emitter"):
+        if emitter.kind != "area":
+            materials.ledger.replace(
+                f"{emitter.name} on {node.name} is not modelled (area is)", "ignored"
+            )
+            continue
+        emitter.check_words(materials.ledger)
+        return materials.textures.read(emitter, "radiance", 1.0, emission=True)
+    return 0.0, 0.0, 0.0
+
+
+def _plain(node: Node, what: str, texture: Texture, ledger: Ledger) -> Texture:
+    if isinstance(texture, Pattern):
+        ledger.replace(
+            f"{node.name}: a texture of {what} on a sphere lies otherwise in Mitsuba",
+            "taken in the mean colour of the texture",
+        )
+        return color(mean_color(texture))
+    return texture
+
+
+def build_shape(plan: Plan, materials: Materials) -> Mesh | Sphere:
+    """The shape of a plan, with its triangles.
+
+    Parameters
+    ----------
+    plan : Plan
+        What its words say.
     materials : Materials
         Of the file.
 
     Returns
     -------
-    Mesh or Sphere or None
-        In the world; ``None`` if it was left out, which is noted.
+    Mesh or Sphere
+        In the world.
     """
     ledger = materials.ledger
-    if node.kind not in KNOWN:
-        ledger.replace(
-            f"{node.name} is not modelled (of shapes, {', '.join(KNOWN)} are)",
-            "left out",
-        )
-        return None
-    path = _file(node, ledger) if node.kind in FILES else None
-    if node.kind in FILES and path is None:
-        return None
-    emission = _emission(mi, node, ledger)
-    material = _material(node, materials, any(emission))
-    if material is None:
-        return None
-    shape: Mesh | Sphere
-    if node.kind == "sphere":
-        shape = _sphere(node, material, emission, ledger)
-    else:
-        shape = _mesh(mi, node, path, ledger)
-        shape = replace(shape, material=material, emission=emission)
-        shape = drop_texture_without_uv(shape, ledger)
-    for medium in node.inside("Medium"):
-        ledger.replace(f"{node.name} holds the medium {medium.name}", "left empty")
-    node.refuse_unread(ledger, harmless="silhouette_sampling_weight")
-    return shape
+    if plan.node.kind == "sphere":
+        return _sphere(plan, ledger)
+    mesh = read_mesh(materials.mi, plan.node, plan.matrix, plan.path, ledger)
+    if plan.turn is not None and mesh.uv is not None:
+        mesh = replace(mesh, uv=mesh.uv @ plan.turn[:, :2].T + plan.turn[:, 2])
+    mesh = replace(mesh, material=plan.material, emission=plan.emission)
+    return drop_texture_without_uv(mesh, ledger)
 
 
-def _material(node: Node, materials: Materials, emits: bool) -> Material | None:
-    bsdfs = node.inside("BSDF")
-    if not bsdfs:
-        # Mitsuba's defaults: lamps are black, other shapes half white.
-        return Lambertian((0.0,) * 3 if emits else (0.5,) * 3, two_sided=False)
-    return materials.of(bsdfs[0])
-
-
-def _emission(mi: Any, node: Node, ledger: Ledger) -> Color:
-    for emitter in node.inside("Emitter"):
-        if emitter.kind != "area":
-            ledger.replace(f"{emitter.name} on {node.name} is not modelled", "ignored")
-            continue
-        radiance = read_color(mi, emitter, "radiance", 1.0, True, ledger)
-        emitter.refuse_unread(ledger, harmless="sampling_weight")
-        return radiance
-    return 0.0, 0.0, 0.0
-
-
-def _file(node: Node, ledger: Ledger) -> Path | None:
-    filename = node.get("filename")
-    if filename is None:
-        ledger.stop(f"{node.name} has no filename; it needs one")
-    path: Path = ledger.path.parent / filename
-    if not path.is_file():
-        ledger.replace(f'{node.name}: the file "{filename}" is missing', "left out")
-        return None
-    return path
-
-
-def _mesh(mi: Any, node: Node, path: Path | None, ledger: Ledger) -> Mesh:
-    """Triangles without their look, front sides as Mitsuba has them."""
-    flip = bool(node.get("flip_normals", False))
-    if node.kind == "rectangle":
-        corners = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], float)
-        return _flat(node, corners, (corners[:, :2] + 1) / 2, flip)
-    if node.kind == "disk":
-        ledger.note(
-            f"Disks are taken as polygons of {DISK_SIDES} sides and the same area"
-        )
-        return _flat(node, _disk(), None, flip)
-    plugin = {"type": node.kind, "to_world": mi.ScalarTransform4f(node.matrix())}
-    for key in ("face_normals", "flip_tex_coords", "shape_index"):
-        if key in node.values:
-            plugin[key] = node.get(key)
-    if path is not None:
-        plugin["filename"] = str(path)
-    with ledger.reading(f"file of {node.name}"):
-        table = mi.traverse(mi.load_dict(plugin))
-        vertices, normals, uv = (
-            np.array(table[f"vertex_{name}"], np.float64)
-            for name in ("positions", "normals", "texcoords")
-        )
-        faces = np.array(table["faces"], np.int64).reshape(-1, 3)
-    mesh = Mesh(
-        name=node.id,
-        vertices=vertices.reshape(-1, 3),
-        faces=faces,
-        material=Lambertian((0.5,) * 3),
-        normals=normals.reshape(-1, 3) if normals.size else None,
-        uv=uv.reshape(-1, 2) if uv.size else None,
-    )
-    check_indices(mesh, ledger)
-    mesh = turn_faces_to_normals(mesh)
-    if node.kind == "cube":
-        mesh = replace(mesh, normals=None)
-    return _flipped(mesh) if flip else mesh
-
-
-def _flat(node: Node, corners: Vec3s, uv: Vec3s | None, flip: bool) -> Mesh:
-    """Fan over a convex polygon whose front looks along +z of its own frame."""
-    matrix = node.matrix()
-    first = np.arange(1, len(corners) - 1)
-    faces = np.stack([np.zeros_like(first), first, first + 1], axis=-1)
-    # Mitsuba turns the normal with the inverse transpose; the winding turns over in a
-    # mirror.
-    mirrored = np.linalg.det(matrix[:3, :3]) < 0
-    return Mesh(
-        name=node.id,
-        vertices=place(corners, matrix),
-        faces=turn_over(faces) if mirrored != flip else faces,
-        material=Lambertian((0.5,) * 3),
-        uv=uv,
-    )
-
-
-def _flipped(mesh: Mesh) -> Mesh:
-    normals = None if mesh.normals is None else -mesh.normals
-    return replace(mesh, faces=turn_over(mesh.faces), normals=normals)
-
-
-def _disk() -> Vec3s:
-    angle = 2 * np.pi * np.arange(DISK_SIDES) / DISK_SIDES
-    radius = np.sqrt(2 * np.pi / (DISK_SIDES * np.sin(2 * np.pi / DISK_SIDES)))
-    circle = [np.cos(angle), np.sin(angle), np.zeros(DISK_SIDES)]
-    corners: Vec3s = radius * np.stack(circle, axis=-1)
-    return corners
-
-
-def _sphere(node: Node, material: Material, emission: Color, ledger: Ledger) -> Sphere:
-    matrix = node.matrix()
+def _sphere(plan: Plan, ledger: Ledger) -> Sphere:
+    node, matrix = plan.node, plan.matrix
     scales = np.linalg.norm(matrix[:3, :3], axis=0)
     if not np.allclose(scales, scales[0], rtol=1e-4):
         ledger.replace(
             f"{node.name} is stretched by its to_world, which is not modelled",
             "taken as a sphere of the mean radius",
         )
-    center = np.array(node.get("center", [0.0, 0.0, 0.0]), float)
-    if not isinstance(material, Dielectric):
-        texture = material.reflectance
-        if isinstance(texture, Bitmap | Checker):
-            ledger.replace(
-                f"{node.name}: a texture on a sphere lies otherwise in Mitsuba",
-                "taken in the mean colour of the texture",
-            )
-            material = replace(material, reflectance=color(mean_color(texture)))
+    center = node.point("center", np.zeros(3), ledger)
     # Unlike on other shapes, in Mitsuba a mirrored sphere is turned inside out.
     mirrored = bool(np.linalg.det(matrix[:3, :3]) < 0)
     return Sphere(
         name=node.id,
         center=color(place(center[None], matrix)[0]),
-        radius=float(node.get("radius", 1.0) * scales.mean()),
-        material=material,
-        emission=emission,
-        inward=mirrored != bool(node.get("flip_normals", False)),
+        radius=float(node.number("radius", 1.0, ledger) * scales.mean()),
+        material=plan.material,
+        emission=plan.emission,
+        inward=mirrored != node.flag("flip_normals", False, ledger),
     )

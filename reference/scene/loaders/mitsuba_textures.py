@@ -1,157 +1,221 @@
 """Mitsuba's textures as ours."""
 
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
+from reference.arrays import Scalars
 from reference.errors import UsageError
 from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.mitsuba_nodes import Node
 from reference.scene.loaders.pictures import read_picture
-from reference.scene.textures import Bitmap, Checker, Color, Texture, mean_color
+from reference.scene.textures import (
+    Bitmap,
+    Checker,
+    Color,
+    Pattern,
+    Texture,
+    Wrap,
+    mean_color,
+)
 
 MID_GREY = (0.5, 0.5, 0.5)
-CONSTANT = {"uniform": "value", "srgb": "color"}
+CONSTANT = {"uniform": "value", "srgb": "color", "d65": "scale", "rawconstant": "value"}
+WRAPS: dict[str, Wrap] = {"repeat": "repeat", "mirror": "mirror", "clamp": "clamp"}
+FILTERS: dict[str, Literal["bilinear", "nearest"]] = {
+    "bilinear": "bilinear",
+    "nearest": "nearest",
+}
+Choice = TypeVar("Choice")
 
 
-def read_texture(
-    mi: Any, node: Node, key: str, default: float, ledger: Ledger
-) -> Texture:
-    """Reflectance that a plugin takes from a parameter.
+@dataclass(slots=True)
+class Textures:
+    """The textures of one file; one that several plugins refer to is one object.
 
-    Parameters
+    Attributes
     ----------
     mi : module
         ``mitsuba``.
-    node : Node
-        The plugin.
-    key : str
-        Name of the parameter.
-    default : float
-        What Mitsuba takes if the file does not say.
     ledger : Ledger
         Of the file.
-
-    Returns
-    -------
-    Texture
-        A colour, a bitmap or a checker.
+    made : dict
+        What was converted already.
+    turned : dict of int to (2, 3) float64
+        By identity of a texture: what becomes of texture coordinates before they are
+        looked up in it, where that is more than a scale.
     """
-    texture = node.child(key)
-    if texture is None:
-        return _constant(mi, node.get(key, default), False, ledger)
-    if texture.kind in CONSTANT:
-        value = texture.get(CONSTANT[texture.kind], default)
-        return _constant(mi, value, False, ledger)
-    if texture.kind == "bitmap":
-        return _bitmap(texture, ledger)
-    if texture.kind == "checkerboard":
-        checker = Checker(
-            color0=_plain(mi, texture, "color0", 0.4, ledger),
-            color1=_plain(mi, texture, "color1", 0.2, ledger),
-            scale=_scale(texture, ledger),
-        )
-        texture.refuse_unread(ledger)
-        return checker
-    ledger.replace(
-        f"{node.name}: the texture {texture.name} is not modelled (bitmap,"
-        " checkerboard, uniform and srgb are)",
-        "taken as mid grey",
-    )
-    return MID_GREY
+
+    mi: Any
+    ledger: Ledger
+    made: dict[tuple[int, bool], Texture] = field(default_factory=dict)
+    turned: dict[int, Scalars] = field(default_factory=dict)
+
+    def read(
+        self, node: Node, key: str, default: float, emission: bool = False
+    ) -> Texture:
+        """Colour, bitmap or checker that a plugin takes from a parameter.
+
+        Parameters
+        ----------
+        node : Node
+            The plugin.
+        key : str
+            Name of the parameter.
+        default : float
+            What Mitsuba takes if the file does not say.
+        emission : bool
+            It is one of emitted light.
+
+        Returns
+        -------
+        Texture
+            Linear Rec. 709.
+        """
+        texture = node.children.get(key)
+        if texture is None:
+            return self._constant(node, node.get(key, default), emission)
+        way = id(texture), emission
+        if way not in self.made:
+            self.made[way] = self._convert(texture, emission)
+        return self.made[way]
+
+    def color(
+        self, node: Node, key: str, default: float, emission: bool = False
+    ) -> Color:
+        """Colour that a plugin takes from a parameter, where a texture is not modelled.
+
+        Parameters
+        ----------
+        node : Node
+            The plugin.
+        key : str
+            Name of the parameter.
+        default : float
+            What Mitsuba takes if the file does not say.
+        emission : bool
+            It is one of emitted light.
+
+        Returns
+        -------
+        Color
+            Linear Rec. 709; the mean of a texture, if lenient.
+        """
+        texture = self.read(node, key, default, emission)
+        if isinstance(texture, Pattern):
+            self.ledger.replace(
+                f'{node.name}: a texture as "{key}" is not modelled, a colour is',
+                "taken as the mean colour of the texture",
+            )
+        return color(mean_color(texture))
+
+    def number(self, node: Node, key: str, default: float) -> float:
+        """Number that a plugin takes from a parameter: the mean of a colour."""
+        shades = self.color(node, key, default)
+        # The mean of three equal numbers is rounded.
+        return shades[0] if len(set(shades)) == 1 else float(np.mean(shades))
+
+    def placement(self, textures: "tuple[Texture, ...]", where: str) -> Scalars | None:
+        """What becomes of the texture coordinates of a shape.
+
+        Parameters
+        ----------
+        textures : tuple of Texture
+            All those of the shape; colours do not matter.
+        where : str
+            The shape, for messages.
+
+        Returns
+        -------
+        (2, 3) float64 or None
+            ``None`` where they stay as they are.
+        """
+        turns = [
+            self.turned.get(id(texture))
+            for texture in textures
+            if isinstance(texture, Pattern)
+        ]
+        first = turns[0] if turns else None
+        if any(turn is not first and not _same(turn, first) for turn in turns):
+            self.ledger.replace(
+                f"{where}: its textures lie differently (to_uv), which is not modelled",
+                "all placed as the first",
+            )
+        return first
+
+    def _convert(self, node: Node, emission: bool) -> Texture:
+        if not node.is_modelled(self.ledger):
+            return MID_GREY
+        node.check_words(self.ledger)
+        if node.kind == "bitmap":
+            return self._bitmap(node)
+        if node.kind == "checkerboard":
+            scale, turn = self._placed(node)
+            checker = Checker(
+                self.color(node, "color0", 0.4), self.color(node, "color1", 0.2), scale
+            )
+            self._remember(checker, turn)
+            return checker
+        default = 1.0 if node.kind == "d65" else 0.5
+        value = node.get(CONSTANT[node.kind], default)
+        return self._constant(node, value, emission)
+
+    def _bitmap(self, node: Node) -> Texture:
+        raw = node.flag("raw", False, self.ledger)
+        wrap = self._choice(node, "wrap_mode", WRAPS)
+        filtered = self._choice(node, "filter_type", FILTERS)
+        scale, turn = self._placed(node)
+        try:
+            path = node.file(self.ledger)
+            pixels = read_picture(str(path), self.ledger, raw)
+        except UsageError as error:
+            self.ledger.replace(f"{node.name}: {error}", "taken as mid grey")
+            return MID_GREY
+        # Mitsuba counts v from the top of a picture, we from its bottom.
+        upright = np.ascontiguousarray(pixels[::-1])
+        bitmap = Bitmap(upright, filtered, scale, (wrap, wrap))
+        self._remember(bitmap, turn)
+        return bitmap
+
+    def _choice(self, node: Node, key: str, known: dict[str, Choice]) -> Choice:
+        given = node.text(key, next(iter(known)), self.ledger)
+        if given not in known:
+            can = " or ".join(known)
+            self.ledger.stop(f'{node.name}: "{key}" is "{given}"; it can be {can}')
+        return known[given]
+
+    def _placed(self, node: Node) -> tuple[tuple[float, float], Scalars | None]:
+        """Scale of texture coordinates, or, where to_uv does more, all of it."""
+        matrix = node.matrix(self.ledger, "to_uv")
+        columns = [0, 1, -1]
+        affine = matrix[:2, columns]
+        (u, tilt, right), (slant, v, up) = affine
+        if tilt == slant == right == up == 0:
+            return (float(u), float(v)), None
+        return (1.0, 1.0), affine
+
+    def _remember(self, texture: Texture, turn: Scalars | None) -> None:
+        if turn is not None:
+            self.turned[id(texture)] = turn
+
+    def _constant(self, node: Node, value: Any, emission: bool) -> Color:
+        """Linear Rec. 709, by Mitsuba's own conversion of colours and spectra."""
+        if isinstance(value, int | float):
+            return (float(value),) * 3
+        if type(value).__name__.startswith("Color3"):
+            return color(value)
+        with self.ledger.reading(f"spectrum of {node.name}"):
+            props = self.mi.Properties()
+            props["value"] = value
+            texture = (
+                props.get_emissive_texture("value")
+                if emission
+                else props.get_unbounded_texture("value")
+            )
+            return color(texture.eval(self.mi.SurfaceInteraction3f()))
 
 
-def read_color(
-    mi: Any, node: Node, key: str, default: float, emission: bool, ledger: Ledger
-) -> Color:
-    """Colour that a plugin takes from a parameter, where a texture is not modelled.
-
-    Parameters
-    ----------
-    mi : module
-        ``mitsuba``.
-    node : Node
-        The plugin.
-    key : str
-        Name of the parameter.
-    default : float
-        What Mitsuba takes if the file does not say.
-    emission : bool
-        It is one of emitted light.
-    ledger : Ledger
-        Of the file.
-
-    Returns
-    -------
-    Color
-        Linear Rec. 709; the mean of a texture, if lenient.
-    """
-    if node.child(key) is None:
-        return _constant(mi, node.get(key, default), emission, ledger)
-    texture = read_texture(mi, node, key, default, ledger)
-    if isinstance(texture, Bitmap | Checker):
-        ledger.replace(
-            f'{node.name}: a texture as "{key}" is not modelled, a colour is',
-            "taken as the mean colour of the texture",
-        )
-    return color(mean_color(texture))
-
-
-def _plain(mi: Any, node: Node, key: str, default: float, ledger: Ledger) -> Color:
-    return read_color(mi, node, key, default, False, ledger)
-
-
-def _bitmap(node: Node, ledger: Ledger) -> Texture:
-    raw = bool(node.get("raw", False))
-    wrap = node.get("wrap_mode", "repeat")
-    if wrap != "repeat":
-        ledger.replace(
-            f'{node.name}: the wrap mode "{wrap}" is not modelled, "repeat" is',
-            "taken as repeat",
-        )
-    nearest = node.get("filter_type", "bilinear") == "nearest"
-    scale = _scale(node, ledger)
-    filename = node.get("filename")
-    node.refuse_unread(ledger, harmless="format accel")
-    if filename is None:
-        ledger.stop(f"{node.name} has no filename; it needs one")
-    try:
-        pixels = read_picture(ledger.path.parent / filename, ledger, raw)
-    except UsageError as error:
-        ledger.replace(f"{node.name}: {error}", "taken as mid grey")
-        return MID_GREY
-    # Mitsuba counts v from the top of a picture, we from its bottom.
-    upright = np.ascontiguousarray(pixels[::-1])
-    return Bitmap(upright, "nearest" if nearest else "bilinear", scale)
-
-
-def _scale(node: Node, ledger: Ledger) -> tuple[float, float]:
-    matrix = node.matrix("to_uv")
-    linear, shift = matrix[:2, :2], matrix[:2, -1]
-    if len(matrix) == 4 and np.array_equal(matrix, np.eye(4)):
-        return 1.0, 1.0
-    if linear[0, 1] or linear[1, 0] or shift.any():
-        ledger.replace(
-            f"{node.name}: to_uv turns or shifts, which is not modelled; a scale is",
-            "taken as its scale alone",
-        )
-    u, v = np.linalg.norm(linear, axis=0)
-    return float(u), float(v)
-
-
-def _constant(mi: Any, value: Any, emission: bool, ledger: Ledger) -> Color:
-    """Linear Rec. 709, by Mitsuba's own conversion of numbers, colours and spectra."""
-    if isinstance(value, int | float):
-        return (float(value),) * 3
-    if type(value).__name__.startswith("Color3"):
-        return color(value)
-    with ledger.reading("spectrum"):
-        props = mi.Properties()
-        props["value"] = value
-        texture = (
-            props.get_emissive_texture("value")
-            if emission
-            else props.get_unbounded_texture("value")
-        )
-        return color(texture.eval(mi.SurfaceInteraction3f()))
+def _same(a: Scalars | None, b: Scalars | None) -> bool:
+    return a is not None and b is not None and np.array_equal(a, b)

@@ -1,7 +1,5 @@
 """Mitsuba 3 scenes (.xml): sensor, lights, and all the rest together."""
 
-from pathlib import Path
-
 import numpy as np
 
 from reference.arrays import normalize
@@ -11,22 +9,23 @@ from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.mitsuba_lights import Lights, add_light
 from reference.scene.loaders.mitsuba_materials import Materials
 from reference.scene.loaders.mitsuba_nodes import Node, mitsuba_session, parse
-from reference.scene.loaders.mitsuba_shapes import read_shape
+from reference.scene.loaders.mitsuba_shapes import build_shape, plan_shapes
+from reference.scene.loaders.mitsuba_textures import Textures
+from reference.scene.loaders.mitsuba_words import find
 from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh
+from reference.scene.shapes import Mesh, Sphere
 
+OFFSETS = ("principal_point_offset_x", "principal_point_offset_y")
 FULL_FRAME = float(np.hypot(36.0, 24.0))  # mm, the diagonal that focal lengths mean
 
 
-def load(path: Path, lenient: bool) -> Scene:
+def load(ledger: Ledger) -> Scene:
     """Scene of a Mitsuba 3 file.
 
     Parameters
     ----------
-    path : Path
-        .xml; the files that it names are looked for beside it.
-    lenient : bool
-        Replace rather than refuse.
+    ledger : Ledger
+        Of the file: .xml; the files that it names are looked for beside it.
 
     Returns
     -------
@@ -39,25 +38,33 @@ def load(path: Path, lenient: bool) -> Scene:
         The package is missing, the file is not well-formed, or (unless lenient) it
         holds something that is not modelled.
     """
-    ledger = Ledger(path, lenient)
     with mitsuba_session() as mi:
         root = parse(mi, ledger)
-        materials = Materials(mi, ledger)
-        made = [read_shape(mi, node, materials) for node in root.inside("Shape")]
+        # All that the words say comes first: triangles may take long to read.
+        textures = Textures(mi, ledger)
+        materials = Materials(mi, ledger, textures)
+        plans = [
+            plan
+            for node in root.inside("shape")
+            for plan in plan_shapes(node, materials)
+        ]
         lights = Lights()
-        for node in root.inside("Emitter"):
-            add_light(mi, lights, node, ledger)
-    meshes = tuple(shape for shape in made if isinstance(shape, Mesh))
-    spheres = tuple(shape for shape in made if shape and not isinstance(shape, Mesh))
-    camera = _camera(root.inside("Sensor"), ledger)
-    framed = camera_or_framing(camera, meshes, spheres, ledger)
+        for node in root.inside("emitter"):
+            add_light(lights, node, textures)
+        camera = _camera(root.inside("sensor"), ledger)
+        ledger.settle()
+        made = [build_shape(plan, materials) for plan in plans]
     ledger.settle()
+    meshes = tuple(shape for shape in made if isinstance(shape, Mesh))
+    spheres = tuple(shape for shape in made if isinstance(shape, Sphere))
+    framed = camera_or_framing(camera, meshes, spheres, ledger)
     return Scene(
-        name=path.stem,
+        name=ledger.path.stem,
         camera=framed,
         meshes=meshes,
         spheres=spheres,
         points=tuple(lights.points),
+        spots=tuple(lights.spots),
         suns=tuple(lights.suns),
         environment=lights.environment,
         notes=tuple(ledger.notes),
@@ -70,16 +77,10 @@ def _camera(sensors: list[Node], ledger: Ledger) -> Camera | None:
     if not sensors:
         return None
     sensor = sensors[0]
-    if sensor.kind == "thinlens":
-        ledger.replace(
-            f"{sensor.name} is not modelled (perspective is)", "taken as a pinhole"
-        )
-        sensor.unread -= {"aperture_radius", "focus_distance"}
-    elif sensor.kind != "perspective":
-        ledger.replace(f"{sensor.name} is not modelled (perspective is)", "ignored")
+    if not sensor.is_modelled(ledger) and sensor.kind != "thinlens":
         return None
     width, height = _film(sensor, ledger)
-    matrix = sensor.matrix()
+    matrix = sensor.matrix(ledger)
     axes = matrix[:3, :3]
     if not np.allclose(axes.T @ axes, np.eye(3), atol=1e-3):
         ledger.replace(
@@ -99,26 +100,25 @@ def _camera(sensors: list[Node], ledger: Ledger) -> Camera | None:
         height=height,
         mirrored=bool(np.linalg.det(axes) < 0),
     )
-    for key in ("principal_point_offset_x", "principal_point_offset_y"):
-        if sensor.get(key, 0.0) != 0:
-            ledger.replace(f"{sensor.name}: {key} is not modelled", "taken as 0")
-    sensor.inside("Sampler")
-    harmless = "near_clip far_clip shutter_open shutter_close"
-    sensor.refuse_unread(ledger, harmless)
+    if sensor.kind == "perspective":
+        sensor.check_words(ledger, apart=OFFSETS)
+    for key in OFFSETS:
+        if sensor.number(key, 0.0, ledger) != 0:
+            sensor.refuse_word(key, find("perspective", key), ledger)
     return camera
 
 
 def _film(sensor: Node, ledger: Ledger) -> tuple[int, int]:
-    films = sensor.inside("Film")
+    films = sensor.inside("film")
     if not films:
         return 768, 576
-    width, height = int(films[0].get("width", 768)), int(films[0].get("height", 576))
-    crop = [key for key in films[0].values if key.startswith("crop_")]
-    if crop:
-        ledger.replace(
-            f"{films[0].name}: {', '.join(crop)} is not modelled",
-            "the whole film taken",
-        )
+    film = films[0]
+    if film.is_modelled(ledger):
+        film.check_words(ledger)
+    width, height = (
+        int(film.number(key, default, ledger))
+        for key, default in (("width", 768), ("height", 576))
+    )
     return width, height
 
 

@@ -11,7 +11,7 @@ from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.pictures import read_picture
 from reference.scene.materials.kinds import Lambertian
-from reference.scene.textures import Bitmap, Color
+from reference.scene.textures import Bitmap, Color, Texture
 
 MID_GREY = (0.5, 0.5, 0.5)
 # Not about light that a surface scatters or emits: the ambient term, and the recipe.
@@ -26,12 +26,12 @@ class Look:
     ----------
     material : Lambertian
         How it scatters.
-    emission : Color, W/(m² sr)
+    emission : Texture, W/(m² sr)
         Radiance of the front.
     """
 
     material: Lambertian
-    emission: Color = (0.0, 0.0, 0.0)
+    emission: Texture = (0.0, 0.0, 0.0)
 
 
 PLAIN = Look(Lambertian((0.8, 0.8, 0.8)))
@@ -61,14 +61,20 @@ def read_looks(path: Path, ledger: Ledger) -> dict[str, Look]:
     looks: dict[str, Look] = {}
     for name in re.findall(r"^[ \t]*mtllib[ \t]+(.*?)[ \t\r]*$", text, re.MULTILINE):
         try:
-            lines = read_file(path.parent / name).decode("utf-8", "replace")
+            lines = ledger.read(name).decode("utf-8", "replace")
         except UsageError as error:
             ledger.replace(
                 f'the material file "{name}" cannot be read ({error})',
                 "all its materials taken as matt with reflectance 0.8",
             )
             continue
-        own = Ledger(path.parent / name, ledger.lenient, ledger.notes, ledger.refusals)
+        own = Ledger(
+            path.parent / name,
+            ledger.lenient,
+            ledger.allow_outside,
+            ledger.notes,
+            ledger.refusals,
+        )
         with own.reading("MTL file"):
             for material, entries in _materials(lines):
                 looks[material] = _look(material, entries, own)
@@ -84,7 +90,7 @@ def _materials(text: str) -> Iterator[tuple[str, dict[str, str]]]:
 
 
 def _look(name: str, entries: dict[str, str], ledger: Ledger) -> Look:
-    known = {"kd", "ke", "map_kd"}
+    known = {"kd", "ke", "map_kd", "map_ke"}
     if ignored := sorted(entries.keys() - known - WITHOUT_EFFECT):
         ledger.note(
             f'material "{name}" of {ledger.path.name}: {", ".join(ignored)} ignored, it'
@@ -93,8 +99,17 @@ def _look(name: str, entries: dict[str, str], ledger: Ledger) -> Look:
     factor = _numbers(entries.get("kd", "0.8"))
     reflectance: Color | Bitmap = factor
     if "map_kd" in entries:
-        reflectance = _texture(name, entries["map_kd"], factor, ledger)
-    return Look(Lambertian(reflectance), _numbers(entries.get("ke", "0")))
+        instead = "taken as mid grey"
+        read = _texture(name, entries["map_kd"], factor, instead, ledger)
+        reflectance = read or MID_GREY
+    glows = "map_ke" in entries
+    radiance = _numbers(entries.get("ke", "1" if glows else "0"))
+    emission: Color | Bitmap = radiance
+    if glows:
+        instead = "its Ke taken alone"
+        read = _texture(name, entries["map_ke"], radiance, instead, ledger)
+        emission = read or radiance
+    return Look(Lambertian(reflectance), emission)
 
 
 def _numbers(text: str) -> Color:
@@ -102,17 +117,19 @@ def _numbers(text: str) -> Color:
     return color(values * 3 if len(values) == 1 else values)
 
 
-def _texture(name: str, text: str, factor: Color, ledger: Ledger) -> Color | Bitmap:
+def _texture(
+    name: str, text: str, factor: Color, instead: str, ledger: Ledger
+) -> Bitmap | None:
     if text.startswith("-"):
         ledger.replace(
-            f'material "{name}": the options of "map_Kd {text}" are not understood;'
+            f'material "{name}": the options of the map "{text}" are not understood;'
             " a file name alone is",
             "ignored",
         )
         text = text.split()[-1]
     try:
-        pixels = read_picture(ledger.path.parent / text.replace("\\", "/"), ledger)
+        pixels = read_picture(text, ledger)
     except UsageError as error:
-        ledger.replace(f'material "{name}": {error}', "taken as mid grey")
-        return MID_GREY
+        ledger.replace(f'{ledger.path.name}: material "{name}": {error}', instead)
+        return None
     return Bitmap(pixels * factor)

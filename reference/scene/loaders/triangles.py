@@ -9,7 +9,7 @@ from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.materials.kinds import Dielectric
 from reference.scene.shapes import Mesh
-from reference.scene.textures import Bitmap, Checker, mean_color
+from reference.scene.textures import Pattern, Texture, mean_color
 
 
 def check_indices(mesh: Mesh, ledger: Ledger) -> None:
@@ -89,31 +89,43 @@ def turn_over(faces: Indices, which: Scalars | bool = True) -> Indices:
 
 
 def drop_texture_without_uv(mesh: Mesh, ledger: Ledger) -> Mesh:
-    """Replace a texture that cannot be placed by its mean colour.
+    """Replace textures that cannot be placed by their mean colours.
 
     Parameters
     ----------
     mesh : Mesh
         Any.
     ledger : Ledger
-        Takes the note, or stops.
+        Takes the note, or the refusal.
 
     Returns
     -------
     Mesh
-        Its material has one colour if the mesh has no texture coordinates.
+        If it has no texture coordinates, its reflectance and its emission have one
+        colour each, and it is opaque.
     """
-    material = mesh.material
-    if mesh.uv is not None or isinstance(material, Dielectric):
+    if mesh.uv is not None:
         return mesh
-    if not isinstance(material.reflectance, Bitmap | Checker):
+    material = mesh.material
+    bare = replace(mesh, emission=_one_color(mesh.emission), opacity=None)
+    if not isinstance(material, Dielectric):
+        reflectance = _one_color(material.reflectance)
+        if reflectance is not material.reflectance:
+            bare = replace(bare, material=replace(material, reflectance=reflectance))
+    kept = bare.material is material and bare.emission is mesh.emission
+    if kept and mesh.opacity is None:
         return mesh
     ledger.replace(
         f'mesh "{mesh.name}" has a texture but no texture coordinates',
         "taken in the mean colour of the texture",
     )
-    mean = color(mean_color(material.reflectance))
-    return replace(mesh, material=replace(material, reflectance=mean))
+    return bare
+
+
+def _one_color(texture: Texture) -> Texture:
+    if isinstance(texture, Pattern):
+        return color(mean_color(texture))
+    return texture
 
 
 def place(vertices: Vec3s, matrix: Scalars) -> Vec3s:

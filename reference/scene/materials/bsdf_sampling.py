@@ -14,7 +14,13 @@ from reference.arrays import (
     zero_vectors,
 )
 from reference.rng import Draw
-from reference.scene.materials import coated, conductor, dielectric, lambertian
+from reference.scene.materials import (
+    coated,
+    conductor,
+    dielectric,
+    lambertian,
+    rough_dielectric,
+)
 from reference.scene.materials.microfacet import reflect
 from reference.scene.materials.parameters import Kind, MaterialTable, lit_cosine
 from reference.scene.materials.table import by_kind
@@ -22,6 +28,10 @@ from reference.scene.surface import SurfacePoints
 
 HAS_DELTA = (Kind.SMOOTH_CONDUCTOR, Kind.SMOOTH_COATED, Kind.DIELECTRIC)
 """Kinds that scatter into single directions, among others."""
+
+APART = (*HAS_DELTA, Kind.ROUGH_DIELECTRIC)
+"""Kinds of which some light is never reused: that of delta lobes, and all that rough
+dielectrics scatter, to both sides."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +66,7 @@ def sample(table: MaterialTable, points: SurfacePoints, u: Draw) -> BsdfSamples:
     points : SurfacePoints
         N points.
     u : four (N,) float64
-        Lane 0 picks the lobe, 1 and 2 the direction.
+        Lane 0 picks the lobe, 1 to 3 the direction.
 
     Returns
     -------
@@ -80,8 +90,8 @@ def sample(table: MaterialTable, points: SurfacePoints, u: Draw) -> BsdfSamples:
     return BsdfSamples(wi, weight, density, delta)
 
 
-def sample_delta(table: MaterialTable, points: SurfacePoints, u: Draw) -> BsdfSamples:
-    """Draw directions from the delta lobes alone, and nothing where there is none.
+def sample_apart(table: MaterialTable, points: SurfacePoints, u: Draw) -> BsdfSamples:
+    """Draw directions of light that is never reused, and nothing where there is none.
 
     Parameters
     ----------
@@ -90,26 +100,28 @@ def sample_delta(table: MaterialTable, points: SurfacePoints, u: Draw) -> BsdfSa
     points : SurfacePoints
         N points.
     u : four (N,) float64
-        Lane 0 picks between reflection and refraction.
+        Lane 0 picks between reflection and refraction, 1 to 3 a microfacet.
 
     Returns
     -------
     BsdfSamples
-        Weight 0 on materials without delta lobe.
+        From the delta lobe alone where there is one; weight 0 on materials that are
+        not among ``APART``.
     """
     size = len(points)
     wi, weight = zero_vectors(size), zero_vectors(size)
-    delta = np.zeros(size, bool)
+    density, delta = np.zeros(size), np.zeros(size, bool)
     for kind, rows, some in by_kind(table, points):
-        if kind not in HAS_DELTA:
+        if kind not in APART:
             continue
         if kind == Kind.SMOOTH_COATED:
             wi[rows], weight[rows] = coated.reflect_in_coat(table, some)
+            delta[rows] = True
         else:
             part = _sample_kind(kind, table, some, _rows_of(u, rows))
             wi[rows], weight[rows] = part.wi, part.weight
-        delta[rows] = True
-    return BsdfSamples(wi, weight, np.zeros(size), delta)
+            density[rows], delta[rows] = part.pdf, part.delta
+    return BsdfSamples(wi, weight, density, delta)
 
 
 def _sample_kind(
@@ -131,6 +143,10 @@ def _sample_kind(
         wi = conductor.sample_reflected(table, points, u)
         density = conductor.pdf_reflected(table, points, wi)
         value = conductor.scattering(table, points, wi)
+    elif kind == Kind.ROUGH_DIELECTRIC:
+        wi = rough_dielectric.sample(table, points, u)
+        density = rough_dielectric.pdf(table, points, wi)
+        value = rough_dielectric.scattering(table, points, wi)
     else:
         wi = coated.sample(table, points, u)
         density = coated.pdf(table, points, wi)

@@ -4,21 +4,18 @@ import functools
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s, divide_or_zero
+from reference.arrays import Scalars, Vec3s, divide_or_zero, vectors
+from reference.scene.materials.facets import Facets
 from reference.scene.materials.fresnel import fresnel_dielectric
-from reference.scene.materials.microfacet import (
-    ggx_density,
-    reflect,
-    sample_visible_normal,
-    smith_g1,
-)
+from reference.scene.materials.kinds import Distribution
+from reference.scene.materials.microfacet import reflect, sample_visible_normal
 
 NODES = 64
 """Cosines at which the transmittance of a coat is tabulated."""
 
 
 def directional_albedo(
-    cos_o: Scalars, alpha: float, ior: float
+    cos_o: Scalars, alpha: float, ior: float, distribution: Distribution = "ggx"
 ) -> tuple[Scalars, Scalars]:
     """Shares of the light from a direction that a coat reflects and lets pass.
 
@@ -27,9 +24,11 @@ def directional_albedo(
     cos_o : (N,) float
         Cosines of incidence, 0 to 1.
     alpha : float
-        GGX width; 0 is smooth.
+        Width; 0 is smooth.
     ior : float
         Index of refraction behind the coat over that before it.
+    distribution : 'ggx' or 'beckmann'
+        Of the microfacets' normals.
 
     Returns
     -------
@@ -40,64 +39,89 @@ def directional_albedo(
     Notes
     -----
     ∫ F(wo·h) G1(wi) p(h) dh and ∫ (1 - F(wo·h)) G1(wt) p(h) dh over the visible
-    normals, wi reflected and wt refracted at h, by a midpoint rule on the unit square
-    of [Heitz18], 64 x 64.
+    normals, wi reflected and wt refracted at h, by a midpoint rule on the unit square,
+    64 x 64: of [Heitz18] for GGX, of all normals with their areas for Beckmann.
     """
     cos_o = np.maximum(cos_o, 1e-6)
     if alpha == 0:
         fresnel, _ = fresnel_dielectric(cos_o, np.full_like(cos_o, ior))
         return fresnel, 1.0 - fresnel
-    grid = (np.arange(64) + 0.5) / 64
-    u1, u2 = (u.ravel() for u in np.meshgrid(grid, grid))
-    means = [_mean_albedo(float(c), alpha, ior, u1, u2) for c in cos_o]
-    reflected, transmitted = np.array(means).T
+    rows = [_mean_albedo(float(c), alpha, ior, distribution) for c in cos_o]
+    reflected, transmitted = np.array(rows).T
     return reflected, transmitted
 
 
 def _mean_albedo(
-    cos_o: float, alpha: float, ior: float, u1: Scalars, u2: Scalars
+    cos_o: float, alpha: float, ior: float, distribution: Distribution
 ) -> tuple[float, float]:
+    grid = (np.arange(64) + 0.5) / 64
+    u1, u2 = (u.ravel() for u in np.meshgrid(grid, grid))
     wo = np.broadcast_to([np.sqrt(1 - cos_o * cos_o), 0.0, cos_o], (len(u1), 3))
     width = np.full_like(u1, alpha)
-    h = sample_visible_normal(wo, width, u1, u2)
+    facets = Facets(width, None if distribution == "ggx" else np.ones(len(u1), bool))
+    if distribution == "ggx":
+        h = sample_visible_normal(wo, width, u1, u2)
+    else:
+        h = _beckmann_normals(alpha, u1, u2)
     cos_d = np.clip(wo[:, 0] * h[:, 0] + wo[:, 2] * h[:, 2], 0.0, 1.0)
     fresnel, cos_t = fresnel_dielectric(cos_d, np.full_like(u1, ior))
     up = reflect(wo, h)[:, 2]
     down = -(h[:, 2] * (cos_d / ior - cos_t) - wo[:, 2] / ior)
-    reflected = np.mean(fresnel * smith_g1(up, width))
-    transmitted = np.mean((1.0 - fresnel) * smith_g1(down, width))
-    return float(reflected), float(transmitted)
+    reflected = fresnel * facets.masking(up)
+    transmitted = (1.0 - fresnel) * facets.masking(down)
+    if distribution == "ggx":
+        return float(np.mean(reflected)), float(np.mean(transmitted))
+    # Each normal counts as the area of its microfacets that the viewer sees.
+    area = cos_d / h[:, 2]
+    area = area / area.sum()
+    return float(np.sum(area * reflected)), float(np.sum(area * transmitted))
+
+
+def _beckmann_normals(alpha: float, u1: Scalars, u2: Scalars) -> Vec3s:
+    slope = alpha * np.sqrt(-np.log1p(-u1))
+    phi, cos_h = 2.0 * np.pi * u2, 1.0 / np.sqrt(1.0 + slope * slope)
+    across = slope * cos_h
+    return vectors(across * np.cos(phi), across * np.sin(phi), cos_h)
 
 
 @functools.cache
-def transmittance_table(alpha: float, ior: float) -> tuple[float, ...]:
+def transmittance_table(
+    alpha: float, ior: float, distribution: Distribution = "ggx"
+) -> tuple[float, ...]:
     """What a coat lets pass, at evenly spaced cosines from 0 to 1.
 
     Parameters
     ----------
     alpha : float
-        GGX width; 0 is smooth.
+        Width; 0 is smooth.
     ior : float
         Index of refraction of the coat over that of the outside.
+    distribution : 'ggx' or 'beckmann'
+        Of the microfacets' normals.
 
     Returns
     -------
     tuple of float
         ``NODES`` values.
     """
-    return tuple(directional_albedo(np.linspace(0, 1, NODES), alpha, ior)[1])
+    nodes = np.linspace(0, 1, NODES)
+    return tuple(directional_albedo(nodes, alpha, ior, distribution)[1])
 
 
 @functools.cache
-def internal_reflectance(alpha: float, ior: float) -> float:
+def internal_reflectance(
+    alpha: float, ior: float, distribution: Distribution = "ggx"
+) -> float:
     """Share of diffuse light from below that a coat sends back, 2 ∫ E(μ) μ dμ.
 
     Parameters
     ----------
     alpha : float
-        GGX width; 0 is smooth.
+        Width; 0 is smooth.
     ior : float
         Index of refraction of the coat over that of the outside.
+    distribution : 'ggx' or 'beckmann'
+        Of the microfacets' normals.
 
     Returns
     -------
@@ -115,7 +139,8 @@ def internal_reflectance(alpha: float, ior: float) -> float:
     """
     if alpha > 0:
         mu = np.linspace(0, 1, NODES)
-        return float(2.0 * np.mean(directional_albedo(mu, alpha, 1.0 / ior)[0] * mu))
+        inside, _ = directional_albedo(mu, alpha, 1.0 / ior, distribution)
+        return float(2.0 * np.mean(inside * mu))
     nodes, weights = np.polynomial.legendre.leggauss(128)
     mu = 0.5 * (nodes + 1.0)
     outside, _ = directional_albedo(mu, alpha, ior)
@@ -171,22 +196,22 @@ def base_scattering(color: Vec3s, keep: Scalars, nonlinear: Scalars) -> Vec3s:
 
 
 def specular_lobe(
-    cos_i: Scalars, cos_o: Scalars, cos_h: Scalars, alpha: Scalars
+    cos_i: Scalars, cos_o: Scalars, cos_h: Scalars, facets: Facets
 ) -> Scalars:
-    """GGX reflection without its Fresnel term, times cos θ_i: D G1 G1 / (4 cos θ_o).
+    """Reflection without its Fresnel term, times cos θ_i: D G1 G1 / (4 cos θ_o).
 
     Parameters
     ----------
     cos_i, cos_o, cos_h : (N,) float
         Cosines with the surface normal of light, viewer and the vector half between.
-    alpha : (N,) float
-        Width.
+    facets : Facets
+        N rows.
 
     Returns
     -------
     (N,) float, 1/sr
         0 where the light or the viewer is below the surface.
     """
-    shape = ggx_density(cos_h, alpha) * smith_g1(cos_i, alpha) * smith_g1(cos_o, alpha)
+    shape = facets.density(cos_h) * facets.masking(cos_i) * facets.masking(cos_o)
     above = (cos_i > 0) & (cos_o > 0)
     return divide_or_zero(np.where(above, shape, 0.0), 4.0 * cos_o)

@@ -69,7 +69,7 @@ def scattering(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Vec3s:
     fresnel, _ = fresnel_dielectric(np.clip(dot(wi, h), 0.0, 1.0), table.ior[m])
     cos_i = lit_cosine(table, points, wi)
     cos_o = np.maximum(dot(points.shading, points.wo), 0.0)
-    lobe = specular_lobe(cos_i, cos_o, dot(points.shading, h), table.alpha[m])
+    lobe = specular_lobe(cos_i, cos_o, dot(points.shading, h), table.facets(m))
     coat: Vec3s = table.specular[m] * (fresnel * lobe)[:, None]
     return base_reflection(table, points, wi) + coat
 
@@ -133,7 +133,7 @@ def sample(table: MaterialTable, points: SurfacePoints, u: Draw) -> Vec3s:
     points : SurfacePoints
         N points on rough coats.
     u : four (N,) float64
-        Lane 0 picks the lobe, 1 and 2 the direction.
+        Lane 0 picks the lobe, 1 to 3 the direction.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Metal: GGX microfacets, or a smooth mirror."""
+"""Metal: microfacets, or a smooth mirror."""
 
 import numpy as np
 
@@ -7,12 +7,7 @@ from reference.frames import normal_frames, to_world
 from reference.rng import Draw
 from reference.scene.materials.coat import specular_lobe
 from reference.scene.materials.fresnel import fresnel_conductor, fresnel_schlick
-from reference.scene.materials.microfacet import (
-    ggx_density,
-    reflect,
-    sample_visible_normal,
-    smith_g1,
-)
+from reference.scene.materials.microfacet import reflect
 from reference.scene.materials.parameters import MaterialTable, lit_cosine
 from reference.scene.surface import SurfacePoints
 
@@ -66,14 +61,14 @@ def scattering(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Vec3s:
     h = normalize(points.wo + wi)
     cos_o = np.maximum(dot(points.shading, points.wo), 0.0)
     cos_d = np.clip(dot(wi, h), 0.0, 1.0)
-    alpha = table.alpha[points.material]
     cos_i = lit_cosine(table, points, wi)
-    lobe = specular_lobe(cos_i, cos_o, dot(points.shading, h), alpha)
+    facets = table.facets(points.material)
+    lobe = specular_lobe(cos_i, cos_o, dot(points.shading, h), facets)
     return reflectance(table, points, cos_d) * lobe[:, None]
 
 
 def pdf_reflected(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Scalars:
-    """Density of :func:`sample_reflected`, G1(wo) D(h) / (4 cos θ_o).
+    """Density of :func:`sample_reflected`, D(h) / (4 cos θ_o) times what is shown.
 
     Parameters
     ----------
@@ -91,8 +86,8 @@ def pdf_reflected(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Sca
     """
     h = normalize(points.wo + wi)
     cos_o = dot(points.shading, points.wo)
-    alpha = table.alpha[points.material]
-    seen = ggx_density(dot(points.shading, h), alpha) * smith_g1(cos_o, alpha)
+    cos_h, facets = dot(points.shading, h), table.facets(points.material)
+    seen = facets.density(cos_h) * facets.shown(cos_h, cos_o, dot(points.wo, h))
     possible = (lit_cosine(table, points, wi) > 0) & (cos_o > 0)
     return divide_or_zero(np.where(possible, seen, 0.0), 4.0 * np.abs(cos_o))
 
@@ -107,12 +102,32 @@ def sample_reflected(table: MaterialTable, points: SurfacePoints, u: Draw) -> Ve
     points : SurfacePoints
         N points.
     u : four (N,) float64
-        Lanes 1 and 2 are used.
+        Lanes 1 to 3 are used.
 
     Returns
     -------
     (N, 3) float64
         Unit vectors; some are below the surface, and then reflect nothing.
+    """
+    return reflect(points.wo, sample_normal(table, points, u))
+
+
+def sample_normal(table: MaterialTable, points: SurfacePoints, u: Draw) -> Vec3s:
+    """Normals of microfacets, mostly those that the viewer sees.
+
+    Parameters
+    ----------
+    table : MaterialTable
+        Materials.
+    points : SurfacePoints
+        N points.
+    u : four (N,) float64
+        Lanes 1 to 3 are used.
+
+    Returns
+    -------
+    (N, 3) float64
+        Unit vectors above the surface, in the world.
     """
     n = points.shading
     tangent, bitangent = normal_frames(n)
@@ -121,5 +136,4 @@ def sample_reflected(table: MaterialTable, points: SurfacePoints, u: Draw) -> Ve
     # A viewer below the shading normal sees no microfacet; lift it to keep the
     # arithmetic finite: the pdf is 0 there.
     local[:, 2] = np.maximum(local[:, 2], 1e-9)
-    h = sample_visible_normal(local, table.alpha[points.material], u[1], u[2])
-    return reflect(points.wo, to_world(h, n))
+    return to_world(table.facets(points.material).sample(local, u), n)

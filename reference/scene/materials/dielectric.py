@@ -10,6 +10,25 @@ from reference.scene.materials.parameters import MaterialTable
 from reference.scene.surface import SurfacePoints
 
 
+def relative_index(table: MaterialTable, points: SurfacePoints) -> Scalars:
+    """Index of refraction behind surfaces, as their viewers see them, over that before.
+
+    Parameters
+    ----------
+    table : MaterialTable
+        Materials.
+    points : SurfacePoints
+        N points on dielectrics.
+
+    Returns
+    -------
+    (N,) float64
+        The inverse on backs.
+    """
+    ior = table.ior[points.material]
+    return np.where(points.front, ior, 1.0 / ior)
+
+
 def sample(
     table: MaterialTable, points: SurfacePoints, u: Draw
 ) -> tuple[Vec3s, Vec3s, Scalars, Masks]:
@@ -31,8 +50,7 @@ def sample(
         relative index, since it spreads over another solid angle [Veach97, Eq. 5.2].
     """
     n, wo = points.shading, points.wo
-    ior = table.ior[points.material]
-    eta = np.where(points.front, ior, 1.0 / ior)
+    eta = relative_index(table, points)
     cos_o = np.clip(dot(n, wo), 0.0, 1.0)
     reflectance, cos_t = fresnel_dielectric(cos_o, eta)
     refracted = n * (cos_o / eta - cos_t)[:, None] - wo / eta[:, None]

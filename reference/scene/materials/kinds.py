@@ -31,7 +31,7 @@ class Lambertian:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Conductor:
-    """Metal, rough (GGX) or, with alpha = 0, a smooth mirror.
+    """Metal, rough or, with alpha = 0, a smooth mirror.
 
     Attributes
     ----------
@@ -39,7 +39,8 @@ class Conductor:
         Factor on the Fresnel term; with ``eta=None`` and ``schlick`` the reflectance
         at normal incidence, else (``eta=None``) all there is.
     alpha : float
-        GGX width; 0, or 1e-3 to 1.  glTF roughness r means alpha = r².
+        Width of the microfacets' distribution; 0, or 1e-3 to 1.  glTF roughness r means
+        alpha = r².
     eta, k : Color or None
         Complex index of refraction, eta + i k.
     schlick : bool
@@ -61,14 +62,14 @@ class Conductor:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Coated:
-    """Diffuse base under a clear coat, rough (GGX) or, with alpha = 0, smooth.
+    """Diffuse base under a clear coat, rough or, with alpha = 0, smooth.
 
     Attributes
     ----------
     reflectance : Texture
         Of the base, 0 to 1.
     alpha : float
-        GGX width of the coat; 0, or 1e-3 to 1.
+        Width of the distribution of the coat's microfacets; 0, or 1e-3 to 1.
     ior : float
         Index of refraction of the coat over that of the outside, above 1.
     nonlinear : bool

@@ -1,8 +1,15 @@
-"""GGX microfacets: density, separable Smith masking, visible normals."""
+"""GGX and Beckmann microfacets: density, separable Smith masking, samplers."""
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s, normalize, vectors
+from reference.arrays import (
+    Scalars,
+    Vec3s,
+    divide_or_zero,
+    normalize,
+    saturate,
+    vectors,
+)
 
 
 def ggx_density(cos_h: Scalars, alpha: Scalars) -> Scalars:
@@ -97,6 +104,125 @@ def sample_visible_normal(wo: Vec3s, alpha: Scalars, u1: Scalars, u2: Scalars) -
     y = p1 * t1_y + p2 * v[:, 2] * t1_x + p3 * v[:, 1]
     z = p2 * (v[:, 0] * t1_y - v[:, 1] * t1_x) + p3 * v[:, 2]
     return normalize(vectors(alpha * x, alpha * y, np.maximum(z, 0.0)))
+
+
+def beckmann_density(cos_h: Scalars, alpha: Scalars) -> Scalars:
+    """Density D of Beckmann's microfacet normals, ∫ D cos θ dω = 1.
+
+    Parameters
+    ----------
+    cos_h : (N,) float
+        Cosine of the microfacet normal with the surface normal.
+    alpha : (N,) float
+        Width: root mean square slope, times √2; positive.
+
+    Returns
+    -------
+    (N,) float, 1/sr
+        exp(-tan² θ / α²) / (π α² cos⁴ θ); 0 for normals below the surface.
+
+    Notes
+    -----
+    [Walter07].
+    """
+    cos2 = cos_h * cos_h
+    width = alpha * alpha * cos2
+    with np.errstate(over="ignore"):
+        exponent = saturate(divide_or_zero(1.0 - cos2, width))
+        peak = saturate(divide_or_zero(np.exp(-exponent), np.pi * width * cos2))
+    density: Scalars = np.where(cos_h > 0, peak, 0.0)
+    return density
+
+
+def beckmann_g1(cos: Scalars, alpha: Scalars) -> Scalars:
+    """Share G1 of Beckmann's microfacets that a direction sees.
+
+    Parameters
+    ----------
+    cos : (N,) float
+        Cosine of the direction with the surface normal.
+    alpha : (N,) float
+        Width.
+
+    Returns
+    -------
+    (N,) float
+        0 to 1; 0 below the surface.
+
+    Notes
+    -----
+    The rational fit of [Walter07] to Smith's function, within 0.35 % of it, since
+    Mitsuba has it, too.  From a = 1.55 to 1.6 the fit is above 1 by up to 6e-5, and
+    here 1.
+    """
+    cos = np.maximum(cos, 0.0)
+    spread = alpha * np.sqrt(np.maximum(1.0 - cos * cos, 0.0))
+    hides = cos < 1.6 * spread
+    a = np.divide(cos, spread, out=np.zeros_like(spread), where=hides)
+    fit = a * (3.535 + 2.181 * a) / (1.0 + a * (2.276 + 2.577 * a))
+    g1: Scalars = np.where(hides, np.minimum(fit, 1.0), np.where(cos > 0, 1.0, 0.0))
+    return g1
+
+
+def sample_facing_normal(
+    wo: Vec3s, alpha: Scalars, u1: Scalars, u2: Scalars, u3: Scalars
+) -> Vec3s:
+    """Beckmann normals, each turned half around if so it shows more of itself.
+
+    Their density is D(h) max(0, wo·h) / cos θ_o · :func:`facing_share`.
+
+    Parameters
+    ----------
+    wo : (N, 3) float
+        Unit directions in the frame of the surface, z > 0.
+    alpha : (N,) float
+        Width.
+    u1, u2, u3 : (N,) float
+        In [0, 1): slope, azimuth, and which of two opposite normals.
+
+    Returns
+    -------
+    (N, 3) float
+        Unit vectors with z >= 0.
+
+    Notes
+    -----
+    Slopes as in [Walter07]; of the two sides of a groove the one is taken in proportion
+    to its projected area, as [HeitzDEon14] do for V-shaped cavities.  It needs no
+    inverse error function, as Smith's visible normals would.
+    """
+    slope2 = -alpha * alpha * np.log1p(-u1)
+    z = 1.0 / np.sqrt(1.0 + slope2)
+    across, phi = np.sqrt(slope2) * z, 2.0 * np.pi * u2
+    x, y = across * np.cos(phi), across * np.sin(phi)
+    tilt, height = wo[:, 0] * x + wo[:, 1] * y, wo[:, 2] * z
+    shown, turned = np.maximum(height + tilt, 0.0), np.maximum(height - tilt, 0.0)
+    side = np.where(u3 * (shown + turned) < shown, 1.0, -1.0).astype(u3.dtype)
+    return normalize(vectors(side * x, side * y, z))
+
+
+def facing_share(cos_h: Scalars, cos_o: Scalars, cos_d: Scalars) -> Scalars:
+    """Masking min(1, 2 cos θ_h cos θ_o / (wo·h)) of the side of a V-shaped groove.
+
+    Parameters
+    ----------
+    cos_h, cos_o : (N,) float
+        Cosines of the microfacet normal and of the viewer with the surface normal.
+    cos_d : (N,) float
+        Cosine of the viewer with the microfacet normal.
+
+    Returns
+    -------
+    (N,) float
+        0 to 1; 0 for microfacets seen from behind.
+
+    Notes
+    -----
+    [HeitzDEon14].
+    """
+    seen = np.maximum(cos_d, 0.0)
+    whole = 2.0 * np.maximum(cos_h, 0.0) * np.maximum(cos_o, 0.0)
+    return divide_or_zero(np.minimum(whole, seen), seen)
 
 
 def reflect(wo: Vec3s, h: Vec3s) -> Vec3s:

@@ -11,6 +11,7 @@ from reference.scene.materials.coat import (
     internal_reflectance,
     transmittance_table,
 )
+from reference.scene.materials.facets import Facets
 from reference.scene.materials.kinds import Coated, Conductor, Lambertian, Material
 from reference.scene.surface import SurfacePoints
 from reference.scene.textures import Texture, color_range, mean_color
@@ -25,6 +26,7 @@ class Kind(IntEnum):
     ROUGH_COATED = 3
     SMOOTH_COATED = 4
     DIELECTRIC = 5
+    ROUGH_DIELECTRIC = 6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,7 +46,9 @@ class MaterialTable:
     two_sided : (K,) bool
         Whether the back scatters too.
     alpha : (K,) float64
-        GGX width, 0 where smooth.
+        Width of the microfacets' distribution, 0 where smooth.
+    beckmann : (K,) bool
+        It is Beckmann's, else GGX.
     ior : (K,) float64
         Of a coat or a dielectric.
     eta, k : (K, 3) float64
@@ -69,6 +73,7 @@ class MaterialTable:
     color: Vec3s
     two_sided: Masks
     alpha: Scalars
+    beckmann: Masks
     ior: Scalars
     eta: Vec3s
     k: Vec3s
@@ -78,6 +83,16 @@ class MaterialTable:
     transmittance: Scalars
     keep: Scalars
     plain: bool
+
+    def facets(self, material: Indices) -> Facets:
+        """Microfacets of N surfaces, by the rows of their materials."""
+        beckmann = self.beckmann[material] if self.beckmann.any() else None
+        return Facets(self.alpha[material], beckmann)
+
+    @property
+    def transmits(self) -> bool:
+        """Whether light that is chosen may come from behind a surface."""
+        return Kind.ROUGH_DIELECTRIC in self.kinds
 
 
 def kind_of(material: Material) -> Kind:
@@ -91,7 +106,7 @@ def kind_of(material: Material) -> Kind:
     Returns
     -------
     Kind
-        One of the six.
+        One of the seven.
     """
     if isinstance(material, Lambertian):
         return Kind.LAMBERTIAN
@@ -99,7 +114,7 @@ def kind_of(material: Material) -> Kind:
         return Kind.ROUGH_CONDUCTOR if material.alpha > 0 else Kind.SMOOTH_CONDUCTOR
     if isinstance(material, Coated):
         return Kind.ROUGH_COATED if material.alpha > 0 else Kind.SMOOTH_COATED
-    return Kind.DIELECTRIC
+    return Kind.ROUGH_DIELECTRIC if material.alpha > 0 else Kind.DIELECTRIC
 
 
 def tabulate(materials: list[Material]) -> MaterialTable:
@@ -126,6 +141,9 @@ def tabulate(materials: list[Material]) -> MaterialTable:
         color=np.array([mean_color(t) for t in textures]).reshape(-1, 3),
         two_sided=np.array([getattr(m, "two_sided", True) for m in materials]),
         alpha=np.array([getattr(m, "alpha", 0.0) for m in materials]),
+        beckmann=np.array(
+            [getattr(m, "distribution", "ggx") == "beckmann" for m in materials]
+        ),
         ior=np.array([getattr(m, "ior", 1.5) for m in materials]),
         eta=_column(materials, "eta", (0.0, 0.0, 0.0)),
         k=_column(materials, "k", (0.0, 0.0, 0.0)),
@@ -134,12 +152,17 @@ def tabulate(materials: list[Material]) -> MaterialTable:
         nonlinear=np.array([getattr(m, "nonlinear", False) for m in materials]),
         transmittance=np.array(
             [
-                transmittance_table(c.alpha, c.ior) if c else np.zeros(NODES)
+                transmittance_table(c.alpha, c.ior, c.distribution)
+                if c
+                else np.zeros(NODES)
                 for c in coats
             ]
         ),
         keep=np.array(
-            [internal_reflectance(c.alpha, c.ior) if c else 0.0 for c in coats]
+            [
+                internal_reflectance(c.alpha, c.ior, c.distribution) if c else 0.0
+                for c in coats
+            ]
         ),
         plain=_is_plain(materials, textures),
     )

@@ -12,7 +12,7 @@ from reference.arrays import (
     zero_vectors,
 )
 from reference.records import take
-from reference.scene.materials import coated, conductor, lambertian
+from reference.scene.materials import coated, conductor, lambertian, rough_dielectric
 from reference.scene.materials.parameters import Kind, MaterialTable
 from reference.scene.surface import SurfacePoints
 
@@ -64,6 +64,27 @@ def can_scatter(table: MaterialTable, points: SurfacePoints) -> Masks:
     return scatters
 
 
+def is_shared(table: MaterialTable, points: SurfacePoints) -> Masks:
+    """Whether light that a point scatters may be reused, delta lobes apart.
+
+    Parameters
+    ----------
+    table : MaterialTable
+        Materials.
+    points : SurfacePoints
+        N points.
+
+    Returns
+    -------
+    (N,) bool
+        False on rough dielectrics, whose light comes from both sides.
+    """
+    if not table.transmits:
+        return np.ones(len(points), bool)
+    shared: Masks = table.kind[points.material] != Kind.ROUGH_DIELECTRIC
+    return shared
+
+
 def scattering(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Vec3s:
     """Reflected share f(wo, wi) cos θ_i of all lobes but the delta ones.
 
@@ -79,13 +100,15 @@ def scattering(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Vec3s:
     Returns
     -------
     (N, 3) float64, 1/sr
-        0 below the surface, on black backs, for misses and for delta lobes.
+        0 below the surface unless the material refracts, on black backs, for misses and
+        for delta lobes.
     """
     functions = {
         Kind.LAMBERTIAN: lambertian.scattering,
         Kind.ROUGH_CONDUCTOR: conductor.scattering,
         Kind.ROUGH_COATED: coated.scattering,
         Kind.SMOOTH_COATED: coated.base_reflection,
+        Kind.ROUGH_DIELECTRIC: rough_dielectric.scattering,
     }
     if table.kinds == (Kind.LAMBERTIAN,):
         return lambertian.scattering(table, points, wi)
@@ -119,6 +142,7 @@ def pdf(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Scalars:
         Kind.ROUGH_CONDUCTOR: conductor.pdf_reflected,
         Kind.ROUGH_COATED: coated.pdf,
         Kind.SMOOTH_COATED: coated.pdf,
+        Kind.ROUGH_DIELECTRIC: rough_dielectric.pdf,
     }
     if table.kinds == (Kind.LAMBERTIAN,):
         return lambertian.pdf(table, points, wi)

@@ -1,0 +1,354 @@
+"""Generalized resampling: any samples, of any domains, that shifts map to each other.
+
+[Lin22] resamples candidates that come from other domains than the receiver's.  A
+candidate k brings a sample x_k with its W_k and confidence M_k, and a shift T_k into
+the receiver's domain.  It competes with the resampling weight
+
+    w_k = m_k(y) p̂(y) W_k |∂T_k / ∂x_k|,    y = T_k(x_k),
+
+and the one that is kept gets W = Σ w_k / p̂(y).  The MIS weights m_k sum to 1 over those
+whose domain holds y; that alone makes the estimate unbiased [Lin22, Eqs. 9 and 10].
+
+Nothing here knows what a sample is: every method brings a class of neighbours, which
+evaluates the value f / p and the Jacobian of its shift and of the inverse.  Runs on any
+number type, so that `tests/exact` enumerates it in fractions.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal, Protocol
+
+import numpy as np
+
+from reference.arrays import Indices, Masks, Scalars, divide_or_zero
+from reference.records import NONE, scatter, take, where
+from reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
+from reference.resampling.pairwise import pairwise_canonical, pairwise_donor
+from reference.resampling.reservoir import (
+    Candidates,
+    Reservoirs,
+    cap_confidence,
+    finalize,
+    merge,
+    reused_candidates,
+)
+from reference.resampling.target import luminance
+
+Mis = Literal["1/M", "1/Z", "balance", "pairwise", "defensive"]
+
+Target = Callable[[Any], Scalars]
+"""p̂ of values; their luminance, as a rule."""
+
+Shifted = tuple[Any, Scalars]
+"""Value of a shifted sample, and Jacobian of the shift; 0 where there is none."""
+
+
+class Neighbor(Protocol):
+    """Reservoirs of other domains, of which K receivers are offered one each."""
+
+    @property
+    def reservoirs(self) -> Reservoirs:
+        """N rows; samples have a ``value`` f / p and a method ``moved``."""
+
+    @property
+    def rows(self) -> Indices:
+        """(K,) int: row that is offered to each receiver, or ``NONE``."""
+
+    @property
+    def same_domain(self) -> bool:
+        """Whether the receivers' domain is the reservoirs' own: nothing is shifted."""
+
+    def shifted(self, at: Indices) -> Shifted:
+        """Value and Jacobian of the samples offered to the receivers ``at``."""
+
+    def inverse(self, samples: Any, at: Indices) -> Shifted:
+        """The same of the receivers' samples ``at``, back in the other domains."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Candidate:
+    """One slot of the stream of K receivers.
+
+    Attributes
+    ----------
+    neighbor : Neighbor
+        Who offers it.
+    slot : int
+        In the stream.
+    weighted : Candidates
+        K rows, of which y is the slot.
+    value : record or (K, 3)
+        Of the samples at the receivers.
+    jacobian : (K,)
+        Of their shifts.
+    """
+
+    neighbor: Neighbor
+    slot: int
+    weighted: Candidates
+    value: Any
+    jacobian: Scalars
+
+
+def resample(
+    neighbors: Sequence[Neighbor],
+    u: list[Scalars],
+    mis: Mis,
+    cap: float,
+    target: Target = luminance,
+) -> Reservoirs:
+    """Resample what the neighbours of each receiver offer.
+
+    Parameters
+    ----------
+    neighbors : list of Neighbor
+        In the order of the stream.  The last one of the receivers' own domain is the
+        canonical one; without one the domain is not covered.
+    u : list of (K,)
+        One uniform number in [0, 1) for each; that of the first decides nothing.
+    mis : '1/M', '1/Z', 'balance', 'pairwise' or 'defensive'
+        MIS weights.  1/M is biased: it counts those who could not have made the sample.
+    cap : float
+        Limit of M.
+    target : callable
+        p̂ of values.
+
+    Returns
+    -------
+    Reservoirs
+        K rows; samples as they are at the receivers.
+
+    Notes
+    -----
+    [Lin22, Eqs. 22 and 36 to 38].  Any dtype.
+    """
+    stream = [candidate(q_n, slot, target) for slot, q_n in enumerate(neighbors)]
+    if mis in ("pairwise", "defensive"):
+        stream = weighted_in_pairs(stream, mis == "defensive", target)
+    kept = stream[0].weighted
+    for c, u_n in zip(stream[1:], u[1:], strict=True):
+        kept = merge(kept, c.weighted, u_n)
+    y = samples_in(stream, kept.y)
+    total = normalization(stream, kept, y, mis, target)
+    return cap_confidence(finalize(replace(kept, y=y), total), cap)
+
+
+def candidate(neighbor: Neighbor, slot: int, target: Target) -> Candidate:
+    """Shift what a neighbour offers: w = p̂(T(x)) W M |∂T/∂x|, still without m.
+
+    Parameters
+    ----------
+    neighbor : Neighbor
+        Of K receivers.
+    slot : int
+        In the stream.
+    target : callable
+        p̂ of values.
+
+    Returns
+    -------
+    Candidate
+        Where nothing could be shifted w is 0, and M counts all the same.
+    """
+    r, row = neighbor.reservoirs, np.maximum(neighbor.rows, 0)
+    none, size = neighbor.rows == NONE, len(row)
+    W, M = (np.where(none, a * 0, a) for a in (r.W[row], r.M[row]))
+    if neighbor.same_domain:
+        value, jacobian = take(r.y.value, row), np.ones_like(W)
+    else:
+        at = np.flatnonzero(W > 0)
+        some, factor = neighbor.shifted(at)
+        value, jacobian = scatter(at, some, size), scatter(at, factor, size)
+    here = Reservoirs(np.full(size, slot, np.int8), W, M)
+    weighted = reused_candidates(here, target(value), jacobian)
+    return Candidate(neighbor, slot, weighted, value, jacobian)
+
+
+def normalization(
+    stream: list[Candidate], kept: Candidates, y: Any, mis: Mis, target: Target
+) -> Scalars:
+    """What the sum of weights is divided by, so that the MIS weights sum to 1.
+
+    Parameters
+    ----------
+    stream : list of Candidate
+        All slots.
+    kept : Candidates
+        K rows, of which y is the slot that was kept.
+    y : record
+        The samples that were kept.
+    mis : '1/M', '1/Z', 'balance', 'pairwise' or 'defensive'
+        MIS weights; those in pairs were divided before: 1.
+    target : callable
+        p̂ of values.
+
+    Returns
+    -------
+    (K,)
+        Meaningless where nothing was kept.
+    """
+    M_k = [c.weighted.M for c in stream]
+    if mis == "1/M":
+        return one_over_m(M_k)
+    if mis in ("pairwise", "defensive"):
+        return np.ones_like(kept.w)
+    full = kept.w > 0
+    p_k, in_domain, p_made = [], [], kept.p_hat
+    for c in stream:
+        made = full & (kept.y == c.slot)  # whoever made the sample knows it
+        p = target_at(c, y, kept.p_hat, full & ~made, target)
+        if mis == "balance":
+            own = target_where_made(c, made, target)
+            p, p_made = np.where(made, own, p), np.where(made, own, p_made)
+        p_k.append(p)
+        in_domain.append(made | (p > 0))
+    if mis == "1/Z":
+        return one_over_z(M_k, in_domain)
+    return balance_heuristic(M_k, p_k, p_made)
+
+
+def weighted_in_pairs(
+    stream: list[Candidate], defensive: bool, target: Target
+) -> list[Candidate]:
+    """Candidates weighted with the pairwise MIS weight m in place of M.
+
+    Parameters
+    ----------
+    stream : list of Candidate
+        Weighted with M; the last of the receivers' own domain is the canonical one.
+    defensive : bool
+        The canonical sample has a share of its own.
+    target : callable
+        p̂ of values.
+
+    Returns
+    -------
+    list of Candidate
+        In the same order; the sum of their w needs no division.
+
+    Raises
+    ------
+    ValueError
+        There is no canonical candidate: nobody covers the domain.
+
+    Notes
+    -----
+    [Lin22, Eqs. 37 and 38].  For a neighbour's sample two targets are asked, both of
+    which are known; for the canonical sample those of all: one inverse shift each.
+    """
+    own = [c for c in stream if c.neighbor.same_domain]
+    if not own:
+        raise ValueError("pairwise weights need a candidate of the receiver's domain")
+    canonical = own[-1]
+    c = canonical.weighted
+    others = [k for k in stream if k is not canonical]
+    M_k = [k.weighted.M for k in others]
+    y = samples_in(stream, np.full(len(c.M), canonical.slot))
+    p_k = [target_at(k, y, c.p_hat, c.w > 0, target) for k in others]
+    m = pairwise_canonical(M_k, p_k, c.M, c.p_hat, defensive)
+    weighted = [_with_weight(canonical, m)]
+    if others:
+        S = one_over_m(M_k)
+        for k, M in zip(others, M_k, strict=True):
+            made = target_where_made(k, k.weighted.w > 0, target)
+            m = pairwise_donor(M, made, c.M, k.weighted.p_hat, S, defensive)
+            weighted.append(_with_weight(k, m))
+    return sorted(weighted, key=lambda k: k.slot)
+
+
+def _with_weight(candidate: Candidate, m: Scalars) -> Candidate:
+    c = candidate.weighted
+    return replace(candidate, weighted=replace(c, w=divide_or_zero(c.w, c.M) * m))
+
+
+def target_where_made(candidate: Candidate, asked: Masks, target: Target) -> Scalars:
+    """Target of a neighbour's own samples in its domain, in the receivers' measure.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        Of the neighbour.
+    asked : (K,) bool
+        Which; 0 elsewhere.
+    target : callable
+        p̂ of values.
+
+    Returns
+    -------
+    (K,)
+        p̂(x) / |∂T/∂x|; 0 where there is no shift to the receiver.
+    """
+    at = np.flatnonzero(asked & (candidate.jacobian > 0))
+    q_n = candidate.neighbor
+    made = take(q_n.reservoirs.y.value, q_n.rows[at])
+    return scatter(at, target(made) / candidate.jacobian[at], len(asked))
+
+
+def target_at(
+    candidate: Candidate, y: Any, p_hat: Scalars, asked: Masks, target: Target
+) -> Scalars:
+    """Target of the receivers' samples in a neighbour's domain, in their own measure.
+
+    Parameters
+    ----------
+    candidate : Candidate
+        Of the neighbour.
+    y : record
+        K samples at the receivers.
+    p_hat : (K,)
+        Their target there.
+    asked : (K,) bool
+        Which; 0 elsewhere.
+    target : callable
+        p̂ of values.
+
+    Returns
+    -------
+    (K,)
+        p̂(T⁻¹(y)) |∂T⁻¹/∂y|; 0 outside of the neighbour's domain.
+    """
+    if candidate.neighbor.same_domain:
+        return np.where(asked, p_hat, p_hat * 0)
+    at = np.flatnonzero(asked & (candidate.weighted.M > 0))
+    value, jacobian = candidate.neighbor.inverse(y, at)
+    return scatter(at, target(value) * jacobian, len(p_hat))
+
+
+def samples_in(stream: list[Candidate], slot: Indices) -> Any:
+    """Samples in given slots, as they are at the receivers.
+
+    Parameters
+    ----------
+    stream : list of Candidate
+        All slots.
+    slot : (K,) int
+        Whose sample is wanted.
+
+    Returns
+    -------
+    record
+        K rows.
+    """
+    value, jacobian = stream[0].value, stream[0].jacobian
+    for c in stream[1:]:
+        here = slot == c.slot
+        value = where(here, c.value, value)
+        jacobian = np.where(here, c.jacobian, jacobian)
+    found: Any = None
+    for reservoirs, row in _rows_of_frames(stream, slot):
+        part = take(reservoirs.y, np.maximum(row, 0))
+        found = part if found is None else where(row != NONE, part, found)
+    return found.moved(value, jacobian)
+
+
+def _rows_of_frames(
+    stream: list[Candidate], slot: Indices
+) -> Iterable[tuple[Reservoirs, Indices]]:
+    """One gather for each frame of reservoirs, however many slots point into it."""
+    frames: dict[int, tuple[Reservoirs, Indices]] = {}
+    for c in stream:
+        reservoirs = c.neighbor.reservoirs
+        _, rows = frames.get(id(reservoirs), (reservoirs, np.full(len(slot), NONE)))
+        chosen = np.where(slot == c.slot, c.neighbor.rows, rows)
+        frames[id(reservoirs)] = reservoirs, chosen
+    return frames.values()

@@ -1,0 +1,168 @@
+"""The JSON of a glTF file against the table of words, before anything else is read."""
+
+import re
+from typing import Any
+
+from reference.scene.loaders.gltf_forms import Many, One, fault, shown
+from reference.scene.loaders.gltf_words import WORDS, GltfWord
+from reference.scene.loaders.ledger import Ledger
+from reference.scene.loaders.words import Fate
+
+TABLE = {(word.element, word.name): word for word in WORDS}
+ELEMENTS = {word.element for word in WORDS}
+
+
+def check_words(tree: dict[str, Any], ledger: Ledger) -> None:
+    """Hold every word of a file against the table.
+
+    Parameters
+    ----------
+    tree : dict
+        The whole file.
+    ledger : Ledger
+        Takes notes, and what a strict loader refuses.
+
+    Raises
+    ------
+    UsageError
+        A value is not what its word needs; or, with all that is refused so far, the
+        file uses what cannot be replaced either.
+
+    Notes
+    -----
+    Afterwards every word that a reader finds has a value of its form, and every index
+    an element.
+    """
+    check = _Check(tree, ledger)
+    check.object("file", tree, "the file")
+    check.extensions_by_name()
+
+
+def replace_word(
+    ledger: Ledger, element: str, name: str, where: str, problem: str
+) -> None:
+    """Let a word have the fate that its row of the table says: replaced, or refused.
+
+    Parameters
+    ----------
+    ledger : Ledger
+        Of the file.
+    element, name : str
+        Row of the table that a reader judges.
+    where : str
+        'material "paint"'.
+    problem : str
+        What is not modelled.
+    """
+    ledger.replace(f"{where}: {problem}", TABLE[element, name].remark)
+
+
+def named(element: str, entry: dict[str, Any], index: int) -> str:
+    """An element as messages call it: by its name, or else by its number.
+
+    Parameters
+    ----------
+    element : str
+        "material".
+    entry : dict
+        As in the file.
+    index : int
+        In its list.
+
+    Returns
+    -------
+    str
+        'material "paint"' or 'material 3'.
+    """
+    name = entry.get("name")
+    if not isinstance(name, str) or not name:
+        return f"{element} {index}"
+    return f"{element} {shown(name)}"
+
+
+class _Check:
+    """One pass over a file.
+
+    Names of extensions are gathered on the way, and judged at the end.
+    """
+
+    def __init__(self, tree: dict[str, Any], ledger: Ledger) -> None:
+        self.tree = tree
+        self.ledger = ledger
+        self.met: dict[str, None] = {}
+
+    def object(self, element: str, entry: dict[str, Any], where: str) -> None:
+        for key, value in entry.items():
+            if key == "extensions":
+                self.extensions(value, where)
+            elif key != "extras":
+                self.word(element, key, value, where)
+        for word in WORDS:
+            if word.needed and word.element == element and word.name not in entry:
+                self.ledger.stop(f'{where} has no "{word.name}", which glTF needs')
+
+    def word(self, element: str, key: str, value: Any, where: str) -> None:
+        word = _row(element, key)
+        if word is None:
+            problem = f"{where}: glTF 2.0 has no word {shown(key)} here"
+            self.ledger.replace(problem, "ignored")
+            return
+        needs = fault(word.form, value, self.tree)
+        if needs is not None:
+            problem = f"{key} is {shown(value)}; it must be {needs}"
+            self.ledger.stop(f"{where}: {problem}")
+        at_once = word.fate is Fate.REPLACED and not word.judged
+        if at_once and value not in word.neutral:
+            self.ledger.replace(f"{where}: {key} is not modelled", word.remark)
+        if isinstance(word.form, One):
+            self.object(word.form.element, value, f"{where}, {key}")
+        if isinstance(word.form, Many):
+            for i, entry in enumerate(value):
+                inner = named(word.form.element, entry, i)
+                is_part = element not in ("file", "KHR_lights_punctual")
+                inner = f"{where}, {inner}" if is_part else inner
+                self.object(word.form.element, entry, inner)
+
+    def extensions(self, value: Any, where: str) -> None:
+        if not isinstance(value, dict):
+            self.ledger.stop(f"{where}: extensions is {shown(value)}, no object")
+        for name, entry in value.items():
+            self.met[name] = None
+            word = TABLE.get(("extension", name))
+            if word is not None and name in ELEMENTS:
+                if not isinstance(entry, dict):
+                    self.ledger.stop(f"{where}: {name} is {shown(entry)}, no object")
+                self.object(name, entry, f"{where}, {name}")
+            elif word is not None and word.fate is Fate.REPLACED:
+                self.ledger.replace(f"{where}: {name} is not modelled", word.remark)
+
+    def extensions_by_name(self) -> None:
+        required = self.tree.get("extensionsRequired", [])
+        used = self.tree.get("extensionsUsed", [])
+        hopeless = False
+        for name in dict.fromkeys([*required, *used, *self.met]):
+            word = TABLE.get(("extension", name))
+            if word is None:
+                problem = f"the extension {shown(name)} is unknown here"
+                if name in required:
+                    self.ledger.refuse(f"{problem}, and the file requires it")
+                    hopeless = True
+                else:
+                    self.ledger.replace(problem, "ignored")
+            elif word.fate is Fate.REFUSED:
+                problem = f"the extension {name} is not modelled"
+                self.ledger.refuse(f"{problem}; {word.remark}")
+                hopeless = True
+            elif word.fate is Fate.HARMLESS:
+                self.ledger.note(f"The extension {name} is ignored: {word.remark}")
+        if hopeless:
+            self.ledger.settle()
+
+
+def _row(element: str, key: str) -> GltfWord | None:
+    """Row of a word; names of attributes have a number, or are another program's."""
+    word = TABLE.get((element, key))
+    if word is None and element.endswith("attribute"):
+        pattern = "_*" if key.startswith("_") else re.sub(r"_\d+$", "_n", key)
+        word = TABLE.get((element, pattern))
+    return None if word is not None and " " in word.name else word

@@ -1,0 +1,135 @@
+"""Rough boundary between clear media: microfacets that reflect and refract."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reference.arrays import Masks, Scalars, Vec3s, divide_or_zero, dot, normalize
+from reference.rng import Draw
+from reference.scene.materials.conductor import sample_normal
+from reference.scene.materials.dielectric import relative_index
+from reference.scene.materials.facets import Facets
+from reference.scene.materials.fresnel import fresnel_dielectric
+from reference.scene.materials.microfacet import reflect
+from reference.scene.materials.parameters import MaterialTable
+from reference.scene.surface import SurfacePoints
+
+
+@dataclass(frozen=True, slots=True)
+class _Passage:
+    """How light passes from wi to wo by way of one microfacet, N rows."""
+
+    facets: Facets
+    cos_o: Scalars
+    cos_i: Scalars
+    cos_h: Scalars
+    cos_d: Scalars
+    share: Scalars
+    possible: Masks
+
+
+def _passage(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> _Passage:
+    """Cosines, and per area of microfacets the density of wi over that of h.
+
+    ``share`` is the Fresnel term times |∂h/∂wi| max(0, wo·h): F / 4 for what is
+    reflected and (1 - F) η² (wo·h) |wi·h| / (wo·h + η wi·h)² for what is refracted.
+    """
+    n, wo = points.shading, points.wo
+    eta = relative_index(table, points)
+    cos_o, cos_i = dot(n, wo), dot(n, wi)
+    # The geometric normal decides on which side the light is, with the shading normal.
+    aside = dot(points.normal, wi)
+    reflects, refracts = (cos_i > 0) & (aside > 0), (cos_i < 0) & (aside < 0)
+    h = normalize(wo + wi * np.where(reflects, 1.0, eta)[:, None])
+    h = h * np.where(dot(n, h) < 0, -1.0, 1.0)[:, None]
+    cos_d, cos_e = dot(wo, h), dot(wi, h)
+    front = (cos_o > 0) & (cos_d > 0)
+    possible = front & ((reflects & (cos_e > 0)) | (refracts & (cos_e < 0)))
+    fresnel, _ = fresnel_dielectric(np.clip(cos_d, 0.0, 1.0), eta)
+    stretch = cos_d + eta * cos_e
+    spread = eta * eta * np.abs(cos_d * cos_e)
+    spread = divide_or_zero(spread, stretch * stretch)
+    share = np.where(reflects, 0.25 * fresnel, (1.0 - fresnel) * spread)
+    facets = table.facets(points.material)
+    return _Passage(facets, cos_o, np.abs(cos_i), dot(n, h), cos_d, share, possible)
+
+
+def scattering(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Vec3s:
+    """Reflection and refraction f |cos θ_i|, of radiance.
+
+    Parameters
+    ----------
+    table : MaterialTable
+        Materials.
+    points : SurfacePoints
+        N points on rough dielectrics.
+    wi : (N, 3) float64
+        Unit directions to the light, to either side.
+
+    Returns
+    -------
+    (N, 3) float64, 1/sr
+        0 where shading and geometric normal do not agree on the side.
+
+    Notes
+    -----
+    [Walter07], refraction divided by η² since radiance spreads over
+    another solid angle [Veach97, Eq. 5.2].
+    """
+    p, eta = _passage(table, points, wi), relative_index(table, points)
+    lobe = p.facets.density(p.cos_h)
+    lobe = lobe * p.facets.masking(p.cos_i) * p.facets.masking(p.cos_o) * p.share
+    lobe = np.where(dot(points.shading, wi) < 0, lobe / (eta * eta), lobe)
+    value = divide_or_zero(np.where(p.possible, lobe, 0.0), np.abs(p.cos_o))
+    return np.repeat(value[:, None], 3, axis=1)
+
+
+def pdf(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Scalars:
+    """Density of :func:`sample`.
+
+    Parameters
+    ----------
+    table : MaterialTable
+        Materials.
+    points : SurfacePoints
+        N points on rough dielectrics.
+    wi : (N, 3) float64
+        Unit directions to the light, to either side.
+
+    Returns
+    -------
+    (N,) float64, 1/sr
+        0 where nothing is scattered.
+
+    Notes
+    -----
+    [Walter07]: that of the microfacet's normal times |∂h/∂wi|.
+    """
+    p = _passage(table, points, wi)
+    lobe = p.facets.density(p.cos_h) * p.facets.shown(p.cos_h, p.cos_o, p.cos_d)
+    return divide_or_zero(np.where(p.possible, lobe * p.share, 0.0), np.abs(p.cos_o))
+
+
+def sample(table: MaterialTable, points: SurfacePoints, u: Draw) -> Vec3s:
+    """Reflect in a microfacet with the probability of its Fresnel term, else refract.
+
+    Parameters
+    ----------
+    table : MaterialTable
+        Materials.
+    points : SurfacePoints
+        N points on rough dielectrics.
+    u : four (N,) float64
+        Lane 0 decides, 1 to 3 choose the microfacet.
+
+    Returns
+    -------
+    (N, 3) float64
+        Unit vectors; some are on the wrong side, and scatter nothing.
+    """
+    h, eta = sample_normal(table, points, u), relative_index(table, points)
+    cos_d = np.clip(dot(points.wo, h), 0.0, 1.0)
+    fresnel, cos_t = fresnel_dielectric(cos_d, eta)
+    refracted = h * (cos_d / eta - cos_t)[:, None] - points.wo / eta[:, None]
+    reflects = (u[0] < fresnel)[:, None]
+    return normalize(np.where(reflects, reflect(points.wo, h), refracted))

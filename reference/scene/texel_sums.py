@@ -1,0 +1,141 @@
+"""Mean luminance of the texels around rectangles of a texture."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reference.arrays import Indices, Scalars, Vec3s
+from reference.images import luminance_weights
+from reference.scene.textures import Bitmap, Pattern
+
+LEAST_SHARE = 1e-3
+"""Least weight of a cell that emits, in means of its texture.
+
+Rounding in the sums over texels, 2⁻⁵³ of their total, then never hides a cell.
+"""
+
+SLACK = 2.0**-10
+"""Texels by which rectangles are widened, against rounding of texture coordinates."""
+
+
+def texels(texture: Pattern) -> Vec3s:
+    """Texels of a pattern.
+
+    Parameters
+    ----------
+    texture : Bitmap or Checker
+        Any.
+
+    Returns
+    -------
+    (h, w, 3) float64
+        Row 0 is the top; a checker has two rows of two.
+    """
+    if isinstance(texture, Bitmap):
+        return texture.pixels
+    a, b = texture.color0, texture.color1
+    return np.array([[b, a], [a, b]])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TexelSums:
+    """A texture made ready for means over rectangles.
+
+    Attributes
+    ----------
+    sums : (h + 1, w + 1) float64
+        Sums of the luminance of texels over all rows and columns before.
+    lit : (h + 1, w + 1) int64
+        As many of these texels are above 0 in any channel.
+    scale : (float, float)
+        Repetitions along u and v.
+    reach : float
+        Texels by which a rectangle is widened: what interpolation blends in.
+    least : float
+        Least mean around a rectangle that any light reaches into.
+    """
+
+    sums: Scalars
+    lit: Indices
+    scale: tuple[float, float]
+    reach: float
+    least: float
+
+    @staticmethod
+    def of(texture: Pattern) -> "TexelSums":
+        """Sum up a texture.
+
+        Parameters
+        ----------
+        texture : Bitmap or Checker
+            Of radiance.
+
+        Returns
+        -------
+        TexelSums
+            Of it.
+        """
+        pixels = texels(texture)
+        luminance = pixels @ np.array(luminance_weights())
+        lit = (pixels > 0).any(axis=2).astype(np.int64)
+        smooth = isinstance(texture, Bitmap) and texture.filter == "bilinear"
+        return TexelSums(
+            sums=np.pad(luminance, ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1),
+            lit=np.pad(lit, ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1),
+            scale=texture.scale,
+            reach=(0.5 if smooth else 0.0) + SLACK,
+            least=LEAST_SHARE * float(luminance.mean()),
+        )
+
+    def around(self, low: Scalars, high: Scalars) -> Scalars:
+        """Mean luminance of the texels that reach into rectangles.
+
+        Parameters
+        ----------
+        low, high : (N, 2) float64
+            Corners in (u, v).
+
+        Returns
+        -------
+        (N,) float64
+            Positive wherever the texture is above 0 anywhere in the rectangle.
+        """
+        height, width = self.sums.shape[0] - 1, self.sums.shape[1] - 1
+        u = low[:, 0] * self.scale[0] * width, high[:, 0] * self.scale[0] * width
+        v = low[:, 1] * self.scale[1], high[:, 1] * self.scale[1]
+        columns = self._texels(*u, width)
+        rows = self._texels((1.0 - v[0]) * height, (1.0 - v[1]) * height, height)
+        lit = _box_sums(self.lit, rows, columns)
+        mean = _box_sums(self.sums, rows, columns) / (rows[1] * columns[1])
+        return np.where(lit > 0, np.maximum(mean, self.least), 0.0)
+
+    def _texels(self, a: Scalars, b: Scalars, period: int) -> tuple[Indices, Indices]:
+        """First texel of an interval, in [0, period), and how many follow from it."""
+        first = np.floor(np.minimum(a, b) - self.reach)
+        last = np.floor(np.maximum(a, b) + self.reach)
+        count = np.clip(last - first + 1.0, 1.0, period)
+        first = np.clip(first - np.floor(first / period) * period, 0.0, period - 1.0)
+        return first.astype(np.int64), count.astype(np.int64)
+
+
+def _box_sums(
+    sums: Scalars,
+    rows: tuple[Indices, Indices],
+    columns: tuple[Indices, Indices],
+) -> Scalars:
+    """Sums over boxes of a texture that repeats, from its running sums."""
+    total = np.zeros(len(rows[0]))
+    for top, bottom in _unwrapped(*rows, sums.shape[0] - 1):
+        for left, right in _unwrapped(*columns, sums.shape[1] - 1):
+            total = total + (sums[bottom, right] - sums[top, right])
+            total = total - (sums[bottom, left] - sums[top, left])
+    return total
+
+
+def _unwrapped(
+    first: Indices, count: Indices, period: int
+) -> tuple[tuple[Indices, Indices], tuple[Indices, Indices]]:
+    """The part up to the edge of the texture, and the part that begins anew."""
+    end = first + count
+    beyond = np.maximum(end - period, 0)
+    return (first, np.minimum(end, period)), (np.zeros_like(beyond), beyond)
