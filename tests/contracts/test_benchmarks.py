@@ -9,6 +9,7 @@ import pytest
 from reference.cli import build_parser
 from reference.errors import UsageError
 from tests.benchmarks.__main__ import parts
+from tests.mutants import matrix
 
 
 @pytest.mark.parametrize("quick", [True, False])
@@ -30,6 +31,14 @@ def test_every_script_is_among_them(monkeypatch):
     modules = {c[2] for c in parts(Path("out"), True).values()} - {"reference"}
     folder = Path(__file__).parents[1] / "benchmarks"
     assert modules == {f"tests.benchmarks.{f.stem}" for f in folder.glob("bench_*.py")}
+
+
+def test_the_kill_matrix_says_what_its_command_writes():
+    page = Path(__file__).parents[2] / "docs" / "explanation" / "kill_matrix.md"
+    text = page.read_text("utf-8")
+    said = [matrix.INTRODUCTION, matrix.KNOWN, matrix.FURTHER, matrix.SHIFTS]
+    said += [matrix.REUSE, matrix.UNSEEN, matrix.BLIND]
+    assert [part for part in said if part not in text] == []
 
 
 COUNT = """
