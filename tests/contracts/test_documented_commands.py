@@ -126,7 +126,7 @@ def usage():
     """Entries of the README's list of commands: name and text."""
     text = (ROOT / "README.md").read_text("utf-8")
     block = text.split("## The command line\n\n```\n")[1].split("```")[0]
-    return [entry.split(None, 1) for entry in block.split("restir ")[1:]]
+    return [entry.partition(" ")[::2] for entry in block.split("restir ")[1:]]
 
 
 def test_the_list_of_commands_is_whole_and_its_options_exist(capsys):
