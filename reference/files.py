@@ -39,7 +39,7 @@ def read_file(path: Path, most: int = MOST_BYTES) -> bytes:
     """
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
-        with open(descriptor, "rb") as file:
+        try:
             status = os.fstat(descriptor)
             if not S_ISREG(status.st_mode):
                 kind = "a folder" if S_ISDIR(status.st_mode) else "a device or a pipe"
@@ -49,7 +49,10 @@ def read_file(path: Path, most: int = MOST_BYTES) -> bytes:
                     f"cannot read {path}: it has {status.st_size:,} bytes; at most"
                     f" {most:,} can be read"
                 )
-            return file.read(status.st_size)
+            with open(descriptor, "rb", closefd=False) as file:
+                return file.read(status.st_size)
+        finally:
+            os.close(descriptor)
     except OSError as error:
         raise UsageError(
             f"cannot read {path}: {error.strerror}; name a file that exists"

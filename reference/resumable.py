@@ -24,7 +24,8 @@ class Source:
     advance : callable
         Adds samples.
     rays : callable
-        Tells how many rays they took so far, by kind.
+        Tells how many rays were traced so far, by kind: before the first sample those
+        that all samples share.
     """
 
     rows: int
@@ -83,13 +84,15 @@ def accumulate_resumably(
             " ask for at least as many, or delete it"
         )
     before, start = state, time.perf_counter()
+    # Rays that all samples share are traced again, and counted once.
+    again = Counter(source.rays()) if state.moments.count else Counter[str]()
     last = start if state.moments.count else 0.0  # the first state tests the disk
     saved = state
     tick(state.moments.count)
     try:
         for moments in in_batches(source.advance, state.moments, spp):
             spent = before.seconds + time.perf_counter() - start
-            rays = Counter(before.rays) + Counter(source.rays())
+            rays = Counter(before.rays) + (Counter(source.rays()) - again)
             state = Checkpoint(moments, spent, rays)
             tick(moments.count)
             if time.perf_counter() - last >= every or moments.count == spp:

@@ -3,18 +3,19 @@
 import argparse
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from contextlib import ExitStack
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from reference.commands.arguments import add_json, add_reading, add_scheduler
-from reference.commands.console import emit, progress, show
+from reference.commands.console import emit, progress, remark, show
 from reference.commands.opening import size_in_shape
 from reference.commands.targets import new_folder
-from reference.commands.values import amount, seconds, tiled_size, whole
+from reference.commands.values import amount, limit, seconds, tiled_size, whole
 from reference.errors import UsageError
 from reference.oracle.backends.command import PLACE
 from reference.oracle.backends.files import FilesBackend
@@ -68,11 +69,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=seconds,
         default=BUDGET,
         metavar="SECONDS",
-        help=f"no step of the ladder begins after that (default {BUDGET:g})",
+        help="in which the backend is loaded and asked; what has no time then is told"
+        f" (default {BUDGET:g})",
     )
     parser.add_argument(
         "--limit",
-        type=seconds,
+        type=limit,
         default=Limits().seconds,
         metavar="SECONDS",
         help=f"for one call of one pass (default {Limits().seconds:g})",
@@ -140,23 +142,28 @@ def run(arguments: argparse.Namespace) -> int:
     Returns
     -------
     int
-        Exit code: 0 pass, 1 fail, 3 undecided.
+        Exit code: 0 pass, 1 fail, 3 undecided; 1 also if the backend is wrong and
+        the report cannot be written.
 
     Raises
     ------
     UsageError
-        There is no such backend or folder.
+        There is no such backend or folder, or the report of a backend that is not
+        known to be wrong cannot be written.
     """
     verdict = _judge(arguments)
     plain = as_plain(verdict, arguments.backend, whole_contract())
+    emit(plain) if arguments.json else show(table(plain))
     if arguments.out is not None:
-        write_page(arguments.out, verdict, plain)
-    if arguments.json:
-        emit(plain)
-    else:
-        show(table(plain))
-        if arguments.out is not None:
-            show(f"{arguments.out / 'index.html'} shows where and why")
+        try:
+            write_page(arguments.out, verdict, plain)
+        except UsageError as error:
+            if verdict.status != "FAIL":
+                raise
+            remark(f"the report is not written: {error}")
+        else:
+            if not arguments.json:
+                show(f"{arguments.out / 'index.html'} shows where and why")
     return EXIT[verdict.status]
 
 
@@ -198,27 +205,25 @@ def _judge_renderer(arguments: argparse.Namespace) -> Verdict:
     )
     size = arguments.size or size_in_shape(scene.camera, PIXELS, TILES)
     limits = Limits(arguments.limit)
-    renderer = Renderer(
-        arguments.backend,
-        arguments.scene,
-        arguments.frames,
-        size,
-        limits,
-        arguments.layer,
-    )
     start = time.monotonic()
 
     def remaining() -> float:
         return float(start + arguments.budget - time.monotonic())
 
+    about = arguments.backend, arguments.scene, arguments.frames, size, limits
+    renderer = Renderer(*about, remaining, layer=arguments.layer)
+
     def truth() -> Truth:
-        return path_traced(scene, size, arguments.bounces, TRUTH_SAMPLES)
+        return path_traced(scene, size, arguments.bounces, TRUTH_SAMPLES, remaining)
 
     with progress("check") as tick, ExitStack() as stack:
         cluster = _cluster(arguments, stack)
-        pictures = partial(_ahead, cluster, renderer) if cluster else None
+        pictures = None
+        if cluster is not None:  # whose machines have clocks of their own
+            elsewhere = Renderer(*about, layer=arguments.layer)
+            pictures = partial(_ahead, cluster, elsewhere, remaining)
         rungs = renderer_rungs(renderer, truth, arguments.bound, remaining, pictures)
-        return climb(
+        verdict = climb(
             {},
             "float32",
             rungs,
@@ -226,9 +231,13 @@ def _judge_renderer(arguments: argparse.Namespace) -> Verdict:
             time.monotonic,
             lambda title: tick(0, 1, title),
         )
+    return replace(verdict, left_running=sum(renderer.left_running))
 
 
 def _ahead(
-    cluster: Executor, renderer: Renderer, seeds: Iterator[int]
+    cluster: Executor,
+    renderer: Renderer,
+    remaining: Callable[[], float],
+    seeds: Iterator[int],
 ) -> Iterator[Any]:
-    return ahead(cluster, renderer.render, seeds, AHEAD)
+    return ahead(cluster, renderer.render, seeds, AHEAD, remaining)

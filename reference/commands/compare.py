@@ -91,6 +91,8 @@ def run(arguments: argparse.Namespace) -> int:
         )
     else:
         if unlike:
+            certain = "" if any(one.certain for one in unlike) else " known to be"
+            show(f"Not{certain} pictures of the same thing:")
             show(_differences(unlike))
         show(_table(numbers, str(a), str(b)))
         if within is not None:
@@ -110,15 +112,7 @@ def _within(numbers: Comparison, tolerance: float | None) -> bool | None:
 
 
 def _differences(unlike: list[Difference]) -> Table:
-    certain = any(one.certain for one in unlike)
-    table = Table(
-        title="Not pictures of the same thing"
-        if certain
-        else "Not known to be pictures of the same thing",
-        title_justify="left",
-    )
-    for heading in ("differs", "A", "B"):
-        table.add_column(heading)
+    table = Table("differs", "A", "B")
     for one in sorted(unlike, key=lambda one: not one.certain):
         table.add_row(one.what, one.a or "not known", one.b or "not known")
     return table

@@ -3,7 +3,7 @@
 import argparse
 
 from reference.commands.arguments import add_json, add_reading
-from reference.commands.console import emit, progress, show
+from reference.commands.console import emit, progress, remark, show
 from reference.commands.targets import new_folder
 from reference.commands.values import whole
 from reference.oracle.frames import frame_cases
@@ -31,7 +31,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_reading(parser)
     parser.add_argument(
-        "--out", type=new_folder, required=True, metavar="DIR", help="new folder"
+        "--out",
+        type=new_folder,
+        required=True,
+        metavar="DIR",
+        help="new folder, or a golden one, whose own files are replaced",
     )
     parser.add_argument(
         "--size",
@@ -81,7 +85,12 @@ def run(arguments: argparse.Namespace) -> None:
     probes += [replayed("L3", case) for case in frame_cases(at, precision)]
     about = {"scene": scene.name, "size": arguments.size, "seed": arguments.seed}
     with progress("golden") as tick:
-        write_golden(out, whole_contract(), precision, probes, about, tick)
+        kept = write_golden(out, whole_contract(), precision, probes, about, tick)
+    if kept:
+        remark(
+            f"{out} keeps {len(kept)} files that are not golden data, such as"
+            f" {kept[0]}; results there are of the data before"
+        )
     if arguments.json:
         emit({"out": str(out), "cases": [p.case.name for p in probes], **about})
         return

@@ -10,6 +10,7 @@ MOST_PIXELS_A_SIDE = 2**14
 MOST_SAMPLES = 2**27 - 1
 MOST_SEED = 2**27 - 1
 MOST = 1e9
+LEAST_LIMIT = 0.1  # seconds
 Size = tuple[int, int]
 
 
@@ -146,3 +147,29 @@ def seconds(text: str) -> float:
         raise argparse.ArgumentTypeError(
             f"{text!r} is not a number of seconds from 0 to {MOST:g}"
         ) from error
+
+
+def limit(text: str) -> float:
+    """Time that one call may take, from text.
+
+    Parameters
+    ----------
+    text : str
+        A number.
+
+    Returns
+    -------
+    float, s
+        At least `LEAST_LIMIT`.
+
+    Raises
+    ------
+    ArgumentTypeError
+        It is no such number.
+    """
+    value = seconds(text)
+    if value < LEAST_LIMIT:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is less than {LEAST_LIMIT:g} s, which a process takes to start"
+        )
+    return value

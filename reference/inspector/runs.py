@@ -1,5 +1,6 @@
 """A picture's file as a run to look into: made again where its header tells how."""
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, get_args
@@ -119,10 +120,13 @@ def job_of(
 
 
 def _whole(words: Mapping[str, str], name: str, least: int, most: int) -> int:
-    number = int(words[name])
-    if not least <= number <= most:
-        raise ValueError(f"{name}={number} is out of range: {least} to {most}")
-    return number
+    text = words[name]
+    is_number = re.fullmatch(r"\d{1,19}", text, re.ASCII)
+    if not (is_number and least <= int(text) <= most):
+        raise ValueError(
+            f"{name}={text:.40} is out of range: whole numbers, {least} to {most}"
+        )
+    return int(text)
 
 
 def _light(text: str) -> Light:
@@ -130,7 +134,7 @@ def _light(text: str) -> Light:
         if text == light:
             known: Light = light
             return known
-    raise ValueError(f"light={text}")
+    raise ValueError(f"light={text!r:.40} is none of {', '.join(get_args(Light))}")
 
 
 def _assignments(words: Mapping[str, str]) -> list[str]:

@@ -1,7 +1,6 @@
 """Buffers of a case as the parts of one OpenEXR file."""
 
 from collections.abc import Mapping
-from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,7 @@ from reference.exr_parts import decode
 from reference.files import read_file
 from reference.oracle.cases import Case, Failure, output_shapes
 from reference.oracle.contract.fields import Passes, dtype_of
-from reference.oracle.raw import MOST_MORE, MOST_TIMES
+from reference.oracle.raw import MOST_MORE, MOST_TIMES, outputs_size
 
 VECTOR = ("R", "G", "B")
 
@@ -56,15 +55,12 @@ def read_frames(
         In the types of single precision.
     """
     try:
-        promised = sum(
-            4 * prod(shape) for shape in output_shapes(passes, case).values()
-        )
+        promised = outputs_size(passes, "float32", case)
         contents = read_file(path, MOST_TIMES * promised + MOST_MORE)
-        parts = {
-            part.name(): part.channels for part in decode(path, contents, case.rows)
-        }
+        decoded = decode(path, contents, case.rows)
     except UsageError as error:
         return Failure(f"{case.name}: {error}")
+    parts = {part.name(): part.channels for part in decoded}
     found: dict[str, NDArray[Any]] = {}
     shapes = output_shapes(passes, case)
     for field in (*passes[case.pass_name].outputs, *passes[case.pass_name].terms):

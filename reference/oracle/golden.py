@@ -8,10 +8,9 @@ buffer.  A backend writes ``out/*.raw``, or ``out.npz``, or ``out/out.exr``.
 
 import json
 import os
-import shutil
-import tempfile
 from collections.abc import Callable
-from pathlib import Path
+from contextlib import suppress
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import numpy as np
@@ -19,7 +18,8 @@ from numpy.typing import NDArray
 
 from reference.errors import UsageError
 from reference.exactness.registry import limits_of
-from reference.files import make_folder, read_file
+from reference.files import make_folder, read_file, write_file
+from reference.leftovers import scratch_folder, sweep
 from reference.oracle.buffers import given
 from reference.oracle.builtin.backend import BuiltIn
 from reference.oracle.cases import Case
@@ -80,13 +80,14 @@ def write_golden(
     probes: list[Probe],
     about: dict[str, Any],
     tell: Callable[[int, int, str], None],
-) -> None:
-    """Write a golden folder, whole or not at all.
+) -> list[str]:
+    """Write a golden folder.
 
     Parameters
     ----------
     folder : Path
-        Does not exist, or is empty, or is a golden folder, which is replaced.
+        Does not exist, or is empty, or is a golden folder: what that lists in its
+        manifest is replaced, and everything else in it is kept.
     passes : mapping of str to Pass
         The contract.
     precision : 'float32' or 'float64'
@@ -98,53 +99,50 @@ def write_golden(
     tell : callable
         Told how many cases are done, of how many.
 
+    Returns
+    -------
+    list of str
+        Files that were kept: results of a backend, from the data that were replaced.
+
     Raises
     ------
     UsageError
         The folder holds something else, or cannot be written.
+
+    Notes
+    -----
+    The new files are whole, in a hidden folder within this one, before the first old
+    one is moved; an error moves all back.
     """
-    _refuse_what_is_not_golden(folder)
-    make_folder(folder.parent)
+    is_new = False
     try:
-        new = Path(tempfile.mkdtemp(prefix=f".{folder.name}-", dir=folder.parent))
-    except OSError as error:
-        raise UsageError(
-            f"--out {folder}: cannot write beside it: {error.strerror}"
-        ) from error
-    try:
-        cases = [probe.case for probe in probes]
-        write_cases(new, passes, precision, cases)
-        for number, probe in enumerate(probes):
-            _write_case(new / probe.case.name, precision, probe)
-            tell(number + 1, len(probes), "cases")
-        entries = [
-            {
-                "name": p.case.name,
-                "pass": p.case.pass_name,
-                "rung": p.rung,
-                "rows": p.case.rows,
-                "random": p.case.random,
-                "width": p.case.width,
+        old = _files_of_ours(folder)
+        is_new = not folder.exists()
+        make_folder(folder)
+        with scratch_folder("golden", folder) as space:
+            new = space / "new"
+            cases = [probe.case for probe in probes]
+            write_cases(new, passes, precision, cases)
+            for number, probe in enumerate(probes):
+                _write_case(new / probe.case.name, precision, probe)
+                tell(number + 1, len(probes), "cases")
+            manifest = {
+                "form": FORM,
+                "version": project_version(),
+                "precision": precision,
+                **about,
+                "limits": {name: limits_of(name) for name in passes if limits_of(name)},
+                "cases": [_entry(probe) for probe in probes],
             }
-            for p in probes
-        ]
-        manifest = {
-            "form": FORM,
-            "version": project_version(),
-            "precision": precision,
-            **about,
-            "limits": {name: limits_of(name) for name in passes if limits_of(name)},
-            "cases": entries,
-        }
-        (new / MANIFEST).write_text(json.dumps(manifest, indent=1), encoding="utf-8")
-        new.chmod(0o755)
-        if folder.exists():
-            shutil.rmtree(folder)
-        os.replace(new, folder)
+            _replace(folder, space, old, manifest)
+        kept = set(_files_below(folder)) - {*manifest["files"]}
     except OSError as error:
         raise UsageError(f"cannot write {folder}: {error.strerror}") from error
     finally:
-        shutil.rmtree(new, ignore_errors=True)
+        if is_new:
+            with suppress(OSError):  # it is in use, unless nothing came of it
+                folder.rmdir()
+    return sorted(kept)
 
 
 def read_golden(folder: Path) -> tuple[Precision, list[Probe]]:
@@ -220,12 +218,110 @@ def _write_case(folder: Path, precision: Precision, probe: Probe) -> None:
         write_frames(folder / "frame.exr", case.width, parts)
 
 
-def _refuse_what_is_not_golden(folder: Path) -> None:
+def _entry(probe: Probe) -> dict[str, Any]:
+    case = probe.case
+    return {
+        "name": case.name,
+        "pass": case.pass_name,
+        "rung": probe.rung,
+        "rows": case.rows,
+        "random": case.random,
+        "width": case.width,
+    }
+
+
+def _files_of_ours(folder: Path) -> list[str]:
+    """Files that a folder lists in its manifest; or raise if it is a foreign one."""
     if not folder.exists():
-        return
+        return []
     if not folder.is_dir():
         raise UsageError(f"--out {folder} is not a folder; name one")
-    if any(folder.iterdir()) and not (folder / MANIFEST).exists():
+    sweep(folder)
+    try:
+        if not any(folder.iterdir()):
+            return []
+        manifest = json.loads(read_file(folder / MANIFEST))
+        if manifest["form"] != FORM:
+            raise ValueError
+    except (UsageError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise UsageError(
             f"--out {folder} holds something else than golden data; name another"
+        ) from error
+    listed = manifest.get("files")
+    if not isinstance(listed, list) or not all(isinstance(n, str) for n in listed):
+        raise UsageError(
+            f"--out {folder} is of a version that did not list its files; delete it, or"
+            " name another"
         )
+    return [name for name in listed if _is_ours(folder, name)]
+
+
+def _is_ours(folder: Path, name: str) -> bool:
+    """Whether a name in a manifest is a file in this folder, and no result."""
+    path = PurePosixPath(name)
+    above = [folder / part for part in path.parents if part.name]
+    return (
+        not path.is_absolute()
+        and ".." not in path.parts
+        and path.parts[1:2] != ("out",)
+        and not any(part.is_symlink() for part in above)
+        and (folder / path).is_file()
+    )
+
+
+def _replace(
+    folder: Path, space: Path, old: list[str], manifest: dict[str, Any]
+) -> None:
+    """Move old files aside, and new ones in; the manifest is the last.
+
+    After a kill the folder has a manifest that lists all that may be of ours, so that
+    the next run can replace it, and no cases, so that nobody reads it.
+    """
+    made = _files_below(space / "new")
+    manifest["files"] = [*made, MANIFEST]
+    for name in made:
+        if name not in old and os.path.lexists(folder / name):
+            raise UsageError(
+                f"--out {folder} holds {name}, which is not golden data; name another"
+            )
+    last = folder / MANIFEST
+    before = read_file(last) if last.exists() else None
+    between = {"form": FORM, "files": sorted({*old, *made, MANIFEST})}
+    moves = [(folder / n, space / "old" / n) for n in old if n != MANIFEST]
+    moves += [(space / "new" / n, folder / n) for n in made]
+    done: list[tuple[Path, Path]] = []
+    try:
+        write_file(last, json.dumps(between).encode())
+        for here, there in moves:
+            _move(here, there)
+            done.append((here, there))
+        _remove_empty_folders(folder, old)
+        for entry in manifest["cases"]:
+            (folder / entry["name"] / "out").mkdir(exist_ok=True)
+        write_file(last, json.dumps(manifest, indent=1).encode())
+    except BaseException:  # Ctrl-C too
+        for here, there in reversed(done):
+            _move(there, here)
+        last.unlink() if before is None else write_file(last, before)
+        raise
+
+
+def _move(here: Path, there: Path) -> None:
+    there.parent.mkdir(parents=True, exist_ok=True)
+    here.rename(there)
+
+
+def _remove_empty_folders(folder: Path, old: list[str]) -> None:
+    above = {path for name in old for path in PurePosixPath(name).parents if path.name}
+    above |= {path / "out" for path in above if len(path.parts) == 1}
+    for path in sorted(above, reverse=True):
+        with suppress(OSError):  # something is in it
+            (folder / path).rmdir()
+
+
+def _files_below(folder: Path) -> list[str]:
+    return sorted(
+        (Path(above) / name).relative_to(folder).as_posix()
+        for above, _, names in os.walk(folder)
+        for name in names
+    )

@@ -55,9 +55,8 @@ def ladder(passes: Passes, backend: Backend) -> Iterator[Rung]:
             chosen = [probe for probe in probes if probe.rung == rung]
             if chosen:
                 more = part.frames if rung == "L3" else no_frames
-                take = partial(
-                    _asked_of_part, passes, backend, rung, part.title, chosen, more
-                )
+                about = rung, part.title, chosen, more
+                take = partial(_asked_of_part, passes, backend, *about)
                 yield rung, part.title, take
 
     yield rung_of("L0", "kernels", partial(kernel_probes, precision))

@@ -19,6 +19,9 @@ from reference.scene.geometry import Geometry, barycentric, texture_coordinates
 from reference.scene.texel_sums import TexelSums, texels
 from reference.scene.textures import read
 
+CELLS_A_TEXEL = 2.0
+"""Cells along a side of a texel: most of them then show one texel alone."""
+
 MOST_ON_A_SIDE = 64
 """Cells along a side of the square of a triangle."""
 
@@ -212,15 +215,15 @@ def _cells(geometry: Geometry, primitive: Indices, side: Indices) -> _Cells:
 
 
 def _sides(geometry: Geometry, texture: Indices, primitive: Indices) -> Indices:
-    """About a cell a texel, within the limits."""
+    """Along each side ``CELLS_A_TEXEL``, within the limits."""
     cells = _cells(geometry, primitive, np.ones(len(primitive), np.int64))
-    across = np.ones(len(primitive))
+    across = np.zeros(len(primitive))
     for k, one in enumerate(geometry.emission_textures):
         rows = np.flatnonzero(texture[primitive] == k)
         extent = (cells.high[rows] - cells.low[rows]) * one.scale
         across[rows] = np.max(np.abs(extent) * texels(one).shape[1::-1], axis=1)
-    across[primitive >= geometry.triangles] = 1.0
-    side = np.ceil(np.clip(across, 1.0, MOST_ON_A_SIDE))
+    across[primitive >= geometry.triangles] = 0.0
+    side = np.ceil(np.clip(across * CELLS_A_TEXEL, 1.0, MOST_ON_A_SIDE))
     excess = np.sum(side * side) / MOST_CELLS
     if excess > 1:
         side = np.maximum(np.floor(side / np.sqrt(excess)), 1.0)

@@ -15,7 +15,7 @@ from reference.scene.materials.kinds import (
 from reference.scene.materials.parameters import Kind, kind_of
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh, Sphere, emits
-from reference.scene.textures import Bitmap, Checker, color_range
+from reference.scene.textures import Pattern, color_range
 
 Shape = Mesh | Sphere
 
@@ -115,7 +115,7 @@ def _made_of(test: Callable[[Material], bool]) -> Callable[[Scene], str]:
 
 def _is_textured(material: Material) -> bool:
     return not isinstance(material, Dielectric) and isinstance(
-        material.reflectance, Bitmap | Checker
+        material.reflectance, Pattern
     )
 
 
@@ -145,6 +145,10 @@ def _smooth(scene: Scene) -> str:
 
 def _area_lights(scene: Scene) -> str:
     return _listed(shape for shape in _shapes(scene) if emits(shape))
+
+
+def _glows_unevenly(shape: Shape) -> bool:
+    return emits(shape) and isinstance(shape.emission, Pattern)
 
 
 def _count(number: int, what: str) -> str:
@@ -205,7 +209,18 @@ _FEATURES: tuple[tuple[str, Callable[[Scene], str], str], ...] = (
         "no light is scattered through a surface",
     ),
     ("area lights", _area_lights, "no shape emits"),
+    (
+        "textured lights",
+        lambda s: _listed(m for m in _shapes(s) if _glows_unevenly(m)),
+        "all of a shape emits the same radiance",
+    ),
+    (
+        "lights of two sides",
+        lambda s: _listed(m for m in _shapes(s) if emits(m) and m.two_sided_emission),
+        "light leaves fronts alone",
+    ),
     ("point lights", lambda s: _count(len(s.points), "point light"), "none"),
+    ("spot lights", lambda s: _count(len(s.spots), "spot light"), "none"),
     ("suns", lambda s: _count(len(s.suns), "sun"), "none"),
     ("environment", _environment, "black beyond the scene"),
     (

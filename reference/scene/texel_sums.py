@@ -6,7 +6,7 @@ import numpy as np
 
 from reference.arrays import Indices, Scalars, Vec3s
 from reference.images import luminance_weights
-from reference.scene.textures import Bitmap, Pattern
+from reference.scene.textures import Bitmap, Pattern, Wrap
 
 LEAST_SHARE = 1e-3
 """Least weight of a cell that emits, in means of its texture.
@@ -49,6 +49,8 @@ class TexelSums:
         As many of these texels are above 0 in any channel.
     scale : (float, float)
         Repetitions along u and v.
+    wrap : (Wrap, Wrap)
+        How the texture goes on beyond the unit square along u and v.
     reach : float
         Texels by which a rectangle is widened: what interpolation blends in.
     least : float
@@ -58,6 +60,7 @@ class TexelSums:
     sums: Scalars
     lit: Indices
     scale: tuple[float, float]
+    wrap: tuple[Wrap, Wrap]
     reach: float
     least: float
 
@@ -83,6 +86,7 @@ class TexelSums:
             sums=np.pad(luminance, ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1),
             lit=np.pad(lit, ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1),
             scale=texture.scale,
+            wrap=getattr(texture, "wrap", ("repeat", "repeat")),
             reach=(0.5 if smooth else 0.0) + SLACK,
             least=LEAST_SHARE * float(luminance.mean()),
         )
@@ -101,21 +105,36 @@ class TexelSums:
             Positive wherever the texture is above 0 anywhere in the rectangle.
         """
         height, width = self.sums.shape[0] - 1, self.sums.shape[1] - 1
-        u = low[:, 0] * self.scale[0] * width, high[:, 0] * self.scale[0] * width
-        v = low[:, 1] * self.scale[1], high[:, 1] * self.scale[1]
-        columns = self._texels(*u, width)
-        rows = self._texels((1.0 - v[0]) * height, (1.0 - v[1]) * height, height)
+        (u0, v0), (u1, v1) = low.T, high.T
+        across, up = self.scale
+        left, right = u0 * across * width, u1 * across * width
+        top, bottom = (1.0 - v1 * up) * height, (1.0 - v0 * up) * height
+        columns = _texels(left, right, self.reach, width, self.wrap[0])
+        rows = _texels(top, bottom, self.reach, height, self.wrap[1])
         lit = _box_sums(self.lit, rows, columns)
         mean = _box_sums(self.sums, rows, columns) / (rows[1] * columns[1])
         return np.where(lit > 0, np.maximum(mean, self.least), 0.0)
 
-    def _texels(self, a: Scalars, b: Scalars, period: int) -> tuple[Indices, Indices]:
-        """First texel of an interval, in [0, period), and how many follow from it."""
-        first = np.floor(np.minimum(a, b) - self.reach)
-        last = np.floor(np.maximum(a, b) + self.reach)
-        count = np.clip(last - first + 1.0, 1.0, period)
-        first = np.clip(first - np.floor(first / period) * period, 0.0, period - 1.0)
-        return first.astype(np.int64), count.astype(np.int64)
+
+def _texels(
+    a: Scalars, b: Scalars, reach: float, count: int, wrap: Wrap
+) -> tuple[Indices, Indices]:
+    """First texel of those that an interval shows, and how many follow, going round."""
+    first, last = np.floor(np.minimum(a, b) - reach), np.floor(np.maximum(a, b) + reach)
+    many = np.minimum(last - first + 1.0, count)
+    if wrap == "clamp":
+        first, last = np.clip(first, 0, count - 1), np.clip(last, 0, count - 1)
+        many = last - first + 1.0
+    elif wrap == "repeat":
+        first = np.mod(first, count)
+    else:
+        # There and back: an interval with a turn in it shows all of them, at most.
+        turns = np.floor(first / count) != np.floor(last / count)
+        ends = [np.mod(end, 2 * count) for end in (first, last)]
+        ends = [np.minimum(end, 2 * count - 1 - end) for end in ends]
+        first = np.where(turns, 0, np.minimum(*ends))
+        many = np.where(turns, count, np.maximum(*ends) - first + 1.0)
+    return first.astype(np.int64), many.astype(np.int64)
 
 
 def _box_sums(

@@ -4,7 +4,7 @@ from reference.oracle.ladder import scene_probes
 from reference.oracle.parts import whole_contract
 from reference.oracle.rungs.kernels import kernel_probes
 from reference.oracle.rungs.lattice import lattice_probes
-from reference.oracle.steps import Step, ask_all
+from reference.oracle.steps import asked
 from reference.oracle.verdict import climb
 
 CONTRACT = whole_contract()
@@ -43,7 +43,7 @@ def short_ladder(backend, probes):
     """Verdict by probes that are made once for all mistakes."""
 
     def take():
-        return Step("L3", "all", ask_all(CONTRACT, backend, probes))
+        return asked("L3", "all", CONTRACT, backend, probes)
 
     rungs = iter([("L3", "all", take)])
     try:

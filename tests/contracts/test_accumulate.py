@@ -315,6 +315,11 @@ def test_a_run_goes_on_after_its_end(tmp_path, start, name):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="other signals there")
+def rays_of(image):
+    """Rays by kind, as the header has them."""
+    return {k: n for k, n in image.metadata.items() if k.startswith("rays.")}
+
+
 def test_a_run_survives_many_kills(tmp_path, uninterrupted, start):
     """Killed at any moment, also while it writes."""
     out = tmp_path / "truth.exr"
@@ -336,6 +341,7 @@ def test_a_run_survives_many_kills(tmp_path, uninterrupted, start):
         assert seen >= before
     assert main(command(out, 600)) == 0
     assert_same_pixels(out, uninterrupted)
+    assert rays_of(read_exr(out)) == rays_of(uninterrupted)
 
 
 def test_a_kept_checkpoint_goes_on_to_more_samples(tmp_path, uninterrupted, capsys):
@@ -353,6 +359,8 @@ def test_a_kept_checkpoint_goes_on_to_more_samples(tmp_path, uninterrupted, caps
     assert "has 150 samples already, more than --spp 100" in capsys.readouterr().err
     assert main(command(out, 600)) == 0
     assert_same_pixels(out, uninterrupted)
+    # Each ray once: also those that are traced anew whenever the scene is opened.
+    assert rays_of(read_exr(out)) == rays_of(uninterrupted)
     assert not checkpoint.exists()
 
 

@@ -10,6 +10,7 @@ such reason must still be needed.
 import os
 import re
 import sys
+from functools import cache
 
 import pytest
 import trimesh
@@ -54,8 +55,11 @@ LONG = {
 """Commands of our own that are parsed and do not run, and why."""
 
 
+parser = cache(build_parser)
+
+
 def parsed(words):
-    return build_parser().parse_args(list(words))
+    return parser().parse_args(list(words))
 
 
 # ---------------------------------------------------------------- parsed

@@ -5,6 +5,7 @@ scene, a harmless one does not, and one that is replaced is refused by name, or 
 under --lenient.  The values are none of Mitsuba's defaults.
 """
 
+import re
 from dataclasses import fields, is_dataclass
 
 import numpy as np
@@ -30,6 +31,13 @@ PLY = (
     "property list uchar int vertex_indices\nend_header\n"
     "0 0 0 0 0.6 0.8 0 0\n1 0 0 0 0.6 0.8 1 0\n0 1 0 0 0.6 0.8 0 1\n3 0 1 2\n"
 )
+
+
+COLORED = PLY.replace(
+    "element face 1",
+    "property float r\nproperty float g\nproperty float b\nelement face 1",
+)
+COLORED = re.sub(r"(0\.8 \d \d)\n", r"\1 0.1 0.5 0.9\n", COLORED)
 
 
 def tag(kind, name, value):
@@ -67,6 +75,8 @@ INNER = {
     "bitmap": text("filename", "a.png"),
     "envmap": text("filename", "a.png"),
     "instance": plugin("shape", "shapegroup", plugin("shape", "cube")),
+    "mask": number("opacity", 1) + plugin("bsdf", "diffuse"),
+    "mesh_attribute": text("name", "vertex_color"),
     "merge": plugin("shape", "cube"),
     "obj": text("filename", "a.obj"),
     "ply": text("filename", "a.ply"),
@@ -158,6 +168,8 @@ def holder(kind, element):
     if kind == "texture":
         element = element.replace("<texture", '<texture name="reflectance"', 1)
         element = plugin("bsdf", "diffuse", element)
+    if kind == "texture" and "mesh_attribute" in element:
+        return plugin("shape", "ply", text("filename", "c.ply") + element)
     if kind in ("texture", "bsdf"):
         return plugin("shape", "rectangle", element)
     if kind == "film":
@@ -192,6 +204,8 @@ def scenes_of(word):
         inside = number("scale", 0.75)
     if word.element == "ply" and name == "flip_tex_coords":
         inside = flag("flip_tex_coords")
+    if word.element == "mesh_attribute" and name == "name":
+        return holder(kind, ""), holder(kind, plugin(kind, word.element, least))
     if word.element == "spot" and name == "texture":
         inside = plugin("texture", "bitmap", INNER["bitmap"], "texture")
     if f'name="{name}"' in least or f"<{name} " in least:  # it is never without
@@ -219,6 +233,7 @@ def folder(tmp_path_factory):
     Image.fromarray(PICTURE).save(path / "a.png")
     (path / "a.obj").write_text(OBJ)
     (path / "a.ply").write_text(PLY)
+    (path / "c.ply").write_text(COLORED)
     (path / "more").mkdir()
     (path / "more" / "b.obj").write_text(OBJ)
     (path / "part.xml").write_text(f'<scene version="3.0.0">{LAMP_SHAPE}</scene>')

@@ -1,14 +1,20 @@
 """Golden folders: whole, read by a program of ten lines, and judged."""
 
+import errno
 import json
 import shutil
+import signal
 import struct
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import OpenEXR
 import pytest
 
 from reference.errors import UsageError
+from reference.leftovers import sweep
 from reference.oracle.backends.files import FilesBackend
 from reference.oracle.exr_frames import write_frames
 from reference.oracle.frames import frame_cases
@@ -26,6 +32,14 @@ from reference.scene.catalogue.registry import find_scene
 CONTRACT = whole_contract()
 
 SIZE = 12
+
+
+def write_few(folder):
+    """Golden data of the kernels alone, which are made quickly."""
+    about = {"scene": "cornell-box", "size": SIZE, "seed": 3}
+    probes = kernel_probes("float32")[::4]
+    write_golden(folder, CONTRACT, "float32", probes, about, lambda *told: None)
+    return folder
 
 
 def write(folder, precision="float32"):
@@ -151,18 +165,130 @@ def test_a_corrupt_file_is_a_fault_and_not_the_end(copy):
     assert "out.exr" in text
 
 
-def test_a_folder_with_something_else_is_not_replaced(tmp_path):
-    (tmp_path / "thesis.tex").write_text("years of work")
-    with pytest.raises(UsageError, match="something else"):
-        write(tmp_path)
-    assert (tmp_path / "thesis.tex").exists()
+FOREIGN = {
+    "nothing of ours": {"thesis.tex": "years of work"},
+    "a manifest of another program": {"manifest.json": '{"name": "app"}'},
+    "a manifest that is a list": {"manifest.json": "[]"},
+    "a manifest nested without end": {"manifest.json": 100_000 * "["},
+    "a hidden file": {".keep": ""},
+    "golden data that list no files": {
+        "manifest.json": '{"form": "restir-golden 1", "cases": []}'
+    },
+}
 
 
-def test_a_golden_folder_is_replaced_whole(copy):
-    (copy / "shade-cornell-box" / "out" / "color.raw").write_bytes(b"old")
-    write(copy)
-    assert not (copy / "shade-cornell-box" / "out" / "color.raw").exists()
-    assert [p.name for p in copy.parent.iterdir()] == [copy.name]
+def contents(folder):
+    files = (path for path in folder.rglob("*") if path.is_file())
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in files}
+
+
+@pytest.mark.parametrize("what", FOREIGN)
+def test_a_foreign_folder_is_left_alone(tmp_path, what):
+    folder = tmp_path / "folder"
+    for name, text in {**FOREIGN[what], "src/main.c": "int main;"}.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+    before = contents(folder)
+    with pytest.raises(UsageError, match=r"something else|did not list") as error:
+        write(folder)
+    assert len(str(error.value).splitlines()) == 1
+    assert contents(tmp_path / "folder") == before
+    assert [path.name for path in tmp_path.iterdir()] == ["folder"]
+
+
+@pytest.fixture
+def few(tmp_path):
+    return write_few(tmp_path / "few")
+
+
+CASE = kernel_probes("float32")[0].case.name
+
+
+def listed(folder):
+    return json.loads((folder / "manifest.json").read_text())["files"]
+
+
+def test_the_manifest_lists_every_file(golden):
+    assert sorted(contents(golden)) == sorted(listed(golden))
+
+
+def test_a_golden_folder_is_replaced_but_for_what_is_not_golden(few):
+    """Results of a backend and whatever else somebody has put there."""
+    mine = {
+        f"{CASE}/out/color.raw": b"result",
+        "notes.txt": b"mine",
+        "gone/out/W.raw": b"a result of a case that is gone",
+    }
+    stale = {"gone/in/u.raw": b"old", "empty/in/u.raw": b"old"}
+    for name, text in {**mine, **stale}.items():
+        (few / name).parent.mkdir(parents=True, exist_ok=True)
+        (few / name).write_bytes(text)
+    (few / "empty" / "out").mkdir()
+    (few / CASE / "in.npz").write_bytes(b"damaged")
+    manifest = json.loads((few / "manifest.json").read_text())
+    manifest["files"] += stale
+    (few / "manifest.json").write_text(json.dumps(manifest))
+    write_few(few)
+    left = contents(few)
+    assert {name: left.get(name) for name in mine} == mine
+    assert sorted(set(left) - set(mine)) == sorted(listed(few))
+    assert left[f"{CASE}/in.npz"] != b"damaged"
+    assert not (few / "empty").exists()
+    assert [p.name for p in few.parent.iterdir()] == [few.name]
+
+
+@pytest.mark.parametrize("name", ["../precious", "/precious", "link/precious"])
+def test_a_manifest_that_lists_what_lies_outside_is_not_believed(few, tmp_path, name):
+    outside = tmp_path / "precious"
+    outside.write_text("mine")
+    (few / "link").symlink_to(tmp_path)
+    manifest = json.loads((few / "manifest.json").read_text())
+    manifest["files"].append(str(tmp_path / "precious") if name[0] == "/" else name)
+    (few / "manifest.json").write_text(json.dumps(manifest))
+    write_few(few)
+    assert outside.read_text() == "mine"
+
+
+def test_an_error_half_way_moves_everything_back(few, monkeypatch):
+    before = contents(few)
+    rename, count = Path.rename, iter(range(10**6))
+
+    def fail(self, target):
+        if next(count) == 20:
+            raise OSError(errno.EIO, "input/output error")
+        return rename(self, target)
+
+    monkeypatch.setattr(Path, "rename", fail)
+    with pytest.raises(UsageError, match="input/output error"):
+        write_few(few)
+    monkeypatch.undo()
+    assert contents(few) == before
+
+
+def test_after_a_kill_half_way_the_next_run_goes_on(few, tmp_path):
+    (few / CASE / "out" / "color.raw").write_bytes(b"result")
+    script = f"""
+import os, signal, sys
+sys.path.insert(0, {str(Path(__file__).parents[2])!r})
+from pathlib import Path
+from tests.contracts.test_oracle_golden import write_few
+rename, count = Path.rename, iter(range(10**6))
+def killed(self, target):
+    if next(count) == 20:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return rename(self, target)
+Path.rename = killed
+write_few(Path({str(few)!r}))
+"""
+    run = subprocess.run([sys.executable, "-c", script], check=False)
+    assert run.returncode == -signal.SIGKILL
+    with pytest.raises(UsageError, match="is not the manifest"):
+        read_golden(few)
+    sweep.cache_clear()  # this process plays the next one
+    write_few(few)
+    left = contents(few)
+    assert left.pop(f"{CASE}/out/color.raw") == b"result"
+    assert sorted(left) == sorted(listed(few))
 
 
 @pytest.mark.parametrize("contents", ["", "[]", '{"form": "other", "cases": []}'])

@@ -8,6 +8,7 @@ import pytest
 
 from reference.errors import UsageError
 from reference.oracle import parts as module
+from reference.oracle import steps
 from reference.oracle.backends.inside import InsideBackend
 from reference.oracle.builtin.backend import FLOAT32
 from reference.oracle.cases import Case
@@ -20,7 +21,6 @@ from reference.oracle.replay.bounded import constant, exact, rounding_of
 from reference.oracle.replay.judgement import Judgement, beside
 from reference.oracle.rungs.kernels import kernel_probes
 from reference.oracle.rungs.replayed import replayed
-from reference.oracle.steps import ask_all
 
 DOUBLED = Pass(
     name="doubled",
@@ -171,11 +171,11 @@ class Scribbler:
 
 
 def test_what_a_backend_writes_into_its_inputs_is_nobody_elses():
-    asked = kernel_probes("float32")
-    before = [{k: a.copy() for k, a in p.case.inputs.items()} for p in asked]
+    probes = kernel_probes("float32")
+    before = [{k: a.copy() for k, a in p.case.inputs.items()} for p in probes]
     backend = InsideBackend(Scribbler())
-    answers = ask_all(whole_contract(), backend, asked)
+    answers = steps.asked("L0", "all", whole_contract(), backend, probes).answers
     assert all(one.finding.passed for one in answers)
-    for probe, inputs in zip(asked, before, strict=True):
+    for probe, inputs in zip(probes, before, strict=True):
         for name, array in inputs.items():
             np.testing.assert_array_equal(probe.case.inputs[name], array)

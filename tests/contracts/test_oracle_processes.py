@@ -11,7 +11,7 @@ from reference.oracle.backends.process import PythonBackend
 from reference.oracle.backends.running import Limits
 from reference.oracle.parts import whole_contract
 from reference.oracle.rungs.kernels import kernel_probes
-from reference.oracle.steps import ask_all
+from reference.oracle.steps import asked
 
 CONTRACT = whole_contract()
 
@@ -26,7 +26,7 @@ def probes():
 
 def answers(backend):
     try:
-        return ask_all(CONTRACT, backend, probes())
+        return asked("L0", "all", CONTRACT, backend, probes()).answers
     finally:
         backend.close()
 

@@ -38,7 +38,7 @@ class Pictures(Renderer):
 MEAN = 1 - np.exp(-6)
 """Of an exponential variable cut at 6."""
 
-KNOWN = Truth(np.full(17, MEAN), np.full(17, 1e-4))
+KNOWN = Truth(np.full(17, MEAN), np.full(17, 1e-4), 4096)
 
 
 def climb(renderer, bound=7.0, runs=300):

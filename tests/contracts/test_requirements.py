@@ -15,6 +15,7 @@ from reference.scene.lights import (
     DirectionalLight,
     LatLongEnvironment,
     PointLight,
+    SpotLight,
 )
 from reference.scene.materials.kinds import (
     Coated,
@@ -60,6 +61,8 @@ def lit_by(**lights):
 
 BALL = Sphere(name="it", center=(0, 1, 0), radius=0.5, material=GREY)
 WHITE = np.ones((2, 2, 3))
+GLOW, DARK = Checker((1.0, 0, 0), (0.0, 0, 0)), Bitmap(np.zeros((2, 2, 3)))
+SHINING = replace(BALL, emission=(1.0, 0, 0), two_sided_emission=True)
 METAL = (0.9, 0.9, 0.9)
 GLOSSY = "sample points that are not Lambertian"
 HIDES = "occlusion between points"
@@ -84,6 +87,22 @@ ADDED = {
         replace(LEAST, meshes=(FLOOR, replace(FLOOR, name="it", emission=(1.0, 0, 0)))),
         {"area lights", CHANCE},
     ),
+    "textured lamp": (
+        replace(LEAST, meshes=(FLOOR, replace(FLOOR, name="it", emission=GLOW))),
+        {"area lights", "textured lights", CHANCE},
+    ),
+    "black texture": (
+        replace(LEAST, meshes=(FLOOR, replace(FLOOR, name="it", emission=DARK))),
+        set(),
+    ),
+    "lamp of two sides": (
+        lit_by(spheres=(SHINING,)),
+        {"spheres", "area lights", "lights of two sides", HIDES, CHANCE},
+    ),
+    "spot light": (
+        lit_by(spots=(SpotLight((0, 1, 0), (0, -1, 0), (1.0, 1, 1), 30.0, 20.0),)),
+        {"spot lights"},
+    ),
     "point light": (
         lit_by(points=(PointLight((0, 1, 0), (1.0, 1, 1)),)),
         {"point lights"},
@@ -104,7 +123,7 @@ ADDED = {
 def test_each_part_asks_for_its_feature_and_for_no_other(case):
     scene, expected = ADDED[case]
     assert names(scene) == ALWAYS | expected
-    for name in expected - {"point lights", "environment", CHANCE}:
+    for name in expected - {"point lights", "spot lights", "environment", CHANCE}:
         assert name == HIDES or '"it"' in why(scene, name)
 
 

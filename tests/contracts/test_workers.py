@@ -22,6 +22,7 @@ from reference.oracle.backends.inside import InsideBackend
 from reference.oracle.backends.running import Limits
 from reference.oracle.blackbox.renderer import Renderer
 from reference.oracle.builtin.backend import BuiltIn
+from reference.oracle.cases import for_ever
 from reference.oracle.ladder import statistical_rungs
 from reference.oracle.parts import whole_contract
 from reference.oracle.rungs.means import mean_over_runs, replicates
@@ -116,9 +117,9 @@ def slowly(number):
 
 def test_results_that_are_asked_for_in_order_come_in_order():
     with workers(2) as executor:
-        found = list(islice(ahead(executor, slowly, count(), 4), 6))
+        found = list(islice(ahead(executor, slowly, count(), 4, for_ever), 6))
         assert found == [0, 1, 4, 9, 16, 25]
-        assert list(ahead(executor, slowly, range(3), 8)) == [0, 1, 4]
+        assert list(ahead(executor, slowly, range(3), 8, for_ever)) == [0, 1, 4]
 
 
 def test_a_cluster_accumulates_the_same_truth(tmp_path, capsys, monkeypatch):
@@ -159,7 +160,7 @@ def test_a_cluster_renders_the_pictures_of_a_renderer(tmp_path, capsys):
     renderer = Renderer(RENDER, "cornell-box", 1, (8, 8), Limits())
     with cluster(tmp_path) as (address, _):
         with workers(1, address) as executor:
-            found = list(ahead(executor, renderer.render, range(100, 104), 3))
+            found = list(ahead(executor, renderer.render, range(100, 104), 3, for_ever))
         about = ["check", RENDER, "--size", "8", "--budget", "25", "--json"]
         code = main([*about, "--scheduler", address])
     for seed, picture in enumerate(found, 100):

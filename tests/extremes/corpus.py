@@ -5,6 +5,7 @@ import json
 import random
 import re
 import struct
+import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from io import BytesIO
@@ -15,6 +16,7 @@ import OpenEXR
 from PIL import Image as Pillow
 
 from reference.exr import write_exr
+from reference.exr_parts import MAGIC
 from reference.images import Image
 from reference.oracle.golden import write_golden
 from reference.oracle.parts import whole_contract
@@ -27,6 +29,13 @@ NUMBERS = ("0", "-1", "1e308", "-1e308", "1e-320", "1e999", "nan", "inf", "9" * 
            "-0.0", "2147483648", "18446744073709551616", "0.1e", "--1", "")  # fmt: skip
 TEXTS = ("", "\x1b[2J\x07", "a\nb", "\0", "x" * 300, "é\u202e\u2028", "../../etc",
          "/dev/zero", "/dev/null/x", "[/red]", "{}", "%s%n")  # fmt: skip
+
+
+RUN = {
+    "scene": "cornell-box", "method": "restir-gi-biased", "light": "indirect",
+    "bounces": "1", "seed": "0", "frame": "0", "frames": "1", "spp": "1",
+}  # fmt: skip
+"""The header of a picture that can be made again."""
 
 
 @dataclass(frozen=True)
@@ -79,10 +88,27 @@ def write_corpus(folder: Path, mitsuba: bool) -> list[Entry]:
 
 
 def spoiled(contents: bytes, rng: random.Random) -> bytes:
-    """Contents with one to four faults."""
+    """Contents with one to four faults; of a picture often in what its header says."""
+    if contents.startswith(MAGIC) and rng.random() < 0.5:
+        return _with_words(rng)
     for _ in range(rng.choice((1, 1, 1, 2, 4))):
         contents = rng.choice(FAULTS)(contents, rng)
     return contents
+
+
+def _with_words(rng: random.Random) -> bytes:
+    """A sound picture whose header says what cannot be."""
+    words = dict(RUN)
+    for _ in range(rng.choice((1, 1, 2))):
+        key = rng.choice([*words, "settings.radius", "settings.temporal", "settings.x"])
+        words[key] = rng.choice((*NUMBERS, *TEXTS, "true", "path", "door-ajar"))
+        words[key] = words[key].replace("\0", "")  # no text of a header holds one
+    if rng.random() < 0.2:
+        del words[rng.choice(list(words))]
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "x.exr"
+        write_exr(path, Image(_reservoirs(), words))
+        return path.read_bytes()
 
 
 def _flip(contents: bytes, rng: random.Random) -> bytes:
@@ -293,17 +319,19 @@ MITSUBA = """<scene version="3.0.0">
 """
 
 
-def _write_pictures(folder: Path) -> None:
+def _reservoirs() -> dict[str, np.ndarray]:
     color = np.full((4, 4, 3), 0.5, np.float32)
+    return {"color": color, "M": color[..., :1], "W": color[..., :1]}
+
+
+def _write_pictures(folder: Path) -> None:
+    color = _reservoirs()["color"]
     words = {"scene": "cornell-box", "method": "path", "light": "indirect"}
     error = np.full((4, 4, 3), 0.01, np.float32)
     write_exr(
         folder / "ours.exr", Image({"color": color, "standard_error": error}, words)
     )
-    run = {"method": "restir-gi-biased", "bounces": "1", "seed": "0", "frame": "0",
-           "frames": "1", "spp": "1"}  # fmt: skip
-    layers = {"color": color, "M": color[..., :1], "W": color[..., :1]}
-    write_exr(folder / "restir.exr", Image(layers, words | run))
+    write_exr(folder / "restir.exr", Image(_reservoirs(), RUN))
     names = [f"ViewLayer.{kind}.{c}" for kind in ("Combined", "DiffDir") for c in "RGB"]
     channels = {name: color[..., 0].copy() for name in names}
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}

@@ -14,7 +14,7 @@ from typing import Any
 
 from reference.oracle import ladder as oracle
 from reference.oracle.builtin.backend import BuiltIn
-from reference.oracle.cases import Case, Failure, Outcome
+from reference.oracle.cases import Case, Failure, Outcome, for_ever
 from reference.oracle.contract.fields import Passes, Precision
 from reference.oracle.parts import whole_contract
 from reference.oracle.verdict import Verdict, climb
@@ -57,8 +57,13 @@ class Planted:
             warnings.simplefilter("ignore")
             return [self._outcome(case) for case in cases]
 
-    def close(self) -> None:
+    def remaining(self) -> float:
+        """Mutants are not timed."""
+        return for_ever()
+
+    def close(self) -> int:
         """Nothing is held."""
+        return 0
 
     def _outcome(self, case: Case) -> Outcome:
         run = getattr(BuiltIn(self.precision), case.pass_name)

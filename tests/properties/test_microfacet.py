@@ -1,4 +1,4 @@
-"""GGX microfacets: densities integrate to what they should, samplers follow them.
+"""Microfacets: densities integrate to what they should, samplers follow them.
 
 Determinants are taken by complex steps: the samplers run on complex numbers, and the
 imaginary part is the derivative, with no difference that could cancel.
@@ -10,11 +10,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.integrate import quad
+from scipy.special import erf
 
 from reference.arrays import cross, dot, length
 from reference.scene.materials.microfacet import (
+    beckmann_density,
+    beckmann_g1,
+    facing_share,
     ggx_density,
     reflect,
+    sample_facing_normal,
     sample_visible_normal,
     smith_g1,
 )
@@ -155,6 +160,108 @@ def test_seen_straight_on_the_normals_are_those_of_the_surface():
     h = sample_visible_normal(wo, np.full(64, 0.3), u, np.full(64, 0.125))
     tan2 = (h[:, 0] ** 2 + h[:, 1] ** 2) / h[:, 2] ** 2
     assert_allclose(tan2, 0.09 * u / (1 - u), rtol=1e3 * EPS)
+
+
+# ---------------------------------------------------------------- Beckmann
+
+
+@pytest.mark.parametrize("alpha", WIDTHS)
+def test_beckmanns_projected_density_integrates_to_1(alpha):
+    """In s = exp(-tan²θ / α²), by which D cos θ dω = ds dφ / 2π: an even integrand."""
+
+    def integrand(s):
+        tan2 = -(alpha**2) * np.log(s)
+        cos = 1 / np.sqrt(1 + tan2)
+        # d(cos θ) / ds, from cos θ = (1 + tan²)^(-1/2).
+        slope = 0.5 * cos**3 * alpha**2 / s
+        return 2 * np.pi * one(beckmann_density, cos, alpha) * cos * slope
+
+    total, error = quad(integrand, 1e-12, 1)
+    assert error < 2e-8
+    assert abs(total - 1) < 2e-8
+
+
+def smith_of_beckmann(cos, alpha):
+    """Smith's masking with the error function, to which the kernel has a fit."""
+    a = cos / (alpha * np.sqrt(1 - cos * cos))
+    return 2 / (1 + erf(a) + np.exp(-a * a) / (a * np.sqrt(np.pi)))
+
+
+@given(scalars(0.001, 0.999), scalars(0.001, 1))
+def test_beckmanns_masking_is_smiths_within_its_fit(cos, alpha):
+    """[Walter07] states 0.35 %."""
+    exact = smith_of_beckmann(cos, alpha)
+    assert (abs(beckmann_g1(cos, alpha) - exact) <= 0.0035 * exact).all()
+
+
+@given(scalars(0, 1), scalars(0.001, 1))
+def test_beckmanns_masking_is_a_share_that_grows_with_the_cosine(cos, alpha):
+    g = beckmann_g1(cos, alpha)
+    assert ((g >= 0) & (g <= 1)).all()
+    # The fit leaves 1 again at a = 1.6, where it is cut, by less than a rounding.
+    higher = np.minimum(cos + 0.01, 1.0)
+    assert (beckmann_g1(higher, alpha) >= g).all()
+
+
+def test_beckmann_at_the_ends():
+    alpha = np.full(3, 0.5)
+    cos = np.array([1.0, 0.0, -0.5])
+    assert_array_equal(beckmann_g1(cos, alpha), [1.0, 0.0, 0.0])
+    density = beckmann_density(cos, alpha)
+    assert_allclose(density, [1 / (np.pi * 0.25), 0.0, 0.0], rtol=4 * EPS)
+
+
+def facing_density(wo, h, alpha):
+    """Density of the sampler, as its docstring states it."""
+    cos_d = dot(wo, h)
+    share = facing_share(h[:, 2], wo[:, 2], cos_d)
+    return beckmann_density(h[:, 2], alpha) * np.maximum(cos_d, 0) * share / wo[:, 2]
+
+
+def turned(h):
+    return h * [-1.0, -1.0, 1.0]
+
+
+@given(views(), uniforms())
+def test_facing_normals_have_their_density(view, u3):
+    """The square is folded twice over the hemisphere: each normal and its opposite.
+
+    By u1 and u2 alone the density is the inverse of the determinant; u3 keeps a normal
+    or turns it, so that both together have what both had.  Rounding as for GGX: the
+    exponent tan²/α² is below -log(0.02) and off by 1 / α², 400 roundings at 0.05.
+    """
+    wo, alpha, u1, u2 = view
+    h = sample_facing_normal(wo, alpha, u1, u2, u3)
+    assert (abs(dot(h, h) - 1) <= 4 * EPS).all()
+    assert (h[:, 2] >= 0).all()
+    area = image_area(lambda a, b: sample_facing_normal(wo, alpha, a, b, u3), u1, u2)
+    both = facing_density(wo, h, alpha) + facing_density(wo, turned(h), alpha)
+    assert_allclose(0.5 * both * area, 1.0, rtol=1e6 * EPS)
+
+
+@given(views(), uniforms())
+def test_of_two_facing_normals_one_is_drawn_by_what_it_shows(view, u3):
+    """Kept if u3 is below its share of both densities; never one seen from behind."""
+    wo, alpha, u1, u2 = view
+    h = sample_facing_normal(wo, alpha, u1, u2, np.zeros_like(u1))
+    first = sample_facing_normal(wo, alpha, u1, u2, u3)
+    # With u3 = 0 the normal itself is kept, unless it shows nothing.
+    mine, other = facing_density(wo, h, alpha), facing_density(wo, turned(h), alpha)
+    share = mine / (mine + other)
+    sure = abs(u3 - share) > 1e3 * EPS
+    kept = abs(first - h).max(axis=1) == 0
+    assert_array_equal(kept[sure], (u3 < share)[sure])
+    assert (dot(wo, first) >= -8 * EPS).all()
+
+
+@given(views(), uniforms())
+def test_control_facing_normals_of_another_width_have_another_density(view, u3):
+    wo, alpha, u1, u2 = view
+    h = sample_facing_normal(wo, alpha, u1, u2, u3)
+    area = image_area(lambda a, b: sample_facing_normal(wo, alpha, a, b, u3), u1, u2)
+    wide = 1.01 * alpha
+    both = facing_density(wo, h, wide) + facing_density(wo, turned(h), wide)
+    assert not (abs(0.5 * both * area - 1) <= 1e6 * EPS).all()
 
 
 # ---------------------------------------------------------------- mirrors

@@ -25,7 +25,7 @@ from reference.oracle.rungs.law import SCENES as LAW_SCENES
 from reference.oracle.rungs.law import same_law
 from reference.oracle.rungs.means import mean_over_runs
 from reference.oracle.stage import SCENES
-from reference.oracle.steps import Step, ask_all
+from reference.oracle.steps import asked
 
 CONTRACT = whole_contract()
 
@@ -36,7 +36,7 @@ def faults(seed: int, seconds: float) -> Iterator[str]:
     probes = kernel_probes("float32", seed)
     for scene in SCENES:
         probes += scene_probes(scene, "float32", seed)
-    yield from Step("", "", ask_all(CONTRACT, backend, probes)).faults
+    yield from asked("", "", CONTRACT, backend, probes).faults
 
     def ask(case: Case) -> Buffers:
         outcome = backend.run(CONTRACT, [case])[0]

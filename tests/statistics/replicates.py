@@ -22,7 +22,7 @@ from reference.passes.receivers import Receivers
 from reference.passes.resample import resample
 from reference.passes.shade import shade
 from reference.passes.temporal import temporal_competition
-from reference.path_tracer import camera_radiance
+from reference.path_tracer import Light, camera_radiance
 from reference.records import concatenate, take
 from reference.restir_gi import next_frame
 from reference.rng import KeyedUniforms, Stream, UInts
@@ -171,12 +171,13 @@ def path_traced(
     samples: int,
     bounces: int = 1,
     jitter: np.random.Generator | None = None,
+    light: Light = "indirect",
 ) -> Means:
-    """Indirect light by the path tracer: the truth."""
+    """Light by the path tracer: the truth."""
 
     def color(points: SurfacePoints, pixel: UInts, number: int) -> Array:
         u = KeyedUniforms(pixel, number, SEED_OF_TRUTH, Stream.PATH)
-        return camera_radiance(world, points, "indirect", bounces, u)
+        return camera_radiance(world, points, light, bounces, u)
 
     return in_batches(world, samples, color, jitter)
 

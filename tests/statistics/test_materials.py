@@ -1,7 +1,7 @@
 """Draws of materials follow the densities that the materials state: χ² on the sphere.
 
-The hemisphere is cut into 20 x 24 cells of (cos θ, φ), and one cell more takes the
-draws that reflect nothing.  What a cell should hold is the density, integrated by
+The sphere is cut into 40 x 24 cells of (cos θ, φ), and one cell more takes the draws
+that reflect nothing.  What a cell should hold is the density, integrated by
 20 x 20 Gauss points; cells that expect fewer than 10 draws are pooled.  The numbers are
 those of fixed keys, so each test passes or fails for ever: with ideal numbers one of
 all would fail with probability 1e-5, by Šidák's rule [Sidak67].
@@ -18,12 +18,12 @@ from reference.records import take
 from reference.rng import KeyedUniforms, Stream
 from reference.scene.materials import bsdf_sampling, table
 from reference.scene.materials.coated import coat_probability
-from reference.scene.materials.kinds import Coated, Conductor, Lambertian
+from reference.scene.materials.kinds import Coated, Conductor, Dielectric, Lambertian
 from reference.scene.materials.parameters import tabulate
 from reference.scene.surface import SurfacePoints
 
 DRAWS = 2**17
-HEIGHTS, AZIMUTHS, ORDER = 20, 24, 20
+HEIGHTS, AZIMUTHS, ORDER = 40, 24, 20
 GREY = (0.6, 0.6, 0.6)
 
 MATERIALS = [
@@ -34,6 +34,10 @@ MATERIALS = [
     Coated(GREY, 0.3),
     Coated(GREY, 0.6, ior=1.8, nonlinear=True),
     Coated(GREY, 0.0),
+    Conductor(GREY, 0.3, distribution="beckmann"),
+    Coated(GREY, 0.6, distribution="beckmann"),
+    Dielectric(1.5, 0.4),
+    Dielectric(1.0 / 1.5, 0.3, "beckmann"),
 ]
 COSINES = [0.2, 0.6, 0.95]
 TESTS = len(MATERIALS) * len(COSINES)
@@ -62,7 +66,7 @@ def observed(materials, points):
     u = KeyedUniforms(np.arange(DRAWS, dtype=np.uint32), 3, 1, Stream.INITIAL).draw(2)
     drawn = bsdf_sampling.sample(materials, rows_of(points, DRAWS), u)
     wi = drawn.wi
-    height = np.clip(np.floor(wi[:, 2] * HEIGHTS), 0, HEIGHTS - 1).astype(int)
+    height = np.clip(np.floor((wi[:, 2] + 1) / 2 * HEIGHTS), 0, HEIGHTS - 1).astype(int)
     turns = np.arctan2(wi[:, 1], wi[:, 0]) / (2 * np.pi) % 1.0
     azimuth = np.minimum(np.floor(turns * AZIMUTHS), AZIMUTHS - 1).astype(int)
     cell = np.where(drawn.pdf > 0, height * AZIMUTHS + azimuth, HEIGHTS * AZIMUTHS)
@@ -77,9 +81,9 @@ def expected(materials, points):
         places = (np.arange(cells)[:, None] + (nodes + 1) / 2) / cells * length
         return places.ravel(), np.tile(weights / 2 / cells * length, cells)
 
-    cos, d_cos = split(HEIGHTS, 1.0)
+    height, d_cos = split(HEIGHTS, 2.0)
     phi, d_phi = split(AZIMUTHS, 2 * np.pi)
-    c, f = (grid.ravel() for grid in np.meshgrid(cos, phi, indexing="ij"))
+    c, f = (grid.ravel() for grid in np.meshgrid(height - 1, phi, indexing="ij"))
     s = np.sqrt(1 - c * c)
     wi = np.stack([s * np.cos(f), s * np.sin(f), c], axis=-1)
     mass = table.pdf(materials, rows_of(points, len(wi)), wi)

@@ -8,6 +8,11 @@ The image mean must agree within 0.5 %, and no 8 x 8 tile may leave its band.  A
 estimator fails the tiles of one scene with probability 1e-4, and the image mean with
 probability 2 Φ(-0.5 % / error), which is printed.  The control brightens the truth by
 2 %, which the image mean must notice.
+
+All light of a textured lamp and a spot, path traced, is held against Mitsuba in the
+same way, to 2 %: Mitsuba draws points all over the lamp, and its pictures are noisy.
+There the truth is brightened by 5 %, and a lamp in the mean colour of its texture is a
+control, too.
 """
 
 from dataclasses import replace
@@ -18,7 +23,10 @@ import pytest
 from scipy import stats
 
 from reference.accumulate import path_samples
+from reference.exr import write_exr
+from reference.images import Image
 from reference.scene.loaders.load import load_scene
+from reference.scene.textures import mean_color
 from reference.schedule import Schedule
 from reference.settings import UNBIASED
 from reference.world import World
@@ -27,6 +35,7 @@ from tests.statistics.replicates import (
     g_buffer,
     initially_sampled,
     means,
+    path_traced,
     runs_at_once,
     small_world,
     threshold,
@@ -40,8 +49,13 @@ BATCHES = 32
 AT_ONCE = 8
 
 
-def rendered(path: Path, width: int, height: int, samples: int) -> Means:
-    """One-bounce indirect light by Mitsuba, in independent batches."""
+def rendered(
+    path: Path, width: int, height: int, samples: int, depths: tuple[int, ...] = (3, 2)
+) -> Means:
+    """One-bounce indirect light by Mitsuba, in independent batches.
+
+    The first picture less the others: paths of so many segments at most.
+    """
     mitsuba.set_variant("scalar_rgb")
     scene = mitsuba.load_file(str(path))
     sensor = scene.sensors()[0]
@@ -52,7 +66,7 @@ def rendered(path: Path, width: int, height: int, samples: int) -> Means:
     rows = []
     for batch in range(BATCHES):
         pictures = []
-        for depth in (3, 2):
+        for depth in depths:
             options = {"type": "path", "max_depth": depth, "rr_depth": 1000}
             integrator = mitsuba.load_dict(options)
             seed = 2 * batch + depth
@@ -60,7 +74,7 @@ def rendered(path: Path, width: int, height: int, samples: int) -> Means:
                 scene, sensor=sensor, integrator=integrator, seed=seed, spp=samples
             )
             pictures.append(np.array(picture, np.float64)[..., :3].reshape(-1, 3))
-        rows.append(pictures[0] - pictures[1])
+        rows.append(pictures[0] - sum(pictures[1:]))
     return means(rows, width)
 
 
@@ -112,6 +126,61 @@ def test_all_materials_in_one_room():
 def test_a_real_room_behind_a_door(scenes_folder):
     path = scenes_folder / "veach-ajar" / "simple" / "scene.xml"
     check(path, 64, 40, runs=2400, initial=26000, samples=480)
+
+
+LAMPS = """<scene version="3.0.0">
+<sensor type="perspective"><float name="fov" value="45"/>
+ <transform name="to_world"><lookat origin="1.4,1.2,3" target="0,0.4,0" up="0,1,0"/>
+ </transform><film type="hdrfilm"><rfilter type="box"/></film></sensor>
+<bsdf type="twosided" id="wall"><bsdf type="diffuse">
+ <rgb name="reflectance" value="0.7,0.6,0.5"/></bsdf></bsdf>
+<shape type="rectangle"><transform name="to_world"><rotate x="1" angle="-90"/>
+ <scale value="3"/></transform><ref id="wall"/></shape>
+<shape type="rectangle"><transform name="to_world"><scale value="3"/>
+ <translate z="-1.5"/></transform><ref id="wall"/></shape>
+<shape type="cube"><transform name="to_world"><scale value="0.3"/>
+ <translate x="-0.5" y="0.3"/></transform><ref id="wall"/></shape>
+<shape type="rectangle"><transform name="to_world"><scale value="0.6"/>
+ <rotate x="1" angle="70"/><translate x="0.2" y="1.3" z="-0.4"/></transform>
+ <bsdf type="diffuse"><rgb name="reflectance" value="0"/></bsdf>
+ <emitter type="area"><texture name="radiance" type="bitmap">
+  <string name="filename" value="lamp.exr"/><boolean name="raw" value="true"/>
+  <string name="filter_type" value="FILTER"/></texture></emitter></shape>
+<emitter type="spot"><rgb name="intensity" value="3,4,5"/>
+ <float name="cutoff_angle" value="25"/><float name="beam_width" value="15"/>
+ <transform name="to_world"><lookat origin="-1,1.8,1.5" target="0.4,0,0.4" up="0,0,1"/>
+ </transform></emitter>
+</scene>"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["nearest", "bilinear"])
+def test_a_textured_lamp_and_a_spot(tmp_path: Path, kind: str) -> None:
+    """A quarter of the lamp shines; the spot's edge lies on the floor."""
+    path, size, limit = tmp_path / "lamps.xml", (32, 24), 0.02
+    path.write_text(LAMPS.replace("FILTER", kind))
+    pixels = np.zeros((8, 8, 3), np.float32)
+    pixels[1, 2:], pixels[5:, 5], pixels[6, :4] = (9, 6, 3), (2, 8, 2), (4, 4, 9)
+    write_exr(tmp_path / "lamp.exr", Image({"color": pixels}))
+    scene = load_scene(path)
+    rng = np.random.default_rng(9)
+    ours = path_traced(small_world(scene, *size), 1280, 1, rng, "full")
+    theirs = rendered(path, *size, samples=100, depths=(3,))
+    nothing = Means(np.zeros_like(ours.values))
+    bias, error, t = judge(ours, nothing, theirs)
+    print(f"{kind}: bias {bias:+.3%} +- {error:.3%}, largest |t| {t:.2f}")
+    bound = threshold(len(ours.mean) - 1, FAMILY, BATCHES)
+    assert 2 * stats.norm.sf(limit / error) < 1e-4
+    assert t <= bound
+    assert abs(bias) <= limit
+    planted, _, _ = judge(ours, nothing, Means(theirs.values * 1.05))
+    assert abs(planted) > limit
+    even = tuple(
+        replace(mesh, emission=tuple(mean_color(mesh.emission)))
+        for mesh in scene.meshes
+    )
+    plain = small_world(replace(scene, meshes=even), *size)
+    assert judge(path_traced(plain, 128, 1, rng, "full"), nothing, theirs)[2] > bound
 
 
 def pictures_of(world: World, samples: int) -> Means:

@@ -24,8 +24,7 @@ ROOM = 64 * 2**10
 
 
 class Workspace:
-    """Folder and processes of one backend; gone when it is closed, and also if this
-    process is killed.
+    """Folder and processes of one backend, gone also if this process is killed.
 
     Parameters
     ----------
@@ -82,8 +81,7 @@ class Workspace:
         end_marked(self._mark)
 
     def need_room(self, count: int = 0) -> None:
-        """Refuse to go on if the disk is full: what a backend could not write then is
-        not its fault.
+        """Refuse to go on if the disk is full, which is no fault of a backend.
 
         Parameters
         ----------

@@ -1,6 +1,7 @@
 """A verdict on a renderer of which nothing is known but its pictures."""
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from functools import partial
 from itertools import count
 from typing import Any
@@ -11,11 +12,15 @@ from numpy.typing import NDArray
 from reference.arrays import Scalars
 from reference.oracle.blackbox.renderer import Renderer
 from reference.oracle.blackbox.truth import TILES, Truth, statistics
-from reference.oracle.cases import Failure
+from reference.oracle.cases import NO_TIME, Failure, UnaskedError
 from reference.oracle.rungs.probe import Finding
 from reference.oracle.statistics.betting import Bets, e_value, interval_bets, place
 from reference.oracle.statistics.families import average_e
-from reference.oracle.statistics.intervals import outside_probability, truth_interval
+from reference.oracle.statistics.intervals import (
+    outside_probability,
+    student_deviations,
+    truth_interval,
+)
 from reference.oracle.steps import Rung, Step
 
 ALPHA = 5e-7
@@ -91,22 +96,33 @@ def _mean(
     bound: float | None,
     remaining: Callable[[], float],
 ) -> Step:
-    low, high = truth_interval(truth.mean, truth.standard_error, DEVIATIONS)
+    deviations = student_deviations(DEVIATIONS, truth.samples)
+    low, high = truth_interval(truth.mean, truth.standard_error, deviations)
     most = np.maximum((bound or UNBOUNDED) * truth.mean, high)
     bets = interval_bets(low, high, most, proven=bound is not None)
     runs = 0
-    found: Finding | None = None
-    while found is None and (remaining() > 0 or runs < 2):
-        picture = next(pictures)
+    for picture in _until_the_time_is_over(pictures, remaining):
         if isinstance(picture, Failure):
-            found = Finding(False, picture.reason)
-            break
-        bets, runs = place(bets, statistics(picture)), runs + 1
-        found = _accused(bets, truth.mean, runs)
-    title = f"mean of {runs} pictures"
-    if found is not None:
-        return Step("L4", title, findings=[found])
-    return Step("L4", title, findings=[Finding(True)], more=_more(bets, bound, runs))
+            found: Finding | None = Finding(False, picture.reason)
+        else:
+            bets, runs = place(bets, statistics(picture)), runs + 1
+            found = _accused(bets, truth.mean, runs)
+        if found is not None:
+            return Step("L4", f"mean of {runs} pictures", findings=[found])
+    if runs < 2:
+        raise UnaskedError(NO_TIME.reason)
+    more, title = _more(bets, bound, runs), f"mean of {runs} pictures"
+    return Step("L4", title, findings=[Finding(True)], more=more)
+
+
+def _until_the_time_is_over(
+    pictures: Iterator[NDArray[Any] | Failure], remaining: Callable[[], float]
+) -> Iterator[NDArray[Any] | Failure]:
+    with suppress(UnaskedError):
+        for picture in pictures:
+            yield picture
+            if remaining() <= 0:
+                return
 
 
 def _accused(bets: Bets, truth: Scalars, runs: int) -> Finding | None:

@@ -1,8 +1,7 @@
 """A renderer as a command line that writes one picture."""
 
 import shlex
-import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -11,14 +10,28 @@ from numpy.typing import NDArray
 
 from reference.errors import UsageError
 from reference.exr import read_exr
+from reference.exr_parts import decode
+from reference.files import read_file
 from reference.oracle.backends.running import Limits, run_program
-from reference.oracle.cases import Failure
+from reference.oracle.backends.workspace import Workspace
+from reference.oracle.cases import (
+    NO_TIME,
+    Failure,
+    Remaining,
+    Unasked,
+    UnaskedError,
+    for_ever,
+)
+from reference.oracle.raw import MOST_TIMES
 
 SIDES = ("{width}", "{height}", "{size}")
 PLACES = ("{scene}", "{seed}", "{frames}", *SIDES, "{out}")
 """What stands in the template: the last is needed, and so is the seed.
 
 ``{size}`` is both sides of a square picture."""
+
+MOST_CHANNELS, CHANNEL_BYTES = 64, 4
+"""A picture of more, without any compression, is not read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +50,10 @@ class Renderer:
         Width and height.
     limits : Limits
         Of time and memory.
+    remaining : callable
+        Seconds that are left: no picture takes longer.
+    left_running : list of int
+        Takes how many processes each picture left, which were ended.
     layer : str, optional
         Which of several pictures in its file is meant.
     """
@@ -46,6 +63,8 @@ class Renderer:
     frames: int
     size: tuple[int, int]
     limits: Limits
+    remaining: Remaining = for_ever
+    left_running: list[int] = field(default_factory=list)
     layer: str | None = None
 
     def render(self, seed: int) -> NDArray[Any] | Failure:
@@ -64,18 +83,36 @@ class Renderer:
         Raises
         ------
         UsageError
-            There is no such program.
+            There is no such program, or no room for its picture.
+        UnaskedError
+            No time was left, or it was killed from outside.
         """
-        with tempfile.TemporaryDirectory(prefix="restir-render-") as folder:
-            out = Path(folder) / "picture.exr"
-            words, limits = self._words(seed, out), self.limits
-            trouble = run_program(words, limits.seconds, limits.memory)
-            if trouble is not None:
-                return Failure(f"seed {seed}: the renderer {trouble}")
-            return self._read(seed, out)
+        workspace = Workspace("render")
+        try:
+            return self._rendered(seed, workspace)
+        finally:
+            self.left_running.append(workspace.close())
+
+    def _rendered(self, seed: int, workspace: Workspace) -> NDArray[Any] | Failure:
+        out = workspace.folder / "picture.exr"
+        words, left = self._words(seed, out), self.remaining()
+        if left <= 0:
+            raise UnaskedError(f"seed {seed}: {NO_TIME.reason}")
+        trouble = run_program(words, self.limits, left, workspace.environment)
+        if isinstance(trouble, Unasked):
+            raise UnaskedError(f"seed {seed}: the renderer {trouble.reason}")
+        found = self._read(seed, out) if trouble is None else trouble
+        if isinstance(found, Failure):
+            workspace.need_room(CHANNEL_BYTES * self.size[0] * self.size[1])
+        if trouble is not None:
+            return Failure(f"seed {seed}: the renderer {trouble.reason}")
+        return found
 
     def _read(self, seed: int, out: Path) -> NDArray[Any] | Failure:
+        pixels = self.size[0] * self.size[1]
         try:
+            contents = read_file(out, MOST_CHANNELS * CHANNEL_BYTES * pixels + 2**20)
+            decode(out, contents, MOST_TIMES * pixels)
             color = read_exr(out, self.layer).color
         except UsageError as error:
             return Failure(f"seed {seed}: {error}")

@@ -1,11 +1,13 @@
 """What the means of a picture should be: path traced, with its own error."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from reference.arrays import Scalars
+from reference.oracle.cases import UnaskedError, for_ever
 from reference.path_tracer import camera_radiance, first_hits
 from reference.rng import KeyedUniforms, Stream
 from reference.scene.camera import pixel_centers
@@ -15,6 +17,9 @@ from reference.world import build_world
 
 TILES = 4
 """On a side of the picture."""
+
+LEAST_SAMPLES = 256
+"""Of each pixel: so many that the means are nearly normal."""
 
 SEED = 2**26 + 1
 """Of the path tracer: far from what a user counts from."""
@@ -28,10 +33,13 @@ class Truth:
     ----------
     mean, standard_error : (1 + TILES²,) float64
         Of the picture and of its tiles, as the mean over channels.
+    samples : int
+        Of each pixel, from which the error was estimated.
     """
 
     mean: Scalars
     standard_error: Scalars
+    samples: int
 
 
 def statistics(color: NDArray[np.floating]) -> Scalars:
@@ -54,7 +62,11 @@ def statistics(color: NDArray[np.floating]) -> Scalars:
 
 
 def path_traced(
-    scene: Scene, size: tuple[int, int], bounces: int, samples: int
+    scene: Scene,
+    size: tuple[int, int],
+    bounces: int,
+    samples: int,
+    remaining: Callable[[], float] = for_ever,
 ) -> Truth:
     """Indirect light by the plain path tracer, through pixel centres.
 
@@ -67,13 +79,21 @@ def path_traced(
     bounces : int
         Of indirect light.
     samples : int
-        Of each pixel.
+        Of each pixel, at most.
+    remaining : callable
+        Seconds that are left: half of them are spent here.
 
     Returns
     -------
     Truth
         The error is that of the mean of independent pictures.
+
+    Raises
+    ------
+    UnaskedError
+        There was no time for `LEAST_SAMPLES`.
     """
+    end = remaining() / 2
     width, height = size
     camera = replace(scene.camera, width=width, height=height)
     world = build_world(validate(replace(scene, camera=camera)))
@@ -85,6 +105,13 @@ def path_traced(
         color = camera_radiance(world, points, "indirect", bounces, uniforms)
         return statistics(color.reshape(height, width, 3))
 
-    found = np.stack([one(number) for number in range(samples)])
-    error = found.std(axis=0, ddof=1) / np.sqrt(samples)
-    return Truth(found.mean(axis=0), error)
+    pictures = []
+    for number in range(samples):
+        if remaining() < end:
+            break
+        pictures.append(one(number))
+    if len(pictures) < min(LEAST_SAMPLES, samples):
+        raise UnaskedError("no time was left to trace the truth")
+    found = np.stack(pictures)
+    error = found.std(axis=0, ddof=1) / np.sqrt(len(found))
+    return Truth(found.mean(axis=0), error, len(found))

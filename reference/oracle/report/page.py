@@ -12,6 +12,7 @@ from reference.display import encode_png
 from reference.files import make_folder, write_file
 from reference.json_text import json_text
 from reference.oracle.report.maps import error_maps
+from reference.oracle.report.table import left_running
 from reference.oracle.report.worst import answers_of, worst_answer
 from reference.oracle.verdict import Verdict
 
@@ -77,6 +78,7 @@ def _page(plain: Mapping[str, Any], maps: Mapping[str, list[ErrorMap]]) -> str:
         lstrip_blocks=True,
     )
     templates.filters["pieces"] = pieces
+    templates.filters["left_running"] = left_running
     return templates.get_template("verdict.html").render(
         verdict=plain,
         maps=maps,

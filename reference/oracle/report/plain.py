@@ -42,6 +42,7 @@ def as_plain(verdict: Verdict, name: str, passes: Passes) -> dict[str, Any]:
         "certified": as_number(verdict.certified),
         "left": list(verdict.left),
         "absent": list(verdict.absent),
+        "left_running": verdict.left_running,
         "first_wrong_pass": wrong[0] if wrong else None,
         "passes": told,
     }
@@ -64,6 +65,9 @@ def _headline(verdict: Verdict, told: list[dict[str, Any]]) -> str:
         return "no single pass is wrong, but all of them together are"
     if not right and not any(timed.step.findings for timed in verdict.steps):
         return "nothing was judged"
+    if verdict.unasked:
+        calls = _count(verdict.unasked, "call", "calls")
+        return f"nothing is wrong so far, {calls} had no time or were cut short"
     if verdict.left:
         late = _count(verdict.left, "step", "steps")
         return f"nothing is wrong so far, {late} had no time"
@@ -88,6 +92,7 @@ def _step(timed: Timed) -> dict[str, Any]:
         "faults": step.faults,
         "certified": as_number(step.certified),
         "more": step.more,
+        "unasked": list(step.unasked),
     }
 
 

@@ -29,10 +29,16 @@ def table(plain: Mapping[str, Any]) -> Group:
     parts += [_text(fault) for fault in lonely]
     more = [s for s in plain["steps"] if s["more"]]
     parts += [_text(f"{s['rung']} {s['title']}: {s['more']}") for s in more]
+    for step in plain["steps"]:
+        if lines := step["unasked"]:
+            where = f"{step['rung']} {step['title']}"
+            parts.append(_text(f"{where}: nothing is known of {_some(lines)}"))
     if plain["left"]:
         parts.append(_text(f"no time for: {', '.join(plain['left'])}"))
     if plain["absent"]:
         parts.append(_text(f"the backend does not have: {', '.join(plain['absent'])}"))
+    if plain["left_running"]:
+        parts.append(_text(left_running(plain["left_running"])))
     parts.append(_text(f"{plain['status']}: {plain['backend']}: {plain['headline']}"))
     return Group(*parts)
 
@@ -51,6 +57,28 @@ def printable(text: str) -> str:
         With a mark in place of each control character.
     """
     return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+
+
+def left_running(count: int) -> str:
+    """What became of processes that a backend has left.
+
+    Parameters
+    ----------
+    count : int
+        One at least.
+
+    Returns
+    -------
+    str
+        A line.
+    """
+    many = "1 process" if count == 1 else f"{count} processes"
+    return f"the backend left {many} running; they were ended"
+
+
+def _some(lines: list[str]) -> str:
+    more = f", and of {len(lines) - 1} more" if len(lines) > 1 else ""
+    return f"{lines[0]}{more}"
 
 
 def _text(text: str) -> Text:

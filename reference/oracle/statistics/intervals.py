@@ -2,7 +2,7 @@
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.special import ndtr
+from scipy.special import ndtr, stdtrit
 
 Floats = NDArray[np.float64]
 
@@ -27,6 +27,24 @@ def truth_interval(
     center = np.asarray(mean, np.float64)
     width = deviations * np.asarray(standard_error, np.float64)
     return np.maximum(center - width, 0.0), center + width
+
+
+def student_deviations(deviations: float, samples: int) -> float:
+    """Standard errors that are exceeded as rarely where the error was estimated too.
+
+    Parameters
+    ----------
+    deviations : float
+        k, where the error is known.
+    samples : int
+        n ≥ 2, from which mean and error were estimated.
+
+    Returns
+    -------
+    float
+        k' ≥ k with P(t > k') = Φ(−k), of Student's t with n − 1 degrees of freedom.
+    """
+    return float(-stdtrit(samples - 1, ndtr(-deviations)))
 
 
 def outside_probability(deviations: float, truths: int) -> float:

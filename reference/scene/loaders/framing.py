@@ -72,7 +72,8 @@ def framing_camera(meshes: Sequence[Mesh], spheres: Sequence[Sphere]) -> Camera:
         points = np.array([[-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]])
     low, high = points.min(axis=0), points.max(axis=0)
     center = low / 2 + high / 2
-    radius = float(np.linalg.norm(high - low)) / 2 or 1.0
+    with np.errstate(over="ignore"):  # the validation's to report
+        radius = float(np.linalg.norm(high - low)) / 2 or 1.0
     direction = np.array(VIEW) / np.linalg.norm(VIEW)
     distance = radius / np.sin(np.radians(FOV) / 2)
     return Camera(

@@ -38,6 +38,8 @@ class Document:
         Of this file.
     files : dict of str to bytes
         Those that were read so far, by their URI.
+    arrays : dict of int to array
+        Accessors that were read so far.
     pictures : dict
         Those that were decoded so far, by their image and what they are read for.
     """
@@ -46,6 +48,7 @@ class Document:
     binary: bytes
     ledger: Ledger
     files: dict[str, bytes] = field(default_factory=dict)
+    arrays: dict[int, Scalars] = field(default_factory=dict)
     pictures: dict[tuple[int, str], Scalars] = field(default_factory=dict)
 
     def entry(self, name: str, index: int) -> dict[str, Any]:
@@ -280,6 +283,12 @@ def read_accessor(
     if entry["type"] not in types:
         needs = f"it must be {' or '.join(types)}"
         document.ledger.stop(f"{where} is of type {entry['type']}; {needs}")
+    if index not in document.arrays:
+        document.arrays[index] = _values(document, entry, where)
+    return document.arrays[index]
+
+
+def _values(document: Document, entry: dict[str, Any], where: str) -> Scalars:
     count, width = entry["count"], WIDTHS[entry["type"]]
     kind = np.dtype(COMPONENTS[entry["componentType"]])
     document.claim(3 * 8 * count * width, f"{where} has {count} elements")

@@ -143,14 +143,16 @@ class _Check:
         for name in dict.fromkeys([*required, *used, *self.met]):
             word = TABLE.get(("extension", name))
             if word is None:
-                problem = f"the extension {shown(name)} is unknown here"
                 if name in required:
-                    self.ledger.refuse(f"{problem}, and the file requires it")
+                    problem = f"the file requires {shown(name)}, which is unknown"
+                    self.ledger.refuse(f"{problem}; save it without")
                     hopeless = True
                 else:
+                    problem = f"the file uses {shown(name)}, which is unknown"
                     self.ledger.replace(problem, "ignored")
             elif word.fate is Fate.REFUSED:
-                problem = f"the extension {name} is not modelled"
+                verb = "requires" if name in required else "uses"
+                problem = f"the file {verb} {name}, which is not modelled"
                 self.ledger.refuse(f"{problem}; {word.remark}")
                 hopeless = True
             elif word.fate is Fate.HARMLESS:

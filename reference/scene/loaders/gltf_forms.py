@@ -121,11 +121,11 @@ def fault(form: Form, value: Any, tree: dict[str, Any]) -> str | None:
             fits, needs = isinstance(value, bool), "true or false"
         case Number(low, high, whole):
             fits = _is_number(value, low, high) and (not whole or type(value) is int)
-            needs = f"a {'whole ' * whole}number from {low:g} to {high:g}"
+            needs = f"a {'whole ' * whole}number{_bounds(low, high)}"
         case Numbers(count, low, high):
             fits = isinstance(value, list) and len(value) == (count or len(value))
             fits = fits and all(_is_number(each, low, high) for each in value)
-            needs = f"{count or 'any'} numbers from {low:g} to {high:g}"
+            needs = f"{count or 'any'} numbers{_bounds(low, high)}"
         case Text(choices):
             fits = isinstance(value, str) and (not choices or value in choices)
             needs = " or ".join(choices) or "a text"
@@ -188,9 +188,10 @@ def shown(value: Any) -> str:
     """
     if isinstance(value, dict):
         return "an object"
-    short = isinstance(value, list) and len(value) <= 4
-    if isinstance(value, list) and not (short and all(map(_is_number, value))):
-        return f"a list of {len(value)}"
+    if isinstance(value, list):
+        plain = all(isinstance(each, int | float) for each in value)
+        if not plain or len(value) > 4:
+            return f"a list of {len(value)}"
     text = printable(json.dumps(value, ensure_ascii=False))
     return text if len(text) <= 60 else f"{text[:57]}..."
 
@@ -216,13 +217,19 @@ def _object(value: Any) -> dict[str, Any]:
     return value if isinstance(value, dict) else {}
 
 
-def _is_number(value: Any, low: float = -LARGEST, high: float = LARGEST) -> bool:
+def _is_number(value: Any, low: float, high: float) -> bool:
     number = isinstance(value, int | float) and not isinstance(value, bool)
     return bool(number and low <= value <= high)
 
 
 def _is_index(value: Any, tree: dict[str, Any], of: str) -> bool:
     return type(value) is int and 0 <= value < len(listed(tree, of))
+
+
+def _bounds(low: float, high: float) -> str:
+    if high < LARGEST:
+        return f" from {low:g} to {high:g}"
+    return " that single precision holds" + f", at least {low:g}" * (low > -LARGEST)
 
 
 def _counted(tree: dict[str, Any], of: str) -> str:

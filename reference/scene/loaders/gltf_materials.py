@@ -149,6 +149,7 @@ def _material(entry: _Entry) -> Material:
         problem = f"metallic {metallic:.3g} is neither metal (1) nor none (0)"
         entry.replace("pbrMetallicRoughness", name, problem)
     if metallic >= 0.5:
+        _note_sides(entry)
         return Conductor(_reflectance(entry), alpha=alpha, schlick=True)
     ior = float(entry.extension("KHR_materials_ior").get("ior", 1.5))
     if ior < 1:
@@ -156,14 +157,18 @@ def _material(entry: _Entry) -> Material:
         entry.replace("KHR_materials_ior", "ior below 1", problem)
     if ior > 1 and _transmits(entry):
         return Dielectric(ior, alpha)
-    if not entry.words.get("doubleSided", False):
-        entry.document.ledger.note(
-            "Single-sided materials of the file scatter on both sides here"
-        )
+    _note_sides(entry)
     if ior <= 1 or not _is_specular(entry):
         entry.document.ledger.note(f"{entry.where} has no coat and is matt")
         return Lambertian(_reflectance(entry))
     return Coated(_reflectance(entry), alpha=alpha, ior=ior)
+
+
+def _note_sides(entry: _Entry) -> None:
+    if not entry.words.get("doubleSided", False):
+        entry.document.ledger.note(
+            "Single-sided materials of the file scatter on both sides here"
+        )
 
 
 def _metallic_roughness(entry: _Entry) -> tuple[float, float]:

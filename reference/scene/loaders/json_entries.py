@@ -1,12 +1,39 @@
 """One object of a scene.json file, with errors that name it."""
 
-from collections.abc import Collection
+import json
 from dataclasses import dataclass, field
-from math import isfinite
 from typing import Any
 
+from reference.scene.loaders.json_words import names
 from reference.scene.loaders.ledger import Ledger
+from reference.scene.loaders.words import Fate
 from reference.scene.textures import Color
+
+MOST_COUNT = 2**24  # beyond it no picture has a side
+
+
+def shown(value: Any) -> str:
+    """A value as the file may spell it, for messages.
+
+    Parameters
+    ----------
+    value : Any
+        Of the file.
+
+    Returns
+    -------
+    str
+        At most 60 letters.
+    """
+    text = "missing" if value is None else json.dumps(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def _is_number(value: Any) -> bool:
+    """Whether float64 takes it: a whole number may be too large."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return isinstance(value, float) or abs(value) < 2**1023
 
 
 @dataclass(slots=True)
@@ -15,6 +42,8 @@ class Entry:
 
     Attributes
     ----------
+    element : str
+        What it is, as in `json_words.WORDS`.
     name : str
         For messages.
     raw : Any
@@ -23,6 +52,7 @@ class Entry:
         Of the file.
     """
 
+    element: str
     name: str
     raw: Any
     ledger: Ledger
@@ -52,6 +82,7 @@ class Entry:
         Any
             As in the file.
         """
+        assert key in names(self.element), f"{key} is no word of {self.element}"
         self._read.add(key)
         return self.raw.get(key, default)
 
@@ -76,12 +107,14 @@ class Entry:
             Missing, or no number.
         """
         value = self.get(key, default)
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            self.ledger.stop(f"{self.name}: {key} is {value!r}; it should be a number")
+        if not _is_number(value):
+            self.ledger.stop(
+                f"{self.name}: {key} is {shown(value)}; it should be a number"
+            )
         return float(value)
 
     def count(self, key: str, default: int) -> int:
-        """Whole number.
+        """Number of things.
 
         Parameters
         ----------
@@ -93,16 +126,19 @@ class Entry:
         Returns
         -------
         int
-            Of any sign.
+            From 1 to `MOST_COUNT`.
 
         Raises
         ------
         UsageError
-            No whole number.
+            No such number.
         """
         value = self.number(key, default)
-        if not isfinite(value) or value != int(value):
-            self.ledger.stop(f"{self.name}: {key} is {value}; it should be whole")
+        if not 1 <= value <= MOST_COUNT or value != int(value):
+            self.ledger.stop(
+                f"{self.name}: {key} is {value:g}; it should be a whole number from 1"
+                f" to {MOST_COUNT}"
+            )
         return int(value)
 
     def color(self, key: str, default: Color | None = None) -> Color:
@@ -127,30 +163,25 @@ class Entry:
         """
         value = self.get(key, default)
         values = value if isinstance(value, list | tuple) else [value] * 3
-        wrong = [
-            v for v in values if isinstance(v, bool) or not isinstance(v, int | float)
-        ]
-        if wrong or len(values) != 3:
+        if len(values) != 3 or not all(map(_is_number, values)):
             self.ledger.stop(
-                f"{self.name}: {key} is {value!r}; it should be three numbers, or one"
+                f"{self.name}: {key} is {shown(value)}; it should be three numbers, or"
+                " one"
             )
         x, y, z = (float(v) for v in values)
         return x, y, z
 
-    def refuse_unread(self, harmless: Collection[str] = ()) -> None:
+    def refuse_unread(self) -> None:
         """Stop, or note, if a key was never asked for.
 
-        Parameters
-        ----------
-        harmless : collection of str
-            Keys that tell nothing new.  A key whose value is a text is taken for a
-            remark, and noted.
+        A key whose value is a text is taken for a remark, and noted.
 
         Raises
         ------
         UsageError
             Unless lenient.
         """
+        harmless = names(self.element, Fate.HARMLESS)
         for key in sorted(self.raw.keys() - self._read - set(harmless)):
             if isinstance(self.raw[key], str):
                 self.ledger.note(f'{self.name}: the remark "{key}" is ignored')

@@ -1,11 +1,13 @@
 """Materials of scene.json files."""
 
-from reference.scene.loaders.json_entries import Entry
+from reference.scene.loaders.json_entries import Entry, shown
+from reference.scene.loaders.json_words import names
 from reference.scene.loaders.ledger import roughness
 from reference.scene.materials.kinds import (
     Coated,
     Conductor,
     Dielectric,
+    Distribution,
     Lambertian,
     Material,
 )
@@ -14,7 +16,9 @@ from reference.scene.textures import Color
 ROUGH_METAL = ("ggx_conductor", "roughconductor", "rough_conductor")
 SMOOTH_METAL = ("mirror", "conductor")
 ROUGH_COAT = ("roughplastic", "rough_plastic", "ggx_plastic")
-KNOWN = ("diffuse", *ROUGH_METAL, *SMOOTH_METAL, *ROUGH_COAT, "plastic", "dielectric")
+ROUGH_GLASS = ("roughdielectric", "rough_dielectric")
+GLASS = (*ROUGH_GLASS, "dielectric")
+KNOWN = names("material type")
 MATT = Lambertian((0.5, 0.5, 0.5), two_sided=False)
 WHITE = (1.0, 1.0, 1.0)
 
@@ -38,14 +42,16 @@ def read_material(entry: Entry) -> Material:
         The type or a key is not understood, unless lenient.
     """
     kind = entry.get("type")
-    if kind not in KNOWN:
+    if not isinstance(kind, str) or kind not in KNOWN:
         entry.ledger.replace(
-            f"{entry.name} has the type {kind!r}; known are {', '.join(KNOWN)}",
+            f"{entry.name} has the type {shown(kind)}; known are {', '.join(KNOWN)}",
             "taken as diffuse with reflectance 0.5",
         )
         return MATT
-    if kind == "dielectric":
-        material: Material = Dielectric(_ior(entry))
+    if kind in GLASS:
+        rough = kind in ROUGH_GLASS
+        lobe = (_alpha(entry), _distribution(entry)) if rough else ()
+        material: Material = Dielectric(_ior(entry), *lobe)
         entry.get("twosided")
     else:
         two_sided = bool(entry.get("twosided", False))
@@ -79,6 +85,7 @@ def _metal(entry: Entry, rough: bool, two_sided: bool) -> Conductor:
         eta=eta,
         k=k,
         two_sided=two_sided,
+        distribution=_distribution(entry) if rough else "ggx",
     )
 
 
@@ -91,17 +98,23 @@ def _coat(entry: Entry, rough: bool, two_sided: bool) -> Coated:
         nonlinear=bool(entry.get("nonlinear", False)),
         specular=entry.color("specular_reflectance", WHITE),
         two_sided=two_sided,
+        distribution=_distribution(entry) if rough else "ggx",
     )
 
 
 def _alpha(entry: Entry) -> float:
-    distribution = entry.get("distribution", "ggx")
-    if distribution != "ggx":
-        entry.ledger.replace(
-            f"{entry.name}: the distribution {distribution!r} is not modelled, ggx is",
-            "taken as GGX of the same alpha",
-        )
     return roughness(entry.number("alpha"), entry.name, entry.ledger)
+
+
+def _distribution(entry: Entry) -> Distribution:
+    given = entry.get("distribution", "ggx")
+    known: dict[object, Distribution] = {"ggx": "ggx", "beckmann": "beckmann"}
+    if not isinstance(given, str) or given not in known:
+        entry.ledger.stop(
+            f"{entry.name}: the distribution is {shown(given)}; it can be ggx or"
+            " beckmann"
+        )
+    return known[given]
 
 
 def _ior(entry: Entry) -> float:

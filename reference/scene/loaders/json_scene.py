@@ -1,8 +1,9 @@
 """Scenes in our plain convention: scene.json beside PLY files (docs: scene_json)."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,8 +20,9 @@ from reference.scene.lights import (
     SpotLight,
 )
 from reference.scene.loaders.framing import camera_or_framing, color, fov_axis
-from reference.scene.loaders.json_entries import Entry
+from reference.scene.loaders.json_entries import Entry, shown
 from reference.scene.loaders.json_materials import MATT, read_material
+from reference.scene.loaders.json_words import names
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.meshes import read_parts
 from reference.scene.loaders.pictures import read_picture
@@ -33,8 +35,7 @@ from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh, Sphere
 from reference.scene.textures import Bitmap, Color, Texture
 
-KNOWN = {"name", "camera", "materials", "shapes", "lights", "environment"}
-LIGHTS = ("point", "spot", "directional", "constant", "envmap")
+LIGHTS = names("light type")
 
 
 def load(ledger: Ledger) -> Scene:
@@ -56,35 +57,44 @@ def load(ledger: Ledger) -> Scene:
         Not such a file, or (unless lenient) with something not understood.
     """
     with ledger.reading("scene.json file"):
-        tree = json.loads(ledger.contents().decode("utf-8"))
+        tree = json.loads(
+            ledger.contents().decode("utf-8-sig"),
+            object_pairs_hook=partial(_object, ledger=ledger),
+        )
     if not isinstance(tree, dict) or not isinstance(tree.get("shapes"), list):
         ledger.stop('an object with a list "shapes" is needed at the top')
-    if ignored := sorted(tree.keys() - KNOWN):
+    if ignored := sorted(tree.keys() - set(names("file"))):
         ledger.note(f"Ignored at the top of the file: {', '.join(ignored)}")
     materials = _materials(tree.get("materials", {}), ledger)
-    meshes: list[Mesh] = []
-    spheres: list[Sphere] = []
+    shapes = []
     for i, raw in enumerate(tree["shapes"]):
         name = raw.get("id", raw.get("file", i)) if isinstance(raw, dict) else i
-        _add_shape(meshes, spheres, Entry(f'shape "{name}"', raw, ledger), materials)
+        shapes.append(_shape(Entry("shape", f'shape "{name}"', raw, ledger), materials))
     lights = tree.get("lights") or []
     if not isinstance(lights, list):
         ledger.stop('"lights" is no list of objects')
-    entries = [Entry(f"light {i}", raw, ledger) for i, raw in enumerate(lights)]
+    entries = [
+        Entry("light", f"light {i}", raw, ledger) for i, raw in enumerate(lights)
+    ]
     if tree.get("environment") is not None:
         entries.append(_environment_entry(tree["environment"], ledger))
     made = [light for light in map(_light, entries) if light is not None]
     environments = [x for x in made if isinstance(x, Environment)]
     camera = (
-        _camera(Entry("camera", tree["camera"], ledger)) if "camera" in tree else None
+        _camera(Entry("camera", "camera", tree["camera"], ledger))
+        if "camera" in tree
+        else None
     )
+    ledger.settle()  # before any mesh is read
+    spheres = tuple(shape for shape in shapes if isinstance(shape, Sphere))
+    meshes = tuple(mesh for shape in shapes if callable(shape) for mesh in shape())
     framed = camera_or_framing(camera, meshes, spheres, ledger)
     ledger.settle()
     return Scene(
         name=str(tree.get("name", ledger.path.stem)),
         camera=framed,
-        meshes=tuple(meshes),
-        spheres=tuple(spheres),
+        meshes=meshes,
+        spheres=spheres,
         points=tuple(x for x in made if isinstance(x, PointLight)),
         spots=tuple(x for x in made if isinstance(x, SpotLight)),
         suns=tuple(x for x in made if isinstance(x, DirectionalLight)),
@@ -93,11 +103,21 @@ def load(ledger: Ledger) -> Scene:
     )
 
 
+def _object(pairs: list[tuple[str, Any]], ledger: Ledger) -> dict[str, Any]:
+    """Refuse what JSON leaves open: which of two values of a key counts."""
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        ledger.stop(f"the key {shown(twice)} stands twice in one object")
+    return found
+
+
 def _materials(raw: Any, ledger: Ledger) -> dict[str, Material]:
     if not isinstance(raw, dict):
         ledger.stop('"materials" is no object of names and materials')
     return {
-        name: read_material(Entry(f'material "{name}"', entry, ledger))
+        name: read_material(Entry("material", f'material "{name}"', entry, ledger))
         for name, entry in raw.items()
     }
 
@@ -113,44 +133,58 @@ def _camera(entry: Entry) -> Camera:
         width=width,
         height=height,
     )
-    entry.refuse_unread(harmless={"near", "far", "near_clip", "far_clip"})
+    entry.refuse_unread()
     return camera
 
 
-def _add_shape(
-    meshes: list[Mesh],
-    spheres: list[Sphere],
-    entry: Entry,
-    materials: Mapping[str, Material],
-) -> None:
+def _shape(
+    entry: Entry, materials: Mapping[str, Material]
+) -> Sphere | Callable[[], Iterator[Mesh]] | None:
+    """Sphere; or what reads the meshes, once all words were found to be right."""
     ledger = entry.ledger
     wanted = entry.get("material")
-    material = materials.get(str(wanted))
+    material = materials.get(wanted) if isinstance(wanted, str) else None
     if material is None:
         ledger.replace(
-            f'{entry.name}: there is no material "{wanted}" (but'
-            f" {', '.join(materials) or 'none at all'})",
+            f"{entry.name}: its material is {shown(wanted)}; there"
+            f" are {', '.join(materials) or 'none at all'}",
             "taken as diffuse with reflectance 0.5",
         )
         material = MATT
     glow = _emission(entry)
+    made: Sphere | Callable[[], Iterator[Mesh]] | None = None
     if entry.get("type") == "sphere":
-        center, radius = entry.color("center"), entry.number("radius")
-        inward = bool(entry.get("inward", False))
-        spheres.append(
-            Sphere(
-                name=entry.id,
-                center=center,
-                radius=radius,
-                material=material,
-                emission=glow.texture,
-                two_sided_emission=glow.two_sided,
-                inward=inward,
-            )
+        made = Sphere(
+            name=entry.id,
+            center=entry.color("center"),
+            radius=entry.number("radius"),
+            material=material,
+            emission=glow.texture,
+            two_sided_emission=glow.two_sided,
+            inward=bool(entry.get("inward", False)),
         )
-    else:
-        meshes.extend(_meshes(entry, material, glow))
-    entry.refuse_unread(harmless={"id", "vertices", "area", "bounds", "bbox"})
+    elif name := _mesh_file(entry):
+        made = partial(_meshes, entry, name, material, glow)
+    entry.refuse_unread()
+    return made
+
+
+def _mesh_file(entry: Entry) -> str | None:
+    """Name of the file of a shape, if there is one that can be one."""
+    name = entry.get("file")
+    entry.get("triangles")
+    try:
+        found = isinstance(name, str) and entry.ledger.locate(name).is_file()
+    except UsageError as error:
+        entry.ledger.replace(f"{entry.name}: {error}", "left out")
+        return None
+    if not found or not name.lower().endswith((".ply", ".obj")):
+        entry.ledger.replace(
+            f"{entry.name}: {shown(name)} is no PLY or OBJ file beside the scene",
+            "left out",
+        )
+        return None
+    return str(name)
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,7 +202,7 @@ def _emission(entry: Entry) -> _Glow:
         return _Glow((0.0, 0.0, 0.0), two_sided)
     if not isinstance(raw, dict):
         return _Glow(entry.color("emission"), two_sided)
-    own = Entry(f"emission of {entry.name}", raw, entry.ledger)
+    own = Entry("emission", f"emission of {entry.name}", raw, entry.ledger)
     name = str(own.get("file"))
     scale = own.number("scale", 1.0)
     own.refuse_unread()
@@ -179,27 +213,21 @@ def _emission(entry: Entry) -> _Glow:
         return _Glow((0.0, 0.0, 0.0), two_sided)
 
 
-def _meshes(entry: Entry, material: Material, glow: _Glow) -> list[Mesh]:
+def _meshes(entry: Entry, name: str, material: Material, glow: _Glow) -> Iterator[Mesh]:
     ledger = entry.ledger
-    path = ledger.path.parent / str(entry.get("file"))
-    if not path.is_file() or path.suffix.lower() not in (".ply", ".obj"):
-        ledger.replace(
-            f'{entry.name}: "{path.name}" is no PLY or OBJ file beside the scene',
-            "left out",
-        )
-        entry.get("triangles")
-        return []
-    parts = read_parts(path, ledger)
+    parts = read_parts(name, ledger)
     found, promised = sum(len(p.faces) for p in parts), entry.get("triangles")
     if promised is not None and promised != found:
         ledger.replace(
-            f"{entry.name} has {found} triangles in {path.name}, not {promised}",
+            f"{entry.name} has {found} triangles in {name}, not {promised}",
             f"taken with its {found}",
         )
     if any(part.normals is not None for part in parts):
-        ledger.note(f"{path.name}: its vertex normals are ignored, faces are flat")
-    meshes = [
-        Mesh(
+        ledger.note(f"{name}: its vertex normals are ignored, faces are flat")
+    if any(part.colors is not None for part in parts):
+        ledger.note(f"{name}: its vertex colours are ignored, the material counts")
+    for part in parts:
+        mesh = Mesh(
             name=entry.id,
             vertices=part.vertices,
             faces=part.faces,
@@ -208,18 +236,15 @@ def _meshes(entry: Entry, material: Material, glow: _Glow) -> list[Mesh]:
             two_sided_emission=glow.two_sided,
             uv=part.uv,
         )
-        for part in parts
-    ]
-    for mesh in meshes:
         check_indices(mesh, ledger)
-    return [drop_texture_without_uv(mesh, ledger) for mesh in meshes]
+        yield drop_texture_without_uv(mesh, ledger)
 
 
 def _environment_entry(raw: Any, ledger: Ledger) -> Entry:
     if not isinstance(raw, dict):
         raw = {"type": "constant", "radiance": raw}
     kind = "envmap" if "file" in raw else "constant"
-    return Entry("environment", {"type": kind, **raw}, ledger)
+    return Entry("light", "environment", {"type": kind, **raw}, ledger)
 
 
 def _direction(entry: Entry) -> Color:
@@ -239,7 +264,7 @@ def _light(entry: Entry) -> Lamp | DirectionalLight | Environment | None:
         falloff = entry.get("falloff", "linear")
         if falloff not in ("linear", "smooth"):
             entry.ledger.stop(
-                f"{entry.name}: falloff is {falloff!r}; it can be linear or smooth"
+                f"{entry.name}: falloff is {shown(falloff)}; it can be linear or smooth"
             )
         light = SpotLight(
             entry.color("position"),
@@ -261,7 +286,7 @@ def _light(entry: Entry) -> Lamp | DirectionalLight | Environment | None:
         light = LatLongEnvironment(pixels * scale)
     else:
         entry.ledger.replace(
-            f"{entry.name} has the type {kind!r}; known are {', '.join(LIGHTS)}",
+            f"{entry.name} has the type {shown(kind)}; known are {', '.join(LIGHTS)}",
             "left out",
         )
         return None

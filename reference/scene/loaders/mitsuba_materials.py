@@ -2,15 +2,15 @@
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger, roughness
-from reference.scene.loaders.mitsuba_nodes import Node
-from reference.scene.loaders.mitsuba_textures import MID_GREY, Textures
+from reference.scene.loaders.mitsuba_nodes import Node, reading
+from reference.scene.loaders.mitsuba_textures import MID_GREY, Textures, as_bitmap
 from reference.scene.loaders.mitsuba_words import find
 from reference.scene.materials.kinds import (
     Coated,
@@ -20,13 +20,41 @@ from reference.scene.materials.kinds import (
     Lambertian,
     Material,
 )
-from reference.scene.textures import Color
+from reference.scene.textures import Bitmap, Checker, Color, Texture
 
 WHITE = (1.0, 1.0, 1.0)
 FACTORS = ("specular_reflectance", "specular_transmittance")  # of glass
+REFLECTANCE = {
+    "diffuse": "reflectance",
+    "conductor": "specular_reflectance",
+    "roughconductor": "specular_reflectance",
+    "plastic": "diffuse_reflectance",
+    "roughplastic": "diffuse_reflectance",
+    "pplastic": "diffuse_reflectance",
+}
+"""Which parameter our materials call their reflectance."""
 METAL = re.compile(r"[\w-]+")  # Mitsuba looks it up as the name of a file
 DISTRIBUTIONS: dict[str, Distribution] = {"beckmann": "beckmann", "ggx": "ggx"}
 INVISIBLE = ("null", "thindielectric", "polarizer", "retarder", "circular")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Look:
+    """What a BSDF makes of a shape.
+
+    Attributes
+    ----------
+    material : Material
+        How it scatters.
+    opacity : Bitmap or None
+        Where there is a surface.
+    attribute : str
+        Colours of the shape's vertices or faces, by Mitsuba's name; "" for none.
+    """
+
+    material: Material
+    opacity: Bitmap | None = None
+    attribute: str = ""
 
 
 @dataclass(slots=True)
@@ -48,10 +76,10 @@ class Materials:
     mi: Any
     ledger: Ledger
     textures: Textures
-    made: dict[tuple[int, bool], Material | None] = field(default_factory=dict)
+    made: dict[tuple[int, bool], Look | None] = field(default_factory=dict)
 
-    def of(self, node: Node, two_sided: bool = False) -> Material | None:
-        """Material for a BSDF.
+    def of(self, node: Node, two_sided: bool = False) -> Look | None:
+        """Look of a BSDF.
 
         Parameters
         ----------
@@ -62,7 +90,7 @@ class Materials:
 
         Returns
         -------
-        Material or None
+        Look or None
             ``None`` if the shape is to be left out.
         """
         key = id(node), two_sided
@@ -70,19 +98,28 @@ class Materials:
             self.made[key] = self._convert(node, two_sided)
         return self.made[key]
 
-    def _convert(self, node: Node, two_sided: bool) -> Material | None:
+    def _convert(self, node: Node, two_sided: bool) -> Look | None:
         known = node.is_modelled(self.ledger)
         if node.kind in INVISIBLE:
             return None
         if node.kind in ("principled", "principledthin"):
-            return self._principled(node, two_sided)
+            return Look(self._principled(node, two_sided))
         inner = node.inside("bsdf")
         if not known and inner:
             return self.of(inner[0], two_sided)
-        if node.kind == "twosided":
-            return self._both_sides(node)
         if known:
             node.check_words(self.ledger, apart=FACTORS)
+        if node.kind in ("twosided", "mask"):
+            if not inner:
+                self.ledger.stop(f"{node.name} holds no BSDF; it needs one")
+            if node.kind == "mask":
+                return self._mask(node, self.of(inner[0], two_sided))
+            if len(inner) > 1:
+                self.ledger.replace(
+                    f"{node.name} has two different sides, which is not modelled",
+                    "taken as its first side on both",
+                )
+            return self.of(inner[0], two_sided=True)
         convert: dict[str, Callable[[Node, bool], Material]] = {
             "diffuse": self._diffuse,
             "conductor": self._conductor,
@@ -93,29 +130,48 @@ class Materials:
             "dielectric": self._dielectric,
             "roughdielectric": self._dielectric,
         }
-        if node.kind in convert:
-            return convert[node.kind](node, two_sided)
-        return Lambertian(MID_GREY, two_sided)
+        if node.kind not in convert:
+            return Look(Lambertian(MID_GREY, two_sided))
+        material = convert[node.kind](node, two_sided)
+        attribute = self.textures.attribute(node, REFLECTANCE.get(node.kind, ""))
+        return Look(material, attribute=attribute)
 
-    def _both_sides(self, node: Node) -> Material | None:
-        sides = node.inside("bsdf")
-        if not sides:
-            self.ledger.stop(f"{node.name} holds no BSDF; it needs one")
-        if len(sides) > 1:
+    def _reflectance(self, node: Node, default: float) -> Texture:
+        return self.textures.read(node, REFLECTANCE[node.kind], default, painted=True)
+
+    def _mask(self, node: Node, look: Look | None) -> Look | None:
+        opacity = self.textures.read(node, "opacity", 0.5)
+        if isinstance(opacity, Checker):
+            opacity = as_bitmap(opacity)
+        values = opacity.pixels if isinstance(opacity, Bitmap) else np.array(opacity)
+        hard = isinstance(opacity, Bitmap) and opacity.filter == "nearest"
+        if np.all(values == 1):
+            return look
+        if np.all(values == 0):
+            return None
+        if look is None or look.opacity is not None:
             self.ledger.replace(
-                f"{node.name} has two different sides, which is not modelled",
-                "taken as its first side on both",
+                f"{node.name} is a mask of what is itself one, or invisible, which is"
+                " not modelled",
+                "taken as the BSDF inside",
             )
-        node.check_words(self.ledger)
-        return self.of(sides[0], two_sided=True)
+            return look
+        if not (hard and np.isin(values, (0, 1)).all()):
+            self.ledger.replace(
+                f"{node.name}: an opacity between 0 and 1 is not modelled",
+                "taken as opaque from 0.5 on",
+            )
+        if isinstance(opacity, Bitmap):
+            return replace(look, opacity=opacity)
+        return look if np.mean(values) >= 0.5 else None
 
     def _diffuse(self, node: Node, two_sided: bool) -> Material:
-        return Lambertian(self.textures.read(node, "reflectance", 0.5), two_sided)
+        return Lambertian(self._reflectance(node, 0.5), two_sided)
 
     def _conductor(self, node: Node, two_sided: bool) -> Material:
         eta, k = self._complex_ior(node)
         return Conductor(
-            self.textures.read(node, "specular_reflectance", 1.0),
+            self._reflectance(node, 1.0),
             alpha=self._alpha(node) if node.kind == "roughconductor" else 0.0,
             eta=eta,
             k=k,
@@ -125,7 +181,7 @@ class Materials:
 
     def _coated(self, node: Node, two_sided: bool) -> Material:
         return Coated(
-            self.textures.read(node, "diffuse_reflectance", 0.5),
+            self._reflectance(node, 0.5),
             alpha=0.0 if node.kind == "plastic" else self._alpha(node),
             ior=self._ior(node, "polypropylene"),
             nonlinear=node.flag("nonlinear", False, self.ledger),
@@ -193,7 +249,7 @@ class Materials:
         if not any(isinstance(value, str) for value in given.values()):
             inside, outside = (node.number(key, 1.0, self.ledger) for key in given)
             return inside / outside if outside else float("inf")
-        with self.ledger.reading(f"index of refraction of {node.name}"):
+        with reading(f"index of refraction of {node.name}", self.ledger):
             glass = self.mi.load_dict({"type": "dielectric", **given})
             return float(self.mi.traverse(glass)["eta"])
 
@@ -207,7 +263,7 @@ class Materials:
             return None, None
         if not METAL.fullmatch(material):
             self.ledger.stop(f'{node.name}: there is no metal "{material}"')
-        with self.ledger.reading(f"metal of {node.name}"):
+        with reading(f"metal of {node.name}", self.ledger):
             metal = self.mi.load_dict({"type": "conductor", "material": material})
             table = self.mi.traverse(metal)
             return color(table["eta.value"]), color(table["k.value"])

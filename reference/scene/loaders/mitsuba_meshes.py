@@ -8,7 +8,7 @@ import numpy as np
 
 from reference.arrays import Scalars, Vec3s, cross, normalize
 from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.mitsuba_nodes import Node
+from reference.scene.loaders.mitsuba_nodes import Node, reading
 from reference.scene.loaders.triangles import (
     check_indices,
     place,
@@ -24,7 +24,12 @@ GREY = Lambertian((0.5,) * 3)
 
 
 def read_mesh(
-    mi: Any, node: Node, matrix: Scalars, path: Path | None, ledger: Ledger
+    mi: Any,
+    node: Node,
+    matrix: Scalars,
+    path: Path | None,
+    attribute: str,
+    ledger: Ledger,
 ) -> Mesh:
     """Triangles of a shape, without its look.
 
@@ -38,6 +43,8 @@ def read_mesh(
         Its own frame to world.
     path : Path or None
         Where its triangles are, if they are in a file.
+    attribute : str
+        Which of its attributes are its colours; "" for none.
     ledger : Ledger
         Of the file.
 
@@ -67,13 +74,14 @@ def read_mesh(
         plugin["shape_index"] = int(node.number("shape_index", 0, ledger))
     if path is not None:
         plugin["filename"] = str(path)
-    with ledger.reading(f"file of {node.name}"):
+    with reading(f"file of {node.name}", ledger):
         table = mi.traverse(mi.load_dict(plugin))
         vertices, normals, uv = (
             np.array(table[f"vertex_{name}"], np.float64)
             for name in ("positions", "normals", "texcoords")
         )
         faces = np.array(table["faces"], np.int64).reshape(-1, 3)
+        colors = np.array(table[attribute]) if attribute in table else None
     ledger.take(
         8 * (vertices.size + normals.size + uv.size + faces.size),
         f"{node.name} has {len(faces)} triangles",
@@ -87,6 +95,8 @@ def read_mesh(
         uv=uv.reshape(-1, 2) if uv.size else None,
     )
     check_indices(mesh, ledger)
+    if colors is not None:
+        mesh = _colored(mesh, colors, attribute, ledger)
     mesh = turn_faces_to_normals(mesh)
     if node.kind == "cube":
         mesh = replace(mesh, normals=None)
@@ -94,6 +104,29 @@ def read_mesh(
         return mesh
     turned = None if mesh.normals is None else -mesh.normals
     return replace(mesh, faces=turn_over(mesh.faces), normals=turned)
+
+
+def _colored(mesh: Mesh, values: Scalars, attribute: str, ledger: Ledger) -> Mesh:
+    """A mesh whose vertices have colours; those of faces get vertices of their own."""
+    if attribute.startswith("face_"):
+        corners = mesh.faces.ravel()
+        mesh = replace(
+            mesh,
+            vertices=mesh.vertices[corners],
+            faces=np.arange(len(corners)).reshape(-1, 3),
+            normals=None if mesh.normals is None else mesh.normals[corners],
+            uv=None if mesh.uv is None else mesh.uv[corners],
+        )
+        rows = values.reshape(len(mesh.faces), -1).repeat(3, axis=0)
+    else:
+        rows = values.reshape(len(mesh.vertices), -1)
+    if rows.shape[1] not in (1, 3):
+        ledger.stop(
+            f'{mesh.name}: the attribute "{attribute}" has {rows.shape[1]} channels;'
+            " a colour has 1 or 3"
+        )
+    colors = np.broadcast_to(rows, (len(rows), 3)).astype(np.float64)
+    return replace(mesh, colors=np.ascontiguousarray(colors))
 
 
 def _placed(

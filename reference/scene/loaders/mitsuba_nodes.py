@@ -1,5 +1,6 @@
 """A Mitsuba 3 file as Mitsuba's own parser understands it: a tree of plugins."""
 
+import re
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -17,6 +18,12 @@ from reference.scene.loaders.mitsuba_words import find, modelled
 from reference.scene.loaders.words import Fate, Word
 
 TYPES = {"ReconstructionFilter": "rfilter", "PhaseFunction": "phase"}
+INTERNAL = re.compile(
+    r"\[[\w.]+(:\d+)?\] ?"
+    r'|At dictionary node "root": failed to instantiate \w+ plugin of type "\w+": '
+    r"|Error while loading (?=[^ ]+ \()"
+)
+"""What Mitsuba's messages say about itself."""
 VARIANT = "scalar_rgb"  # the one that needs no compiler at run time
 
 
@@ -57,6 +64,29 @@ def mitsuba_session() -> Iterator[Any]:
         mi.set_log_level(level)
         if variant is not None:
             mi.set_variant(variant)
+
+
+@contextmanager
+def reading(what: str, ledger: Ledger) -> Iterator[None]:
+    """Tell Mitsuba's failure on malformed data without the names of its own parts.
+
+    Parameters
+    ----------
+    what : str
+        What it ought to be: "metal of ...".
+    ledger : Ledger
+        Of the file.
+
+    Yields
+    ------
+    None
+        Nothing.
+    """
+    with ledger.reading(what):
+        try:
+            yield
+        except RuntimeError as error:
+            raise RuntimeError(INTERNAL.sub("", str(error))) from error
 
 
 @dataclass(slots=True, eq=False)
@@ -246,7 +276,7 @@ def parse(mi: Any, ledger: Ledger) -> Node:
         Not well-formed, or with a reference to nothing.
     """
     check_source(ledger)
-    with ledger.reading("Mitsuba scene"), _search_path(mi, ledger) as folders:
+    with reading("Mitsuba scene", ledger), _search_path(mi, ledger) as folders:
         config = mi.parser.ParserConfig(VARIANT)
         state = mi.parser.parse_file(config, str(ledger.path))
         mi.parser.transform_upgrade(config, state)

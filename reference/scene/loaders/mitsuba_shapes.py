@@ -10,11 +10,11 @@ from reference.arrays import Scalars
 from reference.errors import UsageError
 from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.mitsuba_materials import Materials
+from reference.scene.loaders.mitsuba_materials import Look, Materials
 from reference.scene.loaders.mitsuba_meshes import FILES, read_mesh
 from reference.scene.loaders.mitsuba_nodes import Node
 from reference.scene.loaders.triangles import drop_texture_without_uv, place
-from reference.scene.materials.kinds import Dielectric, Lambertian, Material
+from reference.scene.materials.kinds import Dielectric, Lambertian
 from reference.scene.shapes import Mesh, Sphere
 from reference.scene.textures import Pattern, Texture, mean_color, shines
 
@@ -32,8 +32,8 @@ class Plan:
         The shape.
     matrix : (4, 4) float64
         Its own frame to world.
-    material : Material
-        How it scatters.
+    look : Look
+        How it scatters, and where.
     emission : Texture
         Radiance of its front.
     turn : (2, 3) float64 or None
@@ -44,7 +44,7 @@ class Plan:
 
     node: Node
     matrix: Scalars
-    material: Material
+    look: Look
     emission: Texture
     turn: Scalars | None
     path: Path | None
@@ -97,32 +97,33 @@ def _plan(node: Node, matrix: Scalars, materials: Materials) -> Plan | None:
         except UsageError as error:
             ledger.replace(f"{node.name}: {error}", "left out")
     emission = _emission(node, materials)
-    material = _material(node, materials, shines(emission))
-    if material is None or (node.kind in FILES and path is None):
+    look = _look(node, materials, shines(emission))
+    if look is None or (node.kind in FILES and path is None):
         return None
-    textures = (emission,)
-    if not isinstance(material, Dielectric):
-        textures = (material.reflectance, *textures)
     if node.kind == "sphere":
-        emission = _plain(node, "emission", emission, ledger)
-        if not isinstance(material, Dielectric):
-            plain = _plain(node, "reflectance", material.reflectance, ledger)
-            material = replace(material, reflectance=plain)
+        emission = _plain(node, emission, ledger)
+        look = _plain_look(node, look, ledger)
+    textures = [emission]
+    if not isinstance(look.material, Dielectric):
+        textures.insert(0, look.material.reflectance)
+    if look.opacity is not None:
+        textures.append(look.opacity)
     turn = materials.textures.placement(textures, node.name)
-    return Plan(node, matrix, material, emission, turn, path)
+    return Plan(node, matrix, look, emission, turn, path)
 
 
-def _material(node: Node, materials: Materials, emits: bool) -> Material | None:
+def _look(node: Node, materials: Materials, emits: bool) -> Look | None:
     bsdfs = node.inside("bsdf")
     if not bsdfs:
         # Mitsuba's defaults: lamps are black, other shapes half white.
-        return Lambertian((0.0,) * 3 if emits else (0.5,) * 3, two_sided=False)
-    material = materials.of(bsdfs[0])
-    if material is None and emits:
+        paint = (0.0,) * 3 if emits else (0.5,) * 3
+        return Look(Lambertian(paint, two_sided=False))
+    look = materials.of(bsdfs[0])
+    if look is None and emits:
         materials.ledger.replace(
             f"{node.name} is invisible and emits, which is not modelled", "left out"
         )
-    return material
+    return look
 
 
 def _emission(node: Node, materials: Materials) -> Texture:
@@ -137,14 +138,29 @@ def _emission(node: Node, materials: Materials) -> Texture:
     return 0.0, 0.0, 0.0
 
 
-def _plain(node: Node, what: str, texture: Texture, ledger: Ledger) -> Texture:
-    if isinstance(texture, Pattern):
+def _plain(node: Node, texture: Texture, ledger: Ledger) -> Texture:
+    if not isinstance(texture, Pattern):
+        return texture
+    ledger.replace(
+        f"{node.name}: a texture on a sphere lies otherwise in Mitsuba",
+        "taken in the mean colour of the texture",
+    )
+    return color(mean_color(texture))
+
+
+def _plain_look(node: Node, look: Look, ledger: Ledger) -> Look:
+    if look.opacity is not None:
+        ledger.replace(f"{node.name}: a mask on a sphere is not modelled", "left whole")
+    if look.attribute:
         ledger.replace(
-            f"{node.name}: a texture of {what} on a sphere lies otherwise in Mitsuba",
-            "taken in the mean colour of the texture",
+            f'{node.name} has no attribute "{look.attribute}"', "taken as white"
         )
-        return color(mean_color(texture))
-    return texture
+    material = look.material
+    if not isinstance(material, Dielectric):
+        plain = _plain(node, material.reflectance, ledger)
+        if plain is not material.reflectance:
+            material = replace(material, reflectance=plain)
+    return Look(material)
 
 
 def build_shape(plan: Plan, materials: Materials) -> Mesh | Sphere:
@@ -165,10 +181,19 @@ def build_shape(plan: Plan, materials: Materials) -> Mesh | Sphere:
     ledger = materials.ledger
     if plan.node.kind == "sphere":
         return _sphere(plan, ledger)
-    mesh = read_mesh(materials.mi, plan.node, plan.matrix, plan.path, ledger)
+    look = plan.look
+    mesh = read_mesh(
+        materials.mi, plan.node, plan.matrix, plan.path, look.attribute, ledger
+    )
+    if look.attribute and mesh.colors is None:
+        ledger.replace(
+            f'{plan.node.name} has no attribute "{look.attribute}"', "taken as white"
+        )
     if plan.turn is not None and mesh.uv is not None:
         mesh = replace(mesh, uv=mesh.uv @ plan.turn[:, :2].T + plan.turn[:, 2])
-    mesh = replace(mesh, material=plan.material, emission=plan.emission)
+    mesh = replace(
+        mesh, material=look.material, emission=plan.emission, opacity=look.opacity
+    )
     return drop_texture_without_uv(mesh, ledger)
 
 
@@ -187,7 +212,7 @@ def _sphere(plan: Plan, ledger: Ledger) -> Sphere:
         name=node.id,
         center=color(place(center[None], matrix)[0]),
         radius=float(node.number("radius", 1.0, ledger) * scales.mean()),
-        material=plan.material,
+        material=plan.look.material,
         emission=plan.emission,
         inward=mirrored != node.flag("flip_normals", False, ledger),
     )

@@ -1,5 +1,6 @@
 """Mitsuba's textures as ours."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, TypeVar
 
@@ -9,7 +10,7 @@ from reference.arrays import Scalars
 from reference.errors import UsageError
 from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.mitsuba_nodes import Node
+from reference.scene.loaders.mitsuba_nodes import Node, reading
 from reference.scene.loaders.pictures import read_picture
 from reference.scene.textures import (
     Bitmap,
@@ -54,7 +55,12 @@ class Textures:
     turned: dict[int, Scalars] = field(default_factory=dict)
 
     def read(
-        self, node: Node, key: str, default: float, emission: bool = False
+        self,
+        node: Node,
+        key: str,
+        default: float,
+        emission: bool = False,
+        painted: bool = False,
     ) -> Texture:
         """Colour, bitmap or checker that a plugin takes from a parameter.
 
@@ -68,15 +74,23 @@ class Textures:
             What Mitsuba takes if the file does not say.
         emission : bool
             It is one of emitted light.
+        painted : bool
+            Colours of the mesh may stand for it, see `attribute`.
 
         Returns
         -------
         Texture
-            Linear Rec. 709.
+            Linear Rec. 709; a factor on the colours of the mesh.
         """
         texture = node.children.get(key)
         if texture is None:
             return self._constant(node, node.get(key, default), emission)
+        if texture.kind == "mesh_attribute" and not painted:
+            self.ledger.replace(
+                f'{node.name}: a mesh_attribute as "{key}" is not modelled',
+                "taken as mid grey",
+            )
+            return MID_GREY
         way = id(texture), emission
         if way not in self.made:
             self.made[way] = self._convert(texture, emission)
@@ -117,12 +131,19 @@ class Textures:
         # The mean of three equal numbers is rounded.
         return shades[0] if len(set(shades)) == 1 else float(np.mean(shades))
 
-    def placement(self, textures: "tuple[Texture, ...]", where: str) -> Scalars | None:
+    def attribute(self, node: Node, key: str) -> str:
+        """Name of the colours of the mesh that a parameter takes, "" for none."""
+        texture = node.children.get(key)
+        if texture is None or texture.kind != "mesh_attribute":
+            return ""
+        return texture.text("name", "", self.ledger)
+
+    def placement(self, textures: Sequence[Texture], where: str) -> Scalars | None:
         """What becomes of the texture coordinates of a shape.
 
         Parameters
         ----------
-        textures : tuple of Texture
+        textures : sequence of Texture
             All those of the shape; colours do not matter.
         where : str
             The shape, for messages.
@@ -149,6 +170,8 @@ class Textures:
         if not node.is_modelled(self.ledger):
             return MID_GREY
         node.check_words(self.ledger)
+        if node.kind == "mesh_attribute":
+            return (node.number("scale", 1.0, self.ledger),) * 3
         if node.kind == "bitmap":
             return self._bitmap(node)
         if node.kind == "checkerboard":
@@ -206,7 +229,7 @@ class Textures:
             return (float(value),) * 3
         if type(value).__name__.startswith("Color3"):
             return color(value)
-        with self.ledger.reading(f"spectrum of {node.name}"):
+        with reading(f"spectrum of {node.name}", self.ledger):
             props = self.mi.Properties()
             props["value"] = value
             texture = (
@@ -219,3 +242,9 @@ class Textures:
 
 def _same(a: Scalars | None, b: Scalars | None) -> bool:
     return a is not None and b is not None and np.array_equal(a, b)
+
+
+def as_bitmap(checker: Checker) -> Bitmap:
+    """The same checker as a picture of two by two."""
+    one, other = checker.color0, checker.color1
+    return Bitmap(np.array([[other, one], [one, other]]), "nearest", checker.scale)

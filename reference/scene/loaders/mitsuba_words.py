@@ -113,7 +113,7 @@ _SHAPES = (
 )
 _BSDFS = (
     *_words("bsdf", _MODELLED, "diffuse conductor roughconductor plastic roughplastic"),
-    *_words("bsdf", _MODELLED, "dielectric roughdielectric twosided"),
+    *_words("bsdf", _MODELLED, "dielectric roughdielectric twosided mask"),
     *_words("bsdf", _MODELLED, "null", "the shape is left out, for it is invisible"),
     *_words(
         "bsdf",
@@ -125,7 +125,7 @@ _BSDFS = (
     *_words(
         "bsdf",
         _REPLACED,
-        "mask blendbsdf normalmap bumpmap",
+        "blendbsdf normalmap bumpmap",
         "taken as the first BSDF inside",
     ),
     *_words(
@@ -170,10 +170,14 @@ _BSDFS = (
     *_rough("roughconductor"),
     *_rough("roughplastic"),
     *_rough("roughdielectric"),
+    *_words("mask", _MODELLED, "bsdf"),
+    *_words("mask", _MODELLED, "opacity", "0 or 1; else cut at 0.5 under --lenient"),
     *_words("twosided", _MODELLED, "bsdf", "one; of two the first under --lenient"),
 )
 _TEXTURES = (
     *_words("texture", _MODELLED, "bitmap checkerboard uniform srgb d65 rawconstant"),
+    *_words("texture", _MODELLED, "mesh_attribute", "of a reflectance"),
+    *_words("mesh_attribute", _MODELLED, "name scale"),
     *_any("texture", _REPLACED, "taken as mid grey"),
     *_words("bitmap", _MODELLED, "filename raw to_uv filter_type wrap_mode"),
     *_words("bitmap", _HARMLESS, "format accel"),

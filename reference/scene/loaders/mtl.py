@@ -1,21 +1,102 @@
-"""MTL files: the part of them that a matt, glowing surface needs."""
+"""MTL files: what their surfaces scatter, reflect, refract and emit.
+
+The format is one of 1995, of formulas for point lights without units.  `illum` says
+which words count; the rest of the words has no effect.
+"""
 
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, field
+from math import sqrt
+from pathlib import PurePosixPath
 
+import numpy as np
+
+from reference.arrays import Vec3s
 from reference.errors import UsageError
-from reference.files import read_file
 from reference.scene.loaders.framing import color
-from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.pictures import read_picture
-from reference.scene.materials.kinds import Lambertian
+from reference.scene.loaders.ledger import Ledger, roughness
+from reference.scene.loaders.pictures import read_mask, read_picture
+from reference.scene.loaders.words import Fate, Word
+from reference.scene.materials.kinds import (
+    Coated,
+    Conductor,
+    Dielectric,
+    Lambertian,
+    Material,
+)
 from reference.scene.textures import Bitmap, Color, Texture
 
 MID_GREY = (0.5, 0.5, 0.5)
-# Not about light that a surface scatters or emits: the ambient term, and the recipe.
-WITHOUT_EFFECT = {"ka", "illum"}
+BLACK = (0.0, 0.0, 0.0)
+MATT, MIRROR, FRESNEL, GLASS = (0, 1), (3, 8), (5,), (4, 6, 7, 9)  # of illum
+IOR = 1.5  # of a coat, where the file does not say
+MOST_HIGHLIGHT = 0.9  # of what falls on a surface
+
+WORDS = (
+    Word(
+        "material", "Kd", Fate.MODELLED, "diffuse reflectance; else 0.8, and 0 of glass"
+    ),
+    Word("material", "Ke", Fate.MODELLED, "radiance of the front, W/(m² sr)"),
+    Word("material", "illum", Fate.MODELLED, "0, 1 matt; 2, or none, with a highlight"),
+    Word("material", "illum 3, 8", Fate.MODELLED, "a mirror of Ks; Kd has to be 0"),
+    Word("material", "illum 5", Fate.MODELLED, "a smooth coat of Ni on Kd"),
+    Word("material", "illum 4, 6, 7, 9", Fate.MODELLED, "glass of Ni; opaque with d 1"),
+    Word("material", "illum 10", Fate.REPLACED, "taken as matt"),
+    Word("material", "Ks", Fate.MODELLED, "the highlight's height, or the mirror"),
+    Word("material", "Ns", Fate.MODELLED, "the highlight's exponent"),
+    Word("material", "Ni", Fate.MODELLED, "of glass and coats; else without effect"),
+    Word("material", "d", Fate.REPLACED, "taken as opaque; 1 is, and glass needs none"),
+    Word("material", "Tr", Fate.REPLACED, "1 - d, where there is no d"),
+    Word("material", "Tf", Fate.REPLACED, "clear; without effect on what is opaque"),
+    Word("material", "Pr", Fate.MODELLED, "roughness, alpha = Pr²; rules out illum"),
+    Word("material", "Pm", Fate.MODELLED, "0 or 1; taken as the nearer of them"),
+    Word("material", "Ps", Fate.REPLACED, "taken as 0"),
+    Word("material", "Pc", Fate.REPLACED, "taken as 0"),
+    Word("material", "Pcr", Fate.HARMLESS, "of Pc"),
+    Word("material", "aniso", Fate.REPLACED, "taken as 0"),
+    Word("material", "anisor", Fate.HARMLESS, "of aniso"),
+    Word("material", "Ka", Fate.HARMLESS, "ambient light, of which there is none"),
+    Word("material", "map_Ka", Fate.HARMLESS, "ambient light, of which there is none"),
+    Word("material", "map_aat", Fate.HARMLESS, "textures are as sharp as they are"),
+    Word("material", "sharpness", Fate.HARMLESS, "of reflection maps"),
+    Word("material", "map_Kd", Fate.MODELLED, "times Kd"),
+    Word("material", "map_Ke", Fate.MODELLED, "times Ke, where there is a Ke"),
+    Word("material", "map_d", Fate.MODELLED, "a mask: no surface where it is below ½"),
+    Word("material", "map_Ks", Fate.REPLACED, "taken as 1, where there is a highlight"),
+    Word("material", "map_Ns", Fate.REPLACED, "left out, where there is a highlight"),
+    *(
+        Word("material", name, Fate.REPLACED, "left out")
+        for name in (
+            *("map_Pr", "map_Pm", "map_Ps", "map_Pc", "map_Tr", "bump", "map_bump"),
+            *("norm", "disp", "decal", "refl"),
+        )
+    ),
+    Word("map", "-s", Fate.MODELLED, "factors on u and v, before -o"),
+    Word("map", "-o", Fate.MODELLED, "added to u and v"),
+    Word("map", "-blendu", Fate.HARMLESS, "textures are filtered in one way"),
+    Word("map", "-blendv", Fate.HARMLESS, "textures are filtered in one way"),
+    Word("map", "-bm", Fate.HARMLESS, "of bump"),
+    Word("map", "-boost", Fate.HARMLESS, "textures are as sharp as they are"),
+    Word("map", "-texres", Fate.HARMLESS, "textures are as sharp as they are"),
+    Word("map", "-type", Fate.HARMLESS, "of refl"),
+    Word("map", "-cc", Fate.REPLACED, "ignored; off is harmless"),
+    Word("map", "-clamp", Fate.REPLACED, "repeated; off is harmless"),
+    Word("map", "-imfchan", Fate.REPLACED, "ignored; l and m are harmless"),
+    Word("map", "-mm", Fate.REPLACED, "ignored; 0 1 is harmless"),
+    Word("map", "-t", Fate.REPLACED, "ignored; 0 is harmless"),
+)
+FATES = {word.name.lower(): word.fate for word in WORDS if word.element == "material"}
+OPTIONS = {word.name: word.fate for word in WORDS if word.element == "map"}
+NUMBERED = {"-s": 3, "-o": 3, "-t": 3, "-mm": 2}  # values at most; of others one
+NEUTRAL = {
+    "-cc": ("off",),
+    "-clamp": ("off",),
+    "-imfchan": ("l", "m"),
+    "-mm": ("0 1", "0.0 1.0"),
+    "-t": ("0", "0 0", "0 0 0"),
+}
+ZERO_IS_NONE = {"ps", "pc", "aniso"}
+OF_HIGHLIGHTS = {"map_ks", "map_ns"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,112 +105,337 @@ class Look:
 
     Attributes
     ----------
-    material : Lambertian
+    material : Material
         How it scatters.
     emission : Texture, W/(m² sr)
         Radiance of the front.
+    opacity : Bitmap or None
+        Where there is no surface.
+    scale, offset : (2,) float64
+        Of the texture coordinates: scale · (u, v) + offset.
     """
 
-    material: Lambertian
-    emission: Texture = (0.0, 0.0, 0.0)
+    material: Material
+    emission: Texture = BLACK
+    opacity: Bitmap | None = None
+    scale: Vec3s = field(default_factory=lambda: np.ones(2))
+    offset: Vec3s = field(default_factory=lambda: np.zeros(2))
 
 
 PLAIN = Look(Lambertian((0.8, 0.8, 0.8)))
 
 
-def read_looks(path: Path, ledger: Ledger) -> dict[str, Look]:
+def read_looks(
+    libraries: tuple[str, ...], ledger: Ledger
+) -> tuple[dict[str, Look], bool]:
     """Materials of all MTL files that an OBJ file names.
 
     Parameters
     ----------
-    path : Path
-        The OBJ file.
+    libraries : tuple of str
+        What stands after each mtllib: a name, which may hold spaces, or several.
     ledger : Ledger
-        Of it.
+        Of the scene.
 
     Returns
     -------
-    dict of str to Look
-        By their names.
+    dict of str to Look, bool
+        By their names; whether all files could be read.
 
     Raises
     ------
     UsageError
-        Malformed, or (unless lenient) a file missing.
+        Malformed, or (unless lenient) with something missing or not modelled.
     """
-    text = read_file(path).decode("utf-8", "replace")
     looks: dict[str, Look] = {}
-    for name in re.findall(r"^[ \t]*mtllib[ \t]+(.*?)[ \t\r]*$", text, re.MULTILINE):
+    complete = True
+    for name in dict.fromkeys(x for line in libraries for x in _names(line, ledger)):
         try:
-            lines = ledger.read(name).decode("utf-8", "replace")
+            text = ledger.read(name).decode("utf-8-sig", "replace")
         except UsageError as error:
             ledger.replace(
                 f'the material file "{name}" cannot be read ({error})',
                 "all its materials taken as matt with reflectance 0.8",
             )
+            complete = False
             continue
-        own = Ledger(
-            path.parent / name,
-            ledger.lenient,
-            ledger.allow_outside,
-            ledger.notes,
-            ledger.refusals,
-        )
-        with own.reading("MTL file"):
-            for material, entries in _materials(lines):
-                looks[material] = _look(material, entries, own)
-    return looks
+        for material in _materials(name, text, ledger):
+            looks[material.name] = _look(material)
+    return looks, complete
 
 
-def _materials(text: str) -> Iterator[tuple[str, dict[str, str]]]:
-    """Name and entries of each material, keys in lower case."""
-    for block in re.split(r"^[ \t]*newmtl[ \t]+", text, flags=re.MULTILINE)[1:]:
-        name, *lines = block.splitlines()
-        pairs = (line.split(maxsplit=1) for line in lines if not line.startswith("#"))
-        yield name.strip(), {p[0].lower(): p[1].strip() for p in pairs if len(p) == 2}
-
-
-def _look(name: str, entries: dict[str, str], ledger: Ledger) -> Look:
-    known = {"kd", "ke", "map_kd", "map_ke"}
-    if ignored := sorted(entries.keys() - known - WITHOUT_EFFECT):
-        ledger.note(
-            f'material "{name}" of {ledger.path.name}: {", ".join(ignored)} ignored, it'
-            " is matt and opaque"
-        )
-    factor = _numbers(entries.get("kd", "0.8"))
-    reflectance: Color | Bitmap = factor
-    if "map_kd" in entries:
-        instead = "taken as mid grey"
-        read = _texture(name, entries["map_kd"], factor, instead, ledger)
-        reflectance = read or MID_GREY
-    glows = "map_ke" in entries
-    radiance = _numbers(entries.get("ke", "1" if glows else "0"))
-    emission: Color | Bitmap = radiance
-    if glows:
-        instead = "its Ke taken alone"
-        read = _texture(name, entries["map_ke"], radiance, instead, ledger)
-        emission = read or radiance
-    return Look(Lambertian(reflectance), emission)
-
-
-def _numbers(text: str) -> Color:
-    values = [float(word) for word in text.split()]
-    return color(values * 3 if len(values) == 1 else values)
-
-
-def _texture(
-    name: str, text: str, factor: Color, instead: str, ledger: Ledger
-) -> Bitmap | None:
-    if text.startswith("-"):
-        ledger.replace(
-            f'material "{name}": the options of the map "{text}" are not understood;'
-            " a file name alone is",
-            "ignored",
-        )
-        text = text.split()[-1]
+def _names(line: str, ledger: Ledger) -> list[str]:
+    """One name with spaces, if there is such a file, or else several."""
     try:
-        pixels = read_picture(text, ledger)
+        whole = ledger.locate(line).is_file()
+    except UsageError:
+        whole = False
+    return [line] if whole else line.split()
+
+
+@dataclass(slots=True)
+class _Entry:
+    """One material of a file: its words by their keys in lower case."""
+
+    file: str
+    name: str
+    ledger: Ledger
+    words: dict[str, str] = field(default_factory=dict)
+    lines: dict[str, int] = field(default_factory=dict)
+
+    def where(self, key: str) -> str:
+        return f'{self.file}: line {self.lines[key]}: material "{self.name}"'
+
+    def replace(self, key: str, problem: str, instead: str) -> None:
+        self.ledger.replace(f"{self.where(key)}: {problem}", instead)
+
+    def color(self, key: str, default: Color) -> Color:
+        if key not in self.words:
+            return default
+        try:
+            values = [float(word) for word in self.words[key].split()]
+            return color(values * 3 if len(values) == 1 else values)
+        except ValueError:
+            shown = self.words[key][:60]
+            self.ledger.stop(
+                f'{self.where(key)}: {key} is "{shown}"; it should be one number or'
+                " three"
+            )
+
+    def number(self, key: str, default: float) -> float:
+        values = self.color(key, (default,) * 3)
+        if values != (values[0],) * 3:
+            self.ledger.stop(f"{self.where(key)}: {key} should be one number")
+        return values[0]
+
+
+def _materials(file: str, text: str, ledger: Ledger) -> list[_Entry]:
+    materials: list[_Entry] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        key, *rest = re.sub(r"(?<!\S)#.*", "", line).split(maxsplit=1)[:2] or [""]
+        value = rest[0].strip() if rest else ""
+        if key.lower() == "newmtl":
+            materials.append(_Entry(file, value, ledger))
+        elif key and not materials:
+            ledger.stop(f'{file}: line {number}: "{key}" stands before any newmtl')
+        elif key:
+            key = {"map_bump": "bump"}.get(key.lower(), key.lower())
+            materials[-1].words[key] = value
+            materials[-1].lines[key] = number
+    return materials
+
+
+def _look(entry: _Entry) -> Look:
+    transforms: dict[str, tuple[Vec3s, Vec3s]] = {}
+    grey = 0.0 if entry.number("illum", 2) in GLASS else 0.8
+    factor = entry.color("kd", (grey,) * 3)
+    reflectance = _textured(entry, "map_kd", factor, transforms)
+    glow = (1.0,) * 3 if "map_ke" in entry.words else BLACK
+    emission = _textured(entry, "map_ke", entry.color("ke", glow), transforms)
+    opacity = _mask(entry, transforms)
+    material = _material(entry, reflectance)
+    _refuse_words(entry, bool(np.any(_highlight(entry))))
+    places = list(transforms.values()) or [(np.ones(2), np.zeros(2))]
+    if any(not np.array_equal(place, places[0]) for place in places):
+        entry.replace(
+            list(transforms)[-1],
+            "its maps lie on the surface in different ways",
+            f"all taken as its {next(iter(transforms))}",
+        )
+    return Look(material, emission, opacity, *places[0])
+
+
+def _refuse_words(entry: _Entry, shines: bool) -> None:
+    for key in entry.words:
+        fate = FATES.get(key, Fate.REPLACED)
+        if fate is not Fate.REPLACED or key in ("d", "tr", "tf"):
+            continue
+        if key in ZERO_IS_NONE and entry.number(key, 0.0) == 0:
+            continue
+        if key in OF_HIGHLIGHTS and not shines:
+            continue
+        entry.replace(key, f'"{key}" is not modelled', "left out")
+
+
+def _material(entry: _Entry, reflectance: Color | Bitmap) -> Material:
+    illum = entry.number("illum", 2)
+    dissolved = _dissolved(entry)
+    matt = isinstance(reflectance, tuple) and not any(reflectance)
+    if "pr" in entry.words or "pm" in entry.words:
+        _refuse_dissolved(entry, dissolved)
+        return _of_roughness(entry, reflectance)
+    if illum in GLASS and entry.number("ni", 1.0) != 1 and (dissolved or matt):
+        return _glass(entry, matt)
+    _refuse_dissolved(entry, dissolved)
+    mirror = entry.color("ks", BLACK)
+    if illum in (*MIRROR, *FRESNEL, *GLASS) and any(mirror):
+        if illum not in FRESNEL and matt:
+            return Conductor(mirror, alpha=0.0)
+        if illum not in FRESNEL:
+            entry.replace(
+                "illum",
+                f"a mirror (illum {illum:g}, Ks) over Kd is modelled with Fresnel's"
+                " reflection alone (illum 5)",
+                "taken as illum 5",
+            )
+        ior = entry.number("ni", IOR)
+        return Coated(reflectance, 0.0, ior if ior > 1 else IOR, specular=mirror)
+    if illum not in (*MATT, 2, *MIRROR, *FRESNEL, *GLASS):
+        entry.replace("illum", f"illum {illum:g} is not modelled", "taken as matt")
+    return _shining(entry, reflectance)
+
+
+def _dissolved(entry: _Entry) -> str:
+    """Word that makes the surface less than opaque, or nothing."""
+    if "d" in entry.words:
+        return (
+            "d"
+            if entry.words["d"].split() not in (["1"], ["1.0"])
+            and (entry.words["d"].startswith("-") or entry.number("d", 1.0) != 1)
+            else ""
+        )
+    return "tr" if entry.number("tr", 0.0) != 0 else ""
+
+
+def _refuse_dissolved(entry: _Entry, key: str) -> None:
+    if key:
+        entry.replace(
+            key,
+            f'"{key} {entry.words[key]}" is not modelled without glass (illum 4, 6, 7'
+            " or 9 with Ni)",
+            "taken as opaque",
+        )
+
+
+def _glass(entry: _Entry, black: bool) -> Material:
+    if not black:
+        entry.replace(
+            "kd", "glass that scatters (Kd) is not modelled", "taken as clear"
+        )
+    if entry.color("tf", (1.0,) * 3) != (1.0,) * 3:
+        entry.replace("tf", "coloured glass (Tf) is not modelled", "taken as clear")
+    ior = entry.number("ni", IOR)
+    if not 0 < ior < np.inf:
+        entry.ledger.stop(f"{entry.where('ni')}: Ni is {ior:g}; it should be above 0")
+    return Dielectric(ior)
+
+
+def _of_roughness(entry: _Entry, reflectance: Color | Bitmap) -> Material:
+    metal = entry.number("pm", 0.0)
+    if metal not in (0, 1):
+        entry.replace(
+            "pm", f"Pm {metal:g} is not modelled", "taken as the nearer of 0, 1"
+        )
+    where = f'material "{entry.name}"'
+    alpha = roughness(entry.number("pr", 1.0) ** 2, where, entry.ledger)
+    if metal >= 0.5:
+        return Conductor(reflectance, alpha=alpha, schlick=True)
+    ior = entry.number("ni", IOR)
+    return Coated(reflectance, alpha=alpha, ior=ior if ior > 1 else IOR)
+
+
+def _highlight(entry: _Entry) -> Color:
+    """Ks where illum lets it count."""
+    if entry.number("illum", 2) in MATT or {"pr", "pm"} & entry.words.keys():
+        return BLACK
+    return entry.color("ks", BLACK)
+
+
+def _shining(entry: _Entry, reflectance: Color | Bitmap) -> Material:
+    """Diffuse base under a coat with the highlight of the format's formula.
+
+    Ks (N·H)^Ns / π, for light from the direction of the eye, has the width of
+    Beckmann's distribution with alpha² = 2 / (Ns + 2) [Walter07], and the height of a
+    coat that reflects F = 8 Ks / (Ns + 2): F D(0) / 4 = F / (4 π alpha²) = Ks / π.
+    """
+    ks, ns = np.array(_highlight(entry)), entry.number("ns", 0.0)
+    if not ks.any():
+        return Lambertian(reflectance)
+    if not (ns >= 0 and (ks >= 0).all()):
+        entry.ledger.stop(f"{entry.where('ks')}: Ks and Ns should not be negative")
+    share = 8 * float(ks.max()) / (ns + 2)
+    if not share <= MOST_HIGHLIGHT:
+        entry.replace(
+            "ks",
+            f"its highlight reflects {share:.3g} of the light, 8 Ks / (Ns + 2); at most"
+            f" {MOST_HIGHLIGHT:g} is modelled",
+            "taken as matt",
+        )
+        return Lambertian(reflectance)
+    ior = (1 + sqrt(share)) / (1 - sqrt(share))
+    if ior <= 1:
+        return Lambertian(reflectance)
+    return Coated(
+        reflectance,
+        alpha=roughness(sqrt(2 / (ns + 2)), f'material "{entry.name}"', entry.ledger),
+        ior=ior,
+        specular=color(ks / ks.max()),
+        distribution="beckmann",
+    )
+
+
+def _textured(
+    entry: _Entry,
+    key: str,
+    factor: Color,
+    transforms: dict[str, tuple[Vec3s, Vec3s]],
+) -> Color | Bitmap:
+    if key not in entry.words or not any(factor):
+        return factor
+    name = _place(entry, key, transforms)
+    try:
+        pixels = read_picture(name, entry.ledger)
     except UsageError as error:
-        ledger.replace(f'{ledger.path.name}: material "{name}": {error}', instead)
+        entry.replace(key, str(error), "taken as mid grey")
+        return MID_GREY
+    with np.errstate(over="ignore"):  # the validation's to report
+        pixels *= factor
+    return Bitmap(pixels)
+
+
+def _mask(entry: _Entry, transforms: dict[str, tuple[Vec3s, Vec3s]]) -> Bitmap | None:
+    if "map_d" not in entry.words:
         return None
-    return Bitmap(pixels * factor)
+    try:
+        return Bitmap(read_mask(_place(entry, "map_d", transforms), entry.ledger))
+    except UsageError as error:
+        entry.replace("map_d", str(error), "taken as opaque")
+        return None
+
+
+def _place(entry: _Entry, key: str, transforms: dict[str, tuple[Vec3s, Vec3s]]) -> str:
+    """Name of a map's file from the scene's folder; how it lies is written down."""
+    rest, place = entry.words[key], {"-s": np.ones(2), "-o": np.zeros(2)}
+    while found := re.match(r"(-[a-z]+)\s+(.*)", rest):
+        option, rest = found[1].lower(), found[2]
+        values, rest = _values(option, rest)
+        if option in place:
+            numbers = [float(value) for value in values[:2]]
+            place[option][: len(numbers)] = numbers
+        elif not _is_harmless(option, values):
+            shown = " ".join((option, *values))
+            entry.replace(key, f'"{shown}" of {key} is not modelled', "ignored")
+    transforms[key] = (place["-s"], place["-o"])
+    folder = PurePosixPath(entry.file.replace("\\", "/")).parent
+    return str(folder / rest.replace("\\", "/"))
+
+
+def _is_harmless(option: str, values: list[str]) -> bool:
+    if OPTIONS.get(option, Fate.REPLACED) is Fate.HARMLESS:
+        return True
+    return " ".join(values) in NEUTRAL.get(option, ())
+
+
+def _values(option: str, rest: str) -> tuple[list[str], str]:
+    """Values of an option, and what comes after them."""
+    values: list[str] = []
+    if option not in NUMBERED:
+        value, _, rest = rest.partition(" ")
+        return [value], rest.strip()
+    while len(values) < NUMBERED[option]:
+        found = re.match(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s+(.*)", rest)
+        if not found:
+            break
+        values.append(found[1])
+        rest = found[2]
+    return values, rest

@@ -9,7 +9,7 @@ from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.materials.kinds import Dielectric
 from reference.scene.shapes import Mesh
-from reference.scene.textures import Pattern, Texture, mean_color
+from reference.scene.textures import Pattern, mean_color
 
 
 def check_indices(mesh: Mesh, ledger: Ledger) -> None:
@@ -96,36 +96,31 @@ def drop_texture_without_uv(mesh: Mesh, ledger: Ledger) -> Mesh:
     mesh : Mesh
         Any.
     ledger : Ledger
-        Takes the note, or the refusal.
+        Takes the note, or stops.
 
     Returns
     -------
     Mesh
-        If it has no texture coordinates, its reflectance and its emission have one
-        colour each, and it is opaque.
+        Its material and its emission have one colour each if it has no texture
+        coordinates, and no part of it is masked.
     """
     if mesh.uv is not None:
         return mesh
-    material = mesh.material
-    bare = replace(mesh, emission=_one_color(mesh.emission), opacity=None)
-    if not isinstance(material, Dielectric):
-        reflectance = _one_color(material.reflectance)
-        if reflectance is not material.reflectance:
-            bare = replace(bare, material=replace(material, reflectance=reflectance))
-    kept = bare.material is material and bare.emission is mesh.emission
+    material, emission = mesh.material, mesh.emission
+    reflectance = getattr(material, "reflectance", None)
+    if isinstance(reflectance, Pattern) and not isinstance(material, Dielectric):
+        mean = color(mean_color(reflectance))
+        material = replace(material, reflectance=mean)
+    if isinstance(emission, Pattern):
+        emission = color(mean_color(emission))
+    kept = material is mesh.material and emission is mesh.emission
     if kept and mesh.opacity is None:
         return mesh
     ledger.replace(
         f'mesh "{mesh.name}" has a texture but no texture coordinates',
         "taken in the mean colour of the texture",
     )
-    return bare
-
-
-def _one_color(texture: Texture) -> Texture:
-    if isinstance(texture, Pattern):
-        return color(mean_color(texture))
-    return texture
+    return replace(mesh, material=material, emission=emission, opacity=None)
 
 
 def place(vertices: Vec3s, matrix: Scalars) -> Vec3s:

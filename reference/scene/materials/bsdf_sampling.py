@@ -133,6 +133,9 @@ def _sample_kind(
         return BsdfSamples(*dielectric.sample(table, points, u))
     if kind == Kind.SMOOTH_COATED:
         return BsdfSamples(*coated.sample_smooth(table, points, u))
+    if kind == Kind.ROUGH_DIELECTRIC:
+        drawn = rough_dielectric.sample(table, points, u)
+        return BsdfSamples(*drawn, np.zeros(len(points), bool))
     if kind == Kind.LAMBERTIAN:
         wi = lambertian.sample(points, u)
         density = lambertian.pdf(table, points, wi)
@@ -143,10 +146,6 @@ def _sample_kind(
         wi = conductor.sample_reflected(table, points, u)
         density = conductor.pdf_reflected(table, points, wi)
         value = conductor.scattering(table, points, wi)
-    elif kind == Kind.ROUGH_DIELECTRIC:
-        wi = rough_dielectric.sample(table, points, u)
-        density = rough_dielectric.pdf(table, points, wi)
-        value = rough_dielectric.scattering(table, points, wi)
     else:
         wi = coated.sample(table, points, u)
         density = coated.pdf(table, points, wi)

@@ -33,14 +33,36 @@ class Facets:
     beckmann: Masks | None = None
 
     def density(self, cos_h: Scalars) -> Scalars:
-        """Density D of normals, by their cosines with the surface normal, in 1/sr."""
+        """Density D of normals.
+
+        Parameters
+        ----------
+        cos_h : (N,) float
+            Cosines of the normals with the surface normal.
+
+        Returns
+        -------
+        (N,) float, 1/sr
+            0 below the surface.
+        """
         ggx = ggx_density(cos_h, self.alpha)
         if self.beckmann is None:
             return ggx
         return np.where(self.beckmann, beckmann_density(cos_h, self.alpha), ggx)
 
     def masking(self, cos: Scalars) -> Scalars:
-        """Smith's share G1 of microfacets that directions see, by their cosines."""
+        """Smith's share G1 of microfacets that directions see.
+
+        Parameters
+        ----------
+        cos : (N,) float
+            Cosines of the directions with the surface normal.
+
+        Returns
+        -------
+        (N,) float
+            0 to 1; 0 below the surface.
+        """
         ggx = smith_g1(cos, self.alpha)
         if self.beckmann is None:
             return ggx

@@ -85,7 +85,18 @@ class MaterialTable:
     plain: bool
 
     def facets(self, material: Indices) -> Facets:
-        """Microfacets of N surfaces, by the rows of their materials."""
+        """Microfacets of surfaces.
+
+        Parameters
+        ----------
+        material : (N,) int
+            Rows of the table.
+
+        Returns
+        -------
+        Facets
+            N rows.
+        """
         beckmann = self.beckmann[material] if self.beckmann.any() else None
         return Facets(self.alpha[material], beckmann)
 

@@ -110,7 +110,9 @@ def pdf(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Scalars:
     return divide_or_zero(np.where(p.possible, lobe * p.share, 0.0), np.abs(p.cos_o))
 
 
-def sample(table: MaterialTable, points: SurfacePoints, u: Draw) -> Vec3s:
+def sample(
+    table: MaterialTable, points: SurfacePoints, u: Draw
+) -> tuple[Vec3s, Vec3s, Scalars]:
     """Reflect in a microfacet with the probability of its Fresnel term, else refract.
 
     Parameters
@@ -124,12 +126,19 @@ def sample(table: MaterialTable, points: SurfacePoints, u: Draw) -> Vec3s:
 
     Returns
     -------
-    (N, 3) float64
-        Unit vectors; some are on the wrong side, and scatter nothing.
+    (N, 3), (N, 3), (N,)
+        Unit directions, weights and densities of ``BsdfSamples``.  Both are 0 where
+        light is reflected to below the surface or refracted to above it, and lost:
+        :func:`pdf` is that of the other lobe there.
     """
     h, eta = sample_normal(table, points, u), relative_index(table, points)
     cos_d = np.clip(dot(points.wo, h), 0.0, 1.0)
     fresnel, cos_t = fresnel_dielectric(cos_d, eta)
     refracted = h * (cos_d / eta - cos_t)[:, None] - points.wo / eta[:, None]
-    reflects = (u[0] < fresnel)[:, None]
-    return normalize(np.where(reflects, reflect(points.wo, h), refracted))
+    reflects = u[0] < fresnel
+    wi = np.where(reflects[:, None], reflect(points.wo, h), refracted)
+    wi = normalize(wi)
+    kept = (dot(points.shading, wi) > 0) == reflects
+    density = np.where(kept, pdf(table, points, wi), 0.0)
+    weight = divide_or_zero(scattering(table, points, wi), density[:, None])
+    return wi, weight, density

@@ -1,0 +1,97 @@
+"""What killed processes have left is swept; what others hold or own is not."""
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from reference.files import write_file
+from reference.leftovers import LOCK, part_beside, scratch_folder, sweep
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no such locks there")
+
+ROOT = Path(__file__).parents[2]
+
+OURS = ".restir-0123456789abcdef.part"
+OTHERS = [
+    ".0123456789abcdef.part",
+    "restir-0123456789abcdef.part",
+    ".restir-0123456789abcdef.part.txt",
+    ".restir-0123456789ABCDEF.part",
+    "restir-cases-mine",
+]
+
+
+@pytest.fixture(autouse=True)
+def next_process():
+    """Folders are swept once a process: each test plays a new one."""
+    sweep.cache_clear()
+
+
+def test_a_part_without_a_writer_is_swept_by_the_next(tmp_path):
+    for name in (OURS, *OTHERS):
+        (tmp_path / name).write_bytes(b"half")
+    write_file(tmp_path / "a", b"whole")
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted(["a", *OTHERS])
+
+
+def test_a_folder_without_a_holder_is_swept_by_the_next(tmp_path):
+    stale = tmp_path / "restir-cases-0123abcd"
+    no_lock = tmp_path / "restir-cases-0123abce"
+    link = tmp_path / "restir-cases-0123abcf"
+    elsewhere = tmp_path / "elsewhere"
+    for folder in (stale, no_lock, elsewhere):
+        folder.mkdir()
+        (folder / "numbers.raw").touch()
+    (stale / LOCK).touch()
+    (elsewhere / LOCK).touch()
+    link.symlink_to(elsewhere)
+    with scratch_folder("cases", tmp_path):
+        assert not stale.exists()
+        assert (no_lock / "numbers.raw").exists()
+        assert (elsewhere / "numbers.raw").exists()
+
+
+def test_what_is_held_is_left_alone(tmp_path):
+    with (
+        part_beside(tmp_path / "a") as (part, file),
+        scratch_folder("golden", tmp_path) as folder,
+    ):
+        file.write(b"half")
+        sweep.cache_clear()
+        sweep(tmp_path)
+        assert part.exists()
+        assert folder.exists()
+    assert list(tmp_path.iterdir()) == []
+
+
+WRITER = """
+import sys, time
+from pathlib import Path
+from reference.leftovers import part_beside, scratch_folder
+place = Path(sys.argv[1])
+with part_beside(place / "a") as (part, file), scratch_folder("render", place):
+    (place / "ready").touch()
+    time.sleep(300)
+"""
+
+
+def test_the_things_of_a_process_are_swept_when_it_was_killed_and_not_before(tmp_path):
+    run = subprocess.Popen([sys.executable, "-c", WRITER, str(tmp_path)], cwd=ROOT)
+    try:
+        while not (tmp_path / "ready").exists():
+            assert run.poll() is None
+            time.sleep(0.02)
+        before = sorted(os.listdir(tmp_path))
+        assert len(before) == 3
+        sweep(tmp_path)
+        assert sorted(os.listdir(tmp_path)) == before
+    finally:
+        run.kill()
+        run.wait()
+    sweep.cache_clear()
+    sweep(tmp_path)
+    assert os.listdir(tmp_path) == ["ready"]
