@@ -10,9 +10,15 @@ from collections.abc import Callable
 from pathlib import Path
 
 from reference.errors import UsageError
+from reference.files import read_file
 
 BESIDE = ".checkpoint"
 """The longest ending that a command puts to the name of a file."""
+
+
+PAGE, HEAD = "index.html", 2**12
+MADE_BY = b'<meta name="generator" content="restir-gi-oracle">'
+"""In the head of each of our pages."""
 
 
 def new_file(suffix: str = ".exr") -> Callable[[str], Path]:
@@ -53,7 +59,7 @@ def new_folder(text: str) -> Path:
     Raises
     ------
     UsageError
-        It cannot be made, or not be written.
+        It cannot be made, or not be written, or somebody else's page is there.
     """
     path = Path(text)
     if not text:
@@ -68,6 +74,7 @@ def new_folder(text: str) -> Path:
             f"--out {path}: cannot make this folder: {what} is a file; name another"
         )
     _refuse_closed(path, there)
+    _refuse_foreign_page(path)
     return path
 
 
@@ -108,6 +115,16 @@ def _refuse_bad_names(path: Path) -> None:
         raise UsageError(
             f"--out {long or path:.40}...: the name is too long; give one of at most"
             f" {most} bytes"
+        )
+
+
+def _refuse_foreign_page(path: Path) -> None:
+    """Raise where a page would be overwritten that is not one of ours."""
+    page = path / PAGE
+    if page.is_file() and MADE_BY not in read_file(page)[:HEAD]:
+        raise UsageError(
+            f"--out {path} holds an {PAGE} that this version of restir did not write;"
+            " move it, or name another folder"
         )
 
 

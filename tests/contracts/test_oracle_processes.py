@@ -84,8 +84,8 @@ def test_each_failure_is_named_and_the_other_passes_are_judged(name, words):
 
 def test_a_backend_that_hangs_is_stopped():
     found = python("HANGS", Limits(seconds=2.0))
-    assert all("no answer within 2 s" in line for line in faults(found))
-    assert len(faults(found)) == sum(p.case.pass_name == "jacobian" for p in probes())
+    (fault,) = faults(found)  # it is not asked again
+    assert "no answer within 2 s" in fault
 
 
 @pytest.mark.parametrize(

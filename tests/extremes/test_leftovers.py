@@ -8,8 +8,13 @@ from pathlib import Path
 
 import pytest
 
+from reference.cli import main
+from reference.commands.targets import MADE_BY, new_folder
 from reference.files import write_file
 from reference.leftovers import LOCK, part_beside, scratch_folder, sweep
+from reference.oracle.report.page import write_page
+from reference.oracle.report.plain import as_plain
+from reference.oracle.verdict import Verdict
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no such locks there")
 
@@ -95,3 +100,31 @@ def test_the_things_of_a_process_are_swept_when_it_was_killed_and_not_before(tmp
     sweep.cache_clear()
     sweep(tmp_path)
     assert os.listdir(tmp_path) == ["ready"]
+
+
+# ---------------------------------------------------------------- pages of others
+
+
+def test_a_page_of_somebody_else_is_not_overwritten(tmp_path, capsys):
+    page = tmp_path / "index.html"
+    page.write_text("<!doctype html><title>my site</title>")
+    for command in (["check", "float32"], ["compare", "a.exr", "b.exr"]):
+        assert main([*command, "--out", str(tmp_path)]) == 2
+        assert "index.html" in capsys.readouterr().err
+    assert page.read_text() == "<!doctype html><title>my site</title>"
+
+
+def test_a_page_of_ours_is_replaced(tmp_path):
+    write_page(tmp_path, Verdict("PASS", [], [], [], []), NOTHING)
+    assert new_folder(str(tmp_path)) == tmp_path
+
+
+NOTHING = as_plain(Verdict("PASS", [], [], [], []), "nobody", {})
+
+
+@pytest.mark.parametrize("template", sorted(ROOT.glob("reference/**/templates/*.html")))
+def test_every_page_of_a_folder_says_who_made_it(template):
+    text = template.read_bytes()
+    wanted = template.name != "inspector.html"  # a file that is named by the user
+    assert (MADE_BY in text) == wanted
+    assert not wanted or b"{% include" not in text[: text.index(MADE_BY)]

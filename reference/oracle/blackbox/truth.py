@@ -107,7 +107,7 @@ def path_traced(
 
     pictures = []
     for number in range(samples):
-        if remaining() < end:
+        if (left := remaining()) <= 0 or left < end:
             break
         pictures.append(one(number))
     if len(pictures) < min(LEAST_SAMPLES, samples):
