@@ -67,7 +67,18 @@ def settings_of(point: Point) -> Any:
 
 
 def can_run(point: Point) -> bool:
-    """Whether the settings of a point go together."""
+    """Whether the settings of a point go together.
+
+    Parameters
+    ----------
+    point : Point
+        With the name of a method.
+
+    Returns
+    -------
+    bool
+        Its settings exist, and none rules out another.
+    """
     try:
         settings_of(point)
     except UsageError:
