@@ -4,18 +4,16 @@ With ``--json`` stdout holds one JSON object and nothing else.  Text of others, 
 the name of a scene, is shown and not obeyed: see `reference.terminal`.
 """
 
-import json
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from math import isfinite
-from pathlib import PurePath
 from typing import Any
 
 from rich.console import Console, RenderableType
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
+from reference.json_text import json_text
 from reference.terminal import told_errors, visible
 
 WIDTH = 120  # of tables where stdout is no terminal
@@ -52,7 +50,7 @@ def emit(results: Mapping[str, Any]) -> None:
     if sys.stdout is None:
         return
     with told_errors():
-        sys.stdout.write(json.dumps(_plain(results), indent=2, allow_nan=False) + "\n")
+        sys.stdout.write(json_text(results))
 
 
 def remark(text: str) -> None:
@@ -109,20 +107,3 @@ class _Console(Console):
 
     def render_str(self, text: str, **options: Any) -> Text:
         return super().render_str(visible(text, keep="\n"), **options)
-
-
-def _plain(value: Any) -> Any:
-    """What JSON has a form for; numbers of NumPy are numbers."""
-    if isinstance(value, Mapping):
-        return {str(key): _plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    if hasattr(value, "tolist"):  # an array, or one number of NumPy
-        return _plain(value.tolist())
-    if isinstance(value, float):
-        return float(value) if isfinite(value) else None
-    if isinstance(value, PurePath):
-        return str(value)
-    if not isinstance(value, str | int | bool | None):
-        raise TypeError(f"JSON has no form for {type(value).__name__}")
-    return value

@@ -1,7 +1,6 @@
 """``restir figures``: the figures of the papers, measured and drawn anew."""
 
 import argparse
-import json
 from dataclasses import replace
 from typing import Any
 
@@ -15,6 +14,7 @@ from reference.figures import registry
 from reference.figures.record import Work
 from reference.figures.table import as_plain, table
 from reference.files import make_folder, write_file
+from reference.json_text import json_text
 from reference.machine import machine
 from reference.schedule import Schedule
 
@@ -99,7 +99,7 @@ def run(arguments: argparse.Namespace) -> None:
             "machine": machine(),
         }
         write_file(picture, figure.png())
-        write_file(picture.with_suffix(".json"), json.dumps(numbers, indent=2).encode())
+        write_file(picture.with_suffix(".json"), json_text(numbers).encode())
         results.append(numbers)
         if not arguments.json:
             show(figure.title)

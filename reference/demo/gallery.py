@@ -1,6 +1,5 @@
 """The folder of a demonstration: pictures, comparisons, the strip, the page."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -14,6 +13,7 @@ from reference.display import auto_exposure, encode_png, to_display
 from reference.exr import write_exr
 from reference.files import write_file
 from reference.images import Image, to_image
+from reference.json_text import json_text
 from reference.metadata import header, metadata
 from reference.scene.scene import Scene
 
@@ -68,7 +68,7 @@ def write_gallery(
     write_file(out / "truth.png", encode_png(shown[-1]))
     write_file(out / "teaser.png", strip(shown, captions))
     numbers = {"scene": scene.name, "methods": [asdict(s) for _, s in contenders]}
-    write_file(out / "numbers.json", json.dumps(numbers, indent=2).encode())
+    write_file(out / "numbers.json", json_text(numbers).encode())
     write_page(out / "index.html", scene.name, remarks, [s for _, s in contenders])
 
 

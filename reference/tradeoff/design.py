@@ -1,15 +1,21 @@
 """Which operating points are measured."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain
 
 from scipy.stats.qmc import LatinHypercube
 
+from reference.arrays import Scalars
+from reference.errors import UsageError
 from reference.methods import method_named, method_names
 from reference.tradeoff.knobs import Knob
-from reference.tradeoff.points import Point
+from reference.tradeoff.points import Point, can_run
 
 SEVERAL = "several"
 """Name of all knobs together."""
+
+MOST_DRAWS = 1000
+"""Of cubes: levels of which one row in a hundred can run fill a design of 16."""
 
 
 def one_at_a_time(base: Point, knobs: Iterable[Knob]) -> list[Point]:
@@ -51,20 +57,38 @@ def at_random(base: Point, knobs: Sequence[Knob], count: int, seed: int) -> list
     Returns
     -------
     list of Point
-        A Latin hypercube: [McKay79].
+        A Latin hypercube: [McKay79].  Levels that cannot go together, such as a coarse
+        lattice without spatial reuse, are drawn again.
+
+    Raises
+    ------
+    UsageError
+        Hardly any go together.
     """
     if not knobs:
         return []
-    cube = LatinHypercube(len(knobs), rng=seed).random(count)
+    cube = LatinHypercube(len(knobs), rng=seed)
+    found: list[Point] = []
+    for _ in range(MOST_DRAWS):
+        for values in _turned(knobs, cube.random(count - len(found))):
+            label = f"no. {len(found) + 1}"
+            point = Point(base.method, (*base.values, *values), SEVERAL, label)
+            if can_run(point):
+                found.append(point)
+        if len(found) == count:
+            return found
+    names = ", ".join(knob.name for knob in knobs)
+    raise UsageError(
+        f"of {names} hardly any levels go together; leave some out, or use --design 0"
+    )
+
+
+def _turned(knobs: Sequence[Knob], cube: Scalars) -> Iterator[tuple[str, ...]]:
+    """Settings of each row of a cube of numbers from 0 to 1."""
     places = (cube * [len(knob.levels) for knob in knobs]).astype(int)
-    turned = [
-        tuple(v for knob, i in zip(knobs, row, strict=True) for v in knob.levels[i][1])
-        for row in places
-    ]
-    return [
-        Point(base.method, (*base.values, *values), SEVERAL, f"no. {number}")
-        for number, values in enumerate(turned, 1)
-    ]
+    for row in places:
+        levels = [knob.levels[i][1] for knob, i in zip(knobs, row, strict=True)]
+        yield tuple(chain.from_iterable(levels))
 
 
 def methods_beside(base: Point) -> list[Point]:

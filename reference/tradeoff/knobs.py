@@ -5,8 +5,8 @@ from dataclasses import dataclass, fields
 
 from reference.errors import UsageError
 from reference.methods import Method
-from reference.options import with_values
 from reference.scene.animation import Changes
+from reference.tradeoff.points import Point, can_run
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,10 +152,5 @@ def usable(knobs: Iterable[Knob], method: Method) -> tuple[Knob, ...]:
 
 def _takes(method: Method, values: tuple[str, ...]) -> bool:
     own = {field.name for field in fields(method.settings)}
-    if not {value.partition("=")[0] for value in values} <= own:
-        return False
-    try:
-        with_values(method.settings, values)
-    except UsageError:
-        return False
-    return True
+    has_them = {value.partition("=")[0] for value in values} <= own
+    return has_them and can_run(Point(method.name, values))

@@ -1,6 +1,5 @@
 """The folder of a sweep: figures, numbers, and one page that needs nothing else."""
 
-import json
 from base64 import b64encode
 from collections.abc import Callable
 from io import BytesIO
@@ -11,6 +10,7 @@ import numpy as np
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from reference.files import write_file
+from reference.json_text import json_text
 from reference.machine import machine
 from reference.tradeoff.change import draw_recoveries
 from reference.tradeoff.charts import LINES, bars, curves, front, neighbours
@@ -52,8 +52,7 @@ def write_results(out: Path, results: Results, store: Store) -> None:
     plain = as_plain(results)
     for name, _, _, png in figures:
         write_file(out / f"{name}.png", png)
-    numbers = json.dumps(plain, indent=2, allow_nan=False)
-    write_file(out / "numbers.json", numbers.encode())
+    write_file(out / "numbers.json", json_text(plain).encode())
     write_file(out / "numbers.csv", as_csv(results).encode())
     write_file(out / "index.html", _page(results, figures).encode())
 

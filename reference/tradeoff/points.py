@@ -5,6 +5,7 @@ from functools import cache
 from hashlib import sha256
 from typing import Any
 
+from reference.errors import UsageError
 from reference.methods import method_named
 from reference.options import as_text, with_values
 
@@ -63,6 +64,26 @@ def settings_of(point: Point) -> Any:
         There is no such method, setting or value.
     """
     return with_values(method_named(point.method).settings, point.values)
+
+
+def can_run(point: Point) -> bool:
+    """Whether the settings of a point go together.
+
+    Parameters
+    ----------
+    point : Point
+        With the name of a method.
+
+    Returns
+    -------
+    bool
+        Its settings exist, and none rules out another.
+    """
+    try:
+        settings_of(point)
+    except UsageError:
+        return False
+    return True
 
 
 @cache

@@ -59,16 +59,20 @@ def errors(name: str, size: int, bounces: int, samples: int):
     return cold, warm, one, float(np.mean(means) / truth.mean())
 
 
-def steady(name: str, size: int, bounces: int) -> tuple[list[float], list[float]]:
-    """Seconds of frames of ours, and of a sample of theirs, in turns."""
+def steady(name: str, size: int, bounces: int) -> list[list[float]]:
+    """Seconds of frames of ours, of a sample of theirs, and of one of their picture."""
     mitsuba, runner = opened(name, size, bounces), Runner(name, size, bounces, 0)
     for _ in range(WARM):
         runner.step()
     mitsuba.estimate(LAUNCH, 0)
-    frames, launches = in_turns(
-        runner.step, lambda: mitsuba.estimate(LAUNCH, 1), turns=TURNS
+    mitsuba.render(LAUNCH, 0)
+    frames, *launches = in_turns(
+        runner.step,
+        lambda: mitsuba.estimate(LAUNCH, 1),
+        lambda: mitsuba.render(LAUNCH, 1),
+        turns=TURNS,
     )
-    return frames, [seconds / LAUNCH for seconds in launches]
+    return [frames, *([seconds / LAUNCH for seconds in turn] for turn in launches)]
 
 
 def started(module: str, *arguments: object) -> float:
@@ -111,7 +115,7 @@ def ahead(one: list[float], warm: list[float], times: list[float]) -> list[float
 
 def compared(name: str, size: int, bounces: int, samples: int) -> dict[str, object]:
     cold_errors, warm, one, mean = errors(name, size, bounces, samples)
-    ours, theirs = steady(name, size, bounces)
+    ours, theirs, whole = steady(name, size, bounces)
     needed = max(1.0, statistics.mean(one) / statistics.mean(cold_errors))
     from_nothing = cold(name, size, bounces, needed)
     turns = [b / a for a, b in zip(*from_nothing, strict=True)]
@@ -123,6 +127,10 @@ def compared(name: str, size: int, bounces: int, samples: int) -> dict[str, obje
         "frame, s": statistics.median(ours),
         "Mitsuba, samples": statistics.mean(one) / statistics.mean(warm),
         "Mitsuba, M paths/s": size * size / statistics.median(theirs) / 1e6,
+        "their picture of all light, M paths/s": size
+        * size
+        / statistics.median(whole)
+        / 1e6,
         "ahead": ahead(one, warm, ratios),
         "cold relMSE": statistics.mean(cold_errors),
         "cold, s": statistics.median(from_nothing[0]),

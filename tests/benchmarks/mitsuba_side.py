@@ -45,8 +45,8 @@ def translated(name: str, size: int, folder: Path) -> dict:
         "type": "scene",
         "sensor": {
             "type": "perspective",
-            "fov": camera.fov_x,
-            "fov_axis": "x",
+            "fov": camera.fov,
+            "fov_axis": camera.fov_axis,
             "to_world": mi.ScalarTransform4f().look_at(
                 list(camera.position), list(camera.target), list(camera.up)
             ),
@@ -117,6 +117,7 @@ class Indirect:
         self.scene, self.sensor = scene, scene.sensors()[0]
         options = {"max_depth": bounces + 1, "rr_depth": 1000, "hide_emitters": True}
         self.inner = mi.load_dict({"type": "path", **options})
+        self.whole = mi.load_dict({"type": "path", **options, "max_depth": bounces + 2})
         size = self.sensor.film().crop_size()
         self.width, self.height = int(size[0]), int(size[1])
 
@@ -139,10 +140,28 @@ class Indirect:
         onward = mi.RayDifferential3f(seen.spawn_ray(seen.to_world(lobe.wo)))
         light, _, _ = self.inner.sample(self.scene, sampler, onward, None, there)
         color = dr.select(there, weight * light, 0)
+        # Each channel is summed by itself, and would trace all paths for itself.
+        dr.eval(color)
         mean = dr.block_sum(color, samples) / samples
         dr.eval(mean)
         dr.sync_thread()
         return np.array(mean).T
+
+    def render(self, samples: int, seed: int) -> None:
+        """Mitsuba's own picture of all light, to see that it is as fast."""
+        picture = mi.render(self.scene, integrator=self.whole, seed=seed, spp=samples)
+        dr.eval(picture)
+        dr.sync_thread()
+
+
+def passes_over_all_paths(name: str, size: int, samples: int) -> int:
+    """Kernels that one estimate starts for each of its paths: one traces them."""
+    indirect = opened(name, size, 1)
+    with dr.scoped_set_flag(dr.JitFlag.KernelHistory, True):
+        dr.kernel_history_clear()
+        indirect.estimate(samples, 0)
+        kernels = dr.kernel_history([dr.KernelType.JIT])
+    return sum(kernel["size"] == size * size * samples for kernel in kernels)
 
 
 if __name__ == "__main__":

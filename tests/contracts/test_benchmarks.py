@@ -1,5 +1,7 @@
 """The command that makes every table anew: what it asks for is there to be asked."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -7,6 +9,7 @@ import pytest
 from reference.cli import build_parser
 from reference.errors import UsageError
 from tests.benchmarks.__main__ import parts
+from tests.mutants import matrix
 
 
 @pytest.mark.parametrize("quick", [True, False])
@@ -28,3 +31,28 @@ def test_every_script_is_among_them(monkeypatch):
     modules = {c[2] for c in parts(Path("out"), True).values()} - {"reference"}
     folder = Path(__file__).parents[1] / "benchmarks"
     assert modules == {f"tests.benchmarks.{f.stem}" for f in folder.glob("bench_*.py")}
+
+
+def test_the_kill_matrix_says_what_its_command_writes():
+    page = Path(__file__).parents[2] / "docs" / "explanation" / "kill_matrix.md"
+    text = page.read_text("utf-8")
+    said = [matrix.INTRODUCTION, matrix.KNOWN, matrix.FURTHER, matrix.SHIFTS]
+    said += [matrix.REUSE, matrix.UNSEEN, matrix.BLIND]
+    assert [part for part in said if part not in text] == []
+
+
+COUNT = """
+from tests.benchmarks.mitsuba_side import passes_over_all_paths
+print("passes", passes_over_all_paths("cornell-box", 8, 4))
+"""
+
+
+@pytest.mark.slow
+def test_mitsuba_traces_its_paths_once():
+    """A peer is measured at its best: not once for each channel."""
+    done = subprocess.run(
+        [sys.executable, "-c", COUNT], capture_output=True, text=True, check=False
+    )
+    if "LLVM" in done.stderr.upper():
+        pytest.skip(f"no LLVM for Mitsuba here: {done.stderr[-200:]}")
+    assert done.stdout == "passes 1\n"

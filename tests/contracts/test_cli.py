@@ -15,6 +15,7 @@ import pytest
 from reference import announced
 from reference.cli import main
 from reference.exr import read_exr
+from reference.json_text import json_text
 from reference.metadata import header
 from reference.methods import (
     Method,
@@ -597,3 +598,11 @@ def test_the_demonstration_of_an_animated_scene(restir, tmp_path):
            "--seed", seed, "--out", last)  # fmt: skip
     truth = read_exr(tmp_path / "truth.exr").color
     np.testing.assert_array_equal(truth, read_exr(last).color)
+
+
+def test_what_is_written_for_programs_is_json():
+    """Numbers that are not finite are null, wherever they stand."""
+    given = {"a": [np.inf, {"b": np.float32(0.5)}], "c": np.array([1.0, np.nan])}
+    assert json.loads(json_text(given)) == {"a": [None, {"b": 0.5}], "c": [1.0, None]}
+    with pytest.raises(TypeError, match="no form for object"):
+        json_text({"a": object()})

@@ -151,13 +151,13 @@ def test_a_cluster_accumulates_the_same_truth(tmp_path, capsys, monkeypatch):
 
 RENDER = (
     f"{sys.executable} -m reference render {{scene}} --method path --spp 1"
-    " --size {size}x{size} --seed {seed} --out {out}"
+    " --size {width}x{height} --seed {seed} --out {out}"
 )
 
 
 def test_a_cluster_renders_the_pictures_of_a_renderer(tmp_path, capsys):
     """Those of the same seeds, in order; and the command judges several of them."""
-    renderer = Renderer(RENDER, "cornell-box", 1, 8, Limits())
+    renderer = Renderer(RENDER, "cornell-box", 1, (8, 8), Limits())
     with cluster(tmp_path) as (address, _):
         with workers(1, address) as executor:
             found = list(ahead(executor, renderer.render, range(100, 104), 3, for_ever))

@@ -36,7 +36,8 @@ KNOWN = """
 
 Most of the known mistakes were written down after these were planted, and some cases
 made for them: so the shares are no estimate of how a mistake fares that nobody has
-thought of. Before that, 99 of the first 101 biases were killed and 51 named rightly.
+thought of; [planted blind](#planted-blind), 90 % are killed and 33 % of these named.
+Before that, 99 of the first 101 biases were killed and 51 named rightly.
 """
 
 FURTHER = """
@@ -71,6 +72,18 @@ frames, which backends are given as data or have to themselves: pictures show th
 and no pass does.
 """
 
+BLIND = """
+## Planted blind
+
+Into a backend of all passes, written in single precision from the contract alone,
+somebody who did not know the cases planted 71 biases: 64 were killed (90 %, 95 %
+interval 81 % to 96 %). Of the 64 the diagnosis named 21 (33 %), and none wrongly.
+The 7 survivors are clauses and settings that no case exercises: one positive density
+in all cases of `initial`, a density of light that is never 0, a confidence that
+never reaches its cap. These mistakes are not kept with the tests, so that nothing
+measures this anew.
+"""
+
 
 def interval(successes: int, trials: int) -> tuple[float, float]:
     """Clopper and Pearson's 95 % interval of a proportion."""
@@ -81,9 +94,10 @@ def interval(successes: int, trials: int) -> tuple[float, float]:
 
 def page(groups: dict[str, list[Kill]]) -> str:
     """The page, from what was found, by what is said of it."""
-    return INTRODUCTION + "".join(
+    judged = "".join(
         text + _totals(kills) + _table(kills) for text, kills in groups.items()
     )
+    return INTRODUCTION + judged + BLIND
 
 
 def _totals(kills: list[Kill]) -> str:

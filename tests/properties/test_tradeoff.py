@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
+from scipy.stats.qmc import LatinHypercube
 
 from reference.errors import UsageError
 from reference.figures.record import Deviation, Interval
@@ -31,7 +32,7 @@ from reference.tradeoff.knobs import (
     usable,
 )
 from reference.tradeoff.maps import deviations
-from reference.tradeoff.points import Point
+from reference.tradeoff.points import Point, can_run, settings_of
 from reference.tradeoff.scores import Score, score
 from reference.tradeoff.split import Split, products, split_error
 from reference.tradeoff.trials import Trial
@@ -333,16 +334,55 @@ def test_levels_are_taken_evenly(count, seed):
 
     A level of five is a fifth of the knob, and shares a slice with each neighbour.
     """
-    knobs = knobs_of(["a=1,2,3,4,5", "b=1,2"])
+    knobs = knobs_of(["neighbors=1,2,3,4,5", "temporal_cap=1,2"])
     points = at_random(BASE, knobs, count, seed)
     assert len(points) == count
-    for key, levels in (("a", 5), ("b", 2)):
+    for key, levels in (("neighbors", 5), ("temporal_cap", 2)):
         taken = [v for p in points for v in p.values if v.startswith(key)]
         counts = [taken.count(f"{key}={i + 1}") for i in range(levels)]
         assert sum(counts) == count
         assert max(abs(c - count / levels) for c in counts) < 2
     assert at_random(BASE, knobs, count, seed) == points
     assert at_random(BASE, (), count, seed) == []
+
+
+def design(base, changes, bounces, seed):
+    """A random design of 16, all of whose rows can run."""
+    knobs = usable(built_in_knobs(changes, bounces), method_named(base.method))
+    points = at_random(base, knobs, 16, seed)
+    assert len({point.label for point in points}) == (16 if knobs else 0)
+    for point in points:
+        settings_of(point)
+
+
+@pytest.mark.parametrize("changes", ["nothing", "camera", "scene"])
+@pytest.mark.parametrize("bounces", [1, 2])
+def test_every_row_of_a_random_design_can_run(changes, bounces):
+    for seed in range(60):
+        design(BASE, changes, bounces, seed)
+
+
+def test_every_row_of_a_random_design_of_other_methods_can_run():
+    for base in methods_beside(BASE):
+        design(base, "scene", 2, 0)
+
+
+def test_control_levels_that_cannot_go_together_are_met():
+    """Among the rows of one cube there is one that cannot run."""
+    knobs = usable(KNOBS, method_named(BASE.method))
+    cube = LatinHypercube(len(knobs), rng=0).random(64)
+    places = (cube * [len(knob.levels) for knob in knobs]).astype(int)
+    rows = [
+        sum((k.levels[i][1] for k, i in zip(knobs, row, strict=True)), ())
+        for row in places
+    ]
+    assert not all(can_run(replace(BASE, values=row)) for row in rows)
+
+
+def test_levels_that_never_go_together_are_told():
+    knobs = knobs_of(["lattice=2,4", "spatial=false,false"])
+    with pytest.raises(UsageError, match="lattice, spatial hardly any levels go"):
+        at_random(BASE, knobs, 2, 0)
 
 
 def test_keys_tell_apart_what_decides_pixels():

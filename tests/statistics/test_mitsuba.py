@@ -22,14 +22,16 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from reference.accumulate import path_samples
 from reference.exr import write_exr
 from reference.images import Image
 from reference.path_tracer import camera_radiance, first_hits
 from reference.rng import KeyedUniforms, Stream
 from reference.scene.loaders.load import load_scene
-from reference.scene.scene import Scene
 from reference.scene.textures import mean_color
+from reference.schedule import Schedule
 from reference.settings import UNBIASED
+from reference.world import World
 from tests.statistics.replicates import (
     Means,
     g_buffer,
@@ -152,19 +154,16 @@ LAMPS = """<scene version="3.0.0">
 </scene>"""
 
 
-def all_light(scene: Scene, width: int, height: int, samples: int) -> Means:
-    """Paths of at most three segments, each through a point of the pixel of its own."""
-    world, rng = small_world(scene, width, height), np.random.default_rng(9)
-    pixel = np.arange(width * height, dtype=np.uint32)
+def pictures_of(world: World, samples: int) -> Means:
+    """All light of one bounce, in batches, from all over each pixel."""
     rows = []
     for batch in range(BATCHES):
-        total = np.zeros((width * height, 3))
-        for sample in range(samples):
-            seen = g_buffer(world, rng).surface
-            u = KeyedUniforms(pixel, sample, batch, Stream.PATH)
-            total += camera_radiance(world, seen, "full", 1, u)
-        rows.append(total / samples)
-    return means(rows, width)
+        paths = path_samples(
+            world, Schedule(), light="full", bounces=1, seed=batch, pixel="box"
+        )
+        whole = slice(0, paths.rows)
+        rows.append(sum(paths.radiance(whole, n) for n in range(samples)) / samples)
+    return means(rows, world.camera.width)
 
 
 @pytest.mark.slow
@@ -177,7 +176,7 @@ def test_a_textured_lamp_and_a_spot(tmp_path: Path, kind: str) -> None:
     pixels[1, 2:], pixels[5:, 5], pixels[6, :4] = (9, 6, 3), (2, 8, 2), (4, 4, 9)
     write_exr(tmp_path / "lamp.exr", Image({"color": pixels}))
     scene = load_scene(path)
-    ours = all_light(scene, *size, samples=24)
+    ours = pictures_of(small_world(scene, *size), 24)
     theirs = rendered(path, *size, samples=24, depths=(3,))
     nothing = Means(np.zeros_like(ours.values))
     bias, error, t = judge(ours, nothing, theirs)
@@ -192,7 +191,7 @@ def test_a_textured_lamp_and_a_spot(tmp_path: Path, kind: str) -> None:
         replace(mesh, emission=tuple(mean_color(mesh.emission)))
         for mesh in scene.meshes
     )
-    plain = all_light(replace(scene, meshes=even), *size, samples=4)
+    plain = pictures_of(small_world(replace(scene, meshes=even), *size), 4)
     assert judge(plain, nothing, theirs)[2] > bound
 
 
@@ -237,3 +236,44 @@ def test_rough_glass_and_beckmann_in_one_room():
     assert abs(bias) <= LIMIT
     planted, _, _ = judge(nothing, ours, Means(theirs.values * 1.02))
     assert abs(planted) > LIMIT
+
+
+@pytest.mark.slow
+def test_another_size_shows_what_mitsuba_shows_of_the_file_at_that_size(tmp_path):
+    """Its angle spans the smaller side, and the file's image is a square.
+
+    Tiles at a family rate of 1e-4.  The control keeps the angle of the width.
+    """
+    text = Path(__file__).with_name("studio.xml").read_text()
+    text = text.replace(
+        '<float name="fov" value="50"/>',
+        '<float name="fov" value="40"/><string name="fov_axis" value="smaller"/>',
+    )
+    here, there = tmp_path / "square.xml", tmp_path / "oblong.xml"
+    here.write_text(
+        text.replace('name="height" value="48"', 'name="height" value="64"')
+    )
+    there.write_text(text)
+    mitsuba.set_variant("scalar_rgb")
+    options = {"type": "path", "max_depth": 3, "rr_depth": 1000}
+    integrator, scene = mitsuba.load_dict(options), mitsuba.load_file(str(there))
+    theirs = means(
+        [
+            np.array(
+                mitsuba.render(scene, integrator=integrator, seed=batch, spp=8),
+                np.float64,
+            )[..., :3].reshape(-1, 3)
+            for batch in range(BATCHES)
+        ],
+        64,
+    )
+    square = load_scene(here)
+    ours = pictures_of(small_world(square, 64, 48), 8)
+    none = Means(np.zeros_like(ours.values))
+    bias, error, t = judge(none, ours, theirs)
+    print(f"bias {bias:+.3%} +- {error:.3%}, largest |t| {t:.2f}")
+    most = threshold(len(ours.mean) - 1, FAMILY, BATCHES)
+    assert t <= most
+    wide = replace(square, camera=replace(square.camera, fov_axis="x"))
+    _, _, planted = judge(none, pictures_of(small_world(wide, 64, 48), 2), theirs)
+    assert planted > most

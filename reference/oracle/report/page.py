@@ -1,6 +1,5 @@
 """The folder of a verdict: one page that needs nothing else, and its numbers."""
 
-import json
 from base64 import b64encode
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,6 +10,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from reference.comparison.maps import ErrorMap
 from reference.display import encode_png
 from reference.files import make_folder, write_file
+from reference.json_text import json_text
 from reference.oracle.report.maps import error_maps
 from reference.oracle.report.table import left_running
 from reference.oracle.report.worst import answers_of, worst_answer
@@ -37,8 +37,7 @@ def write_page(out: Path, verdict: Verdict, plain: Mapping[str, Any]) -> None:
     maps = {one["name"]: _maps(verdict, one["name"]) for one in plain["passes"]}
     page = _page(plain, maps)
     make_folder(out)
-    numbers = json.dumps(plain, indent=2, allow_nan=False) + "\n"
-    write_file(out / "verdict.json", numbers.encode())
+    write_file(out / "verdict.json", json_text(plain).encode())
     write_file(out / "index.html", page.encode(errors="backslashreplace"))
 
 

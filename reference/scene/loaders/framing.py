@@ -39,7 +39,27 @@ def color(values: Sequence[float] | Vec3s) -> Color:
 
 
 def fov_axis(where: str, word: object, ledger: Ledger) -> FovAxis:
-    """Axis of the angle of view that a file names; any other word is refused."""
+    """Axis of the angle of view that a file names.
+
+    Parameters
+    ----------
+    where : str
+        The camera.
+    word : object
+        As the file has it.
+    ledger : Ledger
+        Of the file.
+
+    Returns
+    -------
+    FovAxis
+        The same word.
+
+    Raises
+    ------
+    UsageError
+        There is no such axis.
+    """
     named = [axis for axis in FOV_AXES if axis == word]
     if not named:
         known = f"{', '.join(FOV_AXES[:-1])} or {FOV_AXES[-1]}"
