@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable
 from dataclasses import asdict, fields, is_dataclass, replace
+from functools import cache
 from math import isnan
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
@@ -9,6 +10,9 @@ from reference.errors import UsageError
 from reference.suggestions import unknown
 
 Settings = TypeVar("Settings")
+
+# A sweep asks for the same few types thousands of times.
+_hints = cache(get_type_hints)
 
 TRUTH = {"true": True, "yes": True, "on": True, "1": True}
 FALSEHOOD = {"false": False, "no": False, "off": False, "0": False}
@@ -39,7 +43,7 @@ def with_values(defaults: Settings, assignments: Iterable[str]) -> Settings:
     """
     if not is_dataclass(defaults) or isinstance(defaults, type):
         raise TypeError(f"settings must be a dataclass instance, not {defaults!r}")
-    hints = get_type_hints(type(defaults))
+    hints = _hints(type(defaults))
     found: dict[str, Any] = {}
     for assignment in assignments:
         key, equals, text = assignment.partition("=")
@@ -76,7 +80,7 @@ def known(settings: Any) -> str:
     str
         ``"a=1|2, b=NUMBER"``; "none" if there are none.
     """
-    hints = get_type_hints(type(settings))
+    hints = _hints(type(settings))
     words = [f"{f.name}={_form(hints[f.name], '|')}" for f in fields(settings)]
     return ", ".join(words) or "none"
 

@@ -5,6 +5,28 @@ import numpy as np
 from reference.arrays import Scalars, Vec3s, divide_or_zero, vectors
 
 
+def left_of(u: Scalars, probability: Scalars) -> Scalars:
+    """What is left of a uniform number that was compared with a probability.
+
+    Parameters
+    ----------
+    u : (N,) float
+        In [0, 1): u < p chose.
+    probability : (N,) float
+        p, from 0 to 1.
+
+    Returns
+    -------
+    (N,) float
+        u / p or (u - p) / (1 - p): uniform in [0, 1) and independent of the choice,
+        with as many bits fewer as the choice has taken.
+    """
+    chosen = divide_or_zero(u, probability)
+    others = divide_or_zero(u - probability, 1.0 - probability)
+    most = np.nextafter(u.dtype.type(1), u.dtype.type(0))
+    return np.clip(np.where(u < probability, chosen, others), 0.0, most)
+
+
 def sample_uniform_hemisphere(u1: Scalars, u2: Scalars) -> Vec3s:
     """Directions about +z with density 1 / 2π.
 

@@ -44,6 +44,7 @@ ELSEWHERE = {
     "lint-imports": "floors: .ci/run",
     "pre-commit install": "needs a package that is no dependency",
     "python -m tests.benchmarks": "hours; test_benchmarks.py parses what it starts",
+    "python -m tests.extremes": "thousands; its tests run some of them",
     "g++": "test_foreign_cpp.py compiles and runs it",
     "pip install": "an environment: the tests' own has it",
 }

@@ -101,8 +101,8 @@ def test_a_figure_asked_for_twice_is_made_once(restir, tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ("sorce", "no figure 'sorce'; did you mean source? the figures are equal-time"),
-        ("source nothing", "there is no figure 'nothing'"),
+        ("sorce", "unknown figure 'sorce'; did you mean source? known are equal-time"),
+        ("source nothing", "unknown figure 'nothing'"),
         ("source --runs 1", "from 2 to 1000"),
         ("bias --runs 3", "figure bias needs at least 4"),
         ("source --size 15", "from 16 to 4096"),

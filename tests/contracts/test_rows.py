@@ -194,6 +194,7 @@ KERNELS = {
     KeyedUniforms.rows: (keyed_and_cut, (WORD[0],)),
     TabledUniforms.draw: (tabled, (U, V)),
     # Sampling.
+    sampling.left_of: (sampling.left_of, (U[0], U[1])),
     sampling.invert_cosine_hemisphere: (sampling.invert_cosine_hemisphere, (LOCAL,)),
     sampling.invert_triangle: (sampling.invert_triangle, (COS / 2, ALPHA / 2)),
     sampling.invert_uniform_hemisphere: (sampling.invert_uniform_hemisphere, (LOCAL,)),

@@ -314,7 +314,7 @@ def test_a_moving_scene_is_seen_in_its_last_frame(here, capsys, tmp_path):
     [
         (("--method", "nobody"), "unknown method 'nobody'"),
         (("--sweep", "radius"), "not of the form KEY=VALUE,VALUE"),
-        (("--sweep", "colour=1,2"), "no setting 'colour'"),
+        (("--sweep", "colour=1,2"), "unknown setting 'colour'"),
         (("--set", "mis=9"), "mis must be"),
         (("--runs", "2"), "--runs"),
         (("--scheduler", "tcp://127.0.0.1:1"), "no Dask scheduler answers"),

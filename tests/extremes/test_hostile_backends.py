@@ -95,7 +95,7 @@ PACKED = 'for d in "$1"/*/; do cp %s "$d/out.npz"; done'
     [
         ("mkfifo", "a device or a pipe"),
         ("ln -s /dev/zero", "a device or a pipe"),
-        ("mkdir", "irectory"),
+        ("mkdir", "it is a folder"),
         ("ln -s /no/such/file", "No such file"),
         ("truncate -s 500M", "at most"),
     ],

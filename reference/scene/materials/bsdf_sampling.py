@@ -66,7 +66,7 @@ def sample(table: MaterialTable, points: SurfacePoints, u: Draw) -> BsdfSamples:
     points : SurfacePoints
         N points.
     u : four (N,) float64
-        Lane 0 picks the lobe, 1 to 3 the direction.
+        Lane 0 picks the lobe, and with 1 and 2 the direction.
 
     Returns
     -------
@@ -100,7 +100,7 @@ def sample_apart(table: MaterialTable, points: SurfacePoints, u: Draw) -> BsdfSa
     points : SurfacePoints
         N points.
     u : four (N,) float64
-        Lane 0 picks between reflection and refraction, 1 to 3 a microfacet.
+        Lane 0 picks between reflection and refraction, and with 1 and 2 a microfacet.
 
     Returns
     -------

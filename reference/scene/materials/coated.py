@@ -4,7 +4,7 @@ import numpy as np
 
 from reference.arrays import Masks, Scalars, Vec3s, divide_or_zero, dot, normalize
 from reference.rng import Draw
-from reference.sampling import pdf_cosine_hemisphere
+from reference.sampling import left_of, pdf_cosine_hemisphere
 from reference.scene.materials import conductor, lambertian
 from reference.scene.materials.coat import (
     base_scattering,
@@ -133,17 +133,18 @@ def sample(table: MaterialTable, points: SurfacePoints, u: Draw) -> Vec3s:
     points : SurfacePoints
         N points on rough coats.
     u : four (N,) float64
-        Lane 0 picks the lobe, 1 to 3 the direction.
+        Lane 0 picks the lobe, and what is left of it, 1 and 2 the direction.
 
     Returns
     -------
     (N, 3) float64
         Unit vectors.
     """
-    from_coat = u[0] < coat_probability(table, points)
+    probability = coat_probability(table, points)
+    within = left_of(u[0], probability), *u[1:]
     return np.where(
-        from_coat[:, None],
-        conductor.sample_reflected(table, points, u),
+        (u[0] < probability)[:, None],
+        conductor.sample_reflected(table, points, within),
         lambertian.sample(points, u),
     )
 

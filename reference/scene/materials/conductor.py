@@ -102,17 +102,19 @@ def sample_reflected(table: MaterialTable, points: SurfacePoints, u: Draw) -> Ve
     points : SurfacePoints
         N points.
     u : four (N,) float64
-        Lanes 1 to 3 are used.
+        Lanes 0 to 2 are used.
 
     Returns
     -------
     (N, 3) float64
         Unit vectors; some are below the surface, and then reflect nothing.
     """
-    return reflect(points.wo, sample_normal(table, points, u))
+    return reflect(points.wo, sample_normal(table, points, u)[0])
 
 
-def sample_normal(table: MaterialTable, points: SurfacePoints, u: Draw) -> Vec3s:
+def sample_normal(
+    table: MaterialTable, points: SurfacePoints, u: Draw
+) -> tuple[Vec3s, Scalars]:
     """Normals of microfacets, mostly those that the viewer sees.
 
     Parameters
@@ -122,12 +124,13 @@ def sample_normal(table: MaterialTable, points: SurfacePoints, u: Draw) -> Vec3s
     points : SurfacePoints
         N points.
     u : four (N,) float64
-        Lanes 1 to 3 are used.
+        Lanes 0 to 2 are used.
 
     Returns
     -------
-    (N, 3) float64
-        Unit vectors above the surface, in the world.
+    (N, 3), (N,) float64
+        Unit vectors above the surface, in the world; and a number in [0, 1) that is
+        left of lane 0.
     """
     n = points.shading
     tangent, bitangent = normal_frames(n)
@@ -136,4 +139,5 @@ def sample_normal(table: MaterialTable, points: SurfacePoints, u: Draw) -> Vec3s
     # A viewer below the shading normal sees no microfacet; lift it to keep the
     # arithmetic finite: the pdf is 0 there.
     local[:, 2] = np.maximum(local[:, 2], 1e-9)
-    return to_world(table.facets(points.material).sample(local, u), n)
+    normals, left = table.facets(points.material).sample(local, u)
+    return to_world(normals, n), left

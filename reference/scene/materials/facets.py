@@ -68,7 +68,7 @@ class Facets:
             return ggx
         return np.where(self.beckmann, beckmann_g1(cos, self.alpha), ggx)
 
-    def sample(self, wo: Vec3s, u: Draw) -> Vec3s:
+    def sample(self, wo: Vec3s, u: Draw) -> tuple[Vec3s, Scalars]:
         """Normals in the frame of the surface, mostly those that the viewer sees.
 
         Parameters
@@ -76,18 +76,20 @@ class Facets:
         wo : (N, 3) float64
             Unit directions of viewers in the frame of the surface, z > 0.
         u : four (N,) float64
-            Lanes 1 to 3 are used.
+            Lanes 0 to 2 are used; lane 3 belongs to those who draw whole paths.
 
         Returns
         -------
-        (N, 3) float64
-            Unit vectors of density D max(0, wo·h) / cos θ_o times `shown`.
+        (N, 3), (N,) float64
+            Unit vectors of density D max(0, wo·h) / cos θ_o times `shown`; and a
+            number in [0, 1) that is left of lane 0.
         """
         ggx = sample_visible_normal(wo, self.alpha, u[1], u[2])
         if self.beckmann is None:
-            return ggx
-        facing = sample_facing_normal(wo, self.alpha, u[1], u[2], u[3])
-        return np.where(self.beckmann[:, None], facing, ggx)
+            return ggx, u[0]
+        facing, left = sample_facing_normal(wo, self.alpha, u[1], u[2], u[0])
+        normals = np.where(self.beckmann[:, None], facing, ggx)
+        return normals, np.where(self.beckmann, left, u[0])
 
     def shown(self, cos_h: Scalars, cos_o: Scalars, cos_d: Scalars) -> Scalars:
         """Share of microfacets that the sampler takes a viewer to see.

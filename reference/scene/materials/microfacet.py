@@ -10,6 +10,7 @@ from reference.arrays import (
     saturate,
     vectors,
 )
+from reference.sampling import left_of
 
 
 def ggx_density(cos_h: Scalars, alpha: Scalars) -> Scalars:
@@ -167,7 +168,7 @@ def beckmann_g1(cos: Scalars, alpha: Scalars) -> Scalars:
 
 def sample_facing_normal(
     wo: Vec3s, alpha: Scalars, u1: Scalars, u2: Scalars, u3: Scalars
-) -> Vec3s:
+) -> tuple[Vec3s, Scalars]:
     """Beckmann normals, each turned half around if so it shows more of itself.
 
     Their density is D(h) max(0, wo·h) / cos θ_o · :func:`facing_share`.
@@ -183,8 +184,9 @@ def sample_facing_normal(
 
     Returns
     -------
-    (N, 3) float
-        Unit vectors with z >= 0.
+    (N, 3) float, (N,) float
+        Unit vectors with z >= 0; and what is left of ``u3``, uniform in [0, 1) whatever
+        was chosen.
 
     Notes
     -----
@@ -198,8 +200,9 @@ def sample_facing_normal(
     x, y = across * np.cos(phi), across * np.sin(phi)
     tilt, height = wo[:, 0] * x + wo[:, 1] * y, wo[:, 2] * z
     shown, turned = np.maximum(height + tilt, 0.0), np.maximum(height - tilt, 0.0)
-    side = np.where(u3 * (shown + turned) < shown, 1.0, -1.0).astype(u3.dtype)
-    return normalize(vectors(side * x, side * y, z))
+    share = divide_or_zero(shown, shown + turned)
+    side = np.where(u3 < share, 1.0, -1.0).astype(u3.dtype)
+    return normalize(vectors(side * x, side * y, z)), left_of(u3, share)
 
 
 def facing_share(cos_h: Scalars, cos_o: Scalars, cos_d: Scalars) -> Scalars:

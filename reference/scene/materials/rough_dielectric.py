@@ -122,7 +122,7 @@ def sample(
     points : SurfacePoints
         N points on rough dielectrics.
     u : four (N,) float64
-        Lane 0 decides, 1 to 3 choose the microfacet.
+        Lanes 0 to 2 choose the microfacet, and what is left of lane 0 decides.
 
     Returns
     -------
@@ -131,11 +131,11 @@ def sample(
         light is reflected to below the surface or refracted to above it, and lost:
         :func:`pdf` is that of the other lobe there.
     """
-    h, eta = sample_normal(table, points, u), relative_index(table, points)
+    (h, left), eta = sample_normal(table, points, u), relative_index(table, points)
     cos_d = np.clip(dot(points.wo, h), 0.0, 1.0)
     fresnel, cos_t = fresnel_dielectric(cos_d, eta)
     refracted = h * (cos_d / eta - cos_t)[:, None] - points.wo / eta[:, None]
-    reflects = u[0] < fresnel
+    reflects = left < fresnel
     wi = np.where(reflects[:, None], reflect(points.wo, h), refracted)
     wi = normalize(wi)
     kept = (dot(points.shading, wi) > 0) == reflects
