@@ -1,7 +1,9 @@
 """What all tests share: profiles of Hypothesis, golden files, scenes from outside."""
 
 import os
+import random
 import signal
+import time
 from pathlib import Path
 
 import numpy as np
@@ -27,13 +29,59 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+LATE = "no time left of the"
+
+
 def pytest_addoption(parser):
-    """Add ``--regenerate``."""
+    """Add ``--regenerate``, ``--minutes`` and ``--order``."""
     parser.addoption(
         "--regenerate",
         action="store_true",
         help="write the files of tests/golden again, from the code as it is",
     )
+    parser.addoption(
+        "--minutes",
+        type=float,
+        default=float("inf"),
+        help="begin no test later than that; those left are skipped, and listed",
+    )
+    parser.addoption(
+        "--order",
+        metavar="WORD",
+        help="files in an order that WORD decides, so that all have their turn",
+    )
+
+
+def pytest_collection_modifyitems(config, items):
+    """Files in another order; the tests of each stay together, and share fixtures."""
+    word = config.getoption("--order")
+    if word is not None:
+        files = sorted({item.path for item in items})
+        random.Random(word).shuffle(files)
+        places = {path: place for place, path in enumerate(files)}
+        items.sort(key=lambda item: places[item.path])
+
+
+def pytest_sessionstart(session):
+    """Note when the time of ``--minutes`` begins."""
+    session.config.began = time.monotonic()
+
+
+def pytest_runtest_setup(item):
+    """Skip what would begin too late."""
+    minutes = item.config.getoption("--minutes")
+    if time.monotonic() - item.config.began > 60.0 * minutes:
+        pytest.skip(f"{LATE} {minutes:g} minutes")
+
+
+def pytest_terminal_summary(terminalreporter):
+    """List what was skipped for want of time."""
+    skipped = terminalreporter.stats.get("skipped", [])
+    late = [one.nodeid for one in skipped if LATE in str(one.longrepr)]
+    if late:
+        terminalreporter.section(f"{len(late)} tests found no time")
+        for name in late:
+            terminalreporter.line(name)
 
 
 @pytest.fixture(scope="session")

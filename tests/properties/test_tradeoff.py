@@ -335,15 +335,16 @@ def test_levels_are_taken_evenly(count, seed):
     A level of five is a fifth of the knob, and shares a slice with each neighbour.
     """
     knobs = knobs_of(["neighbors=1,2,3,4,5", "temporal_cap=1,2"])
-    points = at_random(BASE, knobs, count, seed)
+    base = replace(BASE, method="restir-pt")
+    points = at_random(base, knobs, count, seed)
     assert len(points) == count
     for key, levels in (("neighbors", 5), ("temporal_cap", 2)):
         taken = [v for p in points for v in p.values if v.startswith(key)]
         counts = [taken.count(f"{key}={i + 1}") for i in range(levels)]
         assert sum(counts) == count
         assert max(abs(c - count / levels) for c in counts) < 2
-    assert at_random(BASE, knobs, count, seed) == points
-    assert at_random(BASE, (), count, seed) == []
+    assert at_random(base, knobs, count, seed) == points
+    assert at_random(base, (), count, seed) == []
 
 
 def design(base, changes, bounces, seed):
