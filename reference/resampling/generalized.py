@@ -36,11 +36,11 @@ from reference.resampling.target import luminance
 
 Mis = Literal["1/M", "1/Z", "balance", "pairwise", "defensive"]
 
+# p̂ of values; their luminance, as a rule.
 Target = Callable[[Any], Scalars]
-"""p̂ of values; their luminance, as a rule."""
 
+# Value of a shifted sample, and Jacobian of the shift; 0 where there is none.
 Shifted = tuple[Any, Scalars]
-"""Value of a shifted sample, and Jacobian of the shift; 0 where there is none."""
 
 
 class Neighbor(Protocol):

@@ -6,7 +6,7 @@ deep nests.  So each of these files is found and read here first.
 
 from pathlib import Path
 from typing import Any
-from xml.parsers.expat import ExpatError, ParserCreate
+from xml.parsers import expat
 from xml.parsers.expat.errors import messages
 
 from reference.errors import UsageError
@@ -46,7 +46,7 @@ class _Source:
         self.count += 1
         if self.count > MOST_INCLUDED:
             self.ledger.stop(f"it includes more than {MOST_INCLUDED} files")
-        parser = ParserCreate()
+        parser = expat.ParserCreate()
         depth = 0
 
         def start(tag: str, attributes: dict[str, str]) -> None:
@@ -80,7 +80,7 @@ class _Source:
         parser.EntityDeclHandler = define
         try:
             parser.Parse(contents, True)
-        except ExpatError as error:
+        except expat.ExpatError as error:
             self.refuse(
                 path,
                 f"not a valid Mitsuba scene: line {error.lineno}, column"
