@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from PIL import Image
 
 from reference.errors import UsageError
+from reference.scene.checks.shapes import check_mesh
 from reference.scene.loaders.load import load_scene
 from reference.scene.loaders.pictures import decode_srgb
 from reference.scene.materials.kinds import Coated, Conductor, Dielectric, Lambertian
@@ -233,6 +234,14 @@ def test_maps_with_options_and_spaces(put, tmp_path):
     assert_allclose(mesh.uv, np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * 2 + [0.25, 0])
     red = read(mesh.material.reflectance, np.array([[0.25, 0.5]]))
     assert_allclose(red, [[1, 0, 0]])
+
+
+@pytest.mark.parametrize("size", ["1e308", "-1e308"])
+def test_a_map_of_a_size_beyond_all_numbers_is_told(put, size):
+    """Coordinates times it may be infinite: one line, and no warning."""
+    mesh = look(put, f"Kd 1 1 1\nmap_Kd -s {size} {size} -o {size} 0 t.png", t_png=TWO)
+    with pytest.raises(UsageError, match="texture coordinate 1 is"):
+        check_mesh("here", mesh)
 
 
 def test_maps_of_emission_and_masks(put):

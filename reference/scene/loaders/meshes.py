@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
+import numpy as np
+
 from reference.scene.loaders.framing import camera_or_framing, default_environment
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.mtl import PLAIN, Look, read_looks
@@ -78,6 +80,10 @@ def _mesh(part: Part, looks: Mapping[str, Look], ledger: Ledger) -> Mesh:
         if part.colors is not None:
             look, told = WHITE, "the colours of its vertices"
         ledger.note(f'"{name}" has no material: it is matt with {told}')
+    uv = part.uv
+    if uv is not None:
+        with np.errstate(over="ignore", invalid="ignore"):  # for the validation to tell
+            uv = uv * look.scale + look.offset
     mesh = Mesh(
         name=name,
         vertices=part.vertices,
@@ -87,7 +93,7 @@ def _mesh(part: Part, looks: Mapping[str, Look], ledger: Ledger) -> Mesh:
         colors=part.colors,
         opacity=look.opacity,
         normals=part.normals,
-        uv=None if part.uv is None else part.uv * look.scale + look.offset,
+        uv=uv,
     )
     check_indices(mesh, ledger)
     return drop_texture_without_uv(turn_faces_to_normals(mesh), ledger)
