@@ -1,6 +1,6 @@
 """Settings from text: ``KEY=VALUE`` onto the fields of a dataclass, by their types."""
 
-from collections.abc import Iterable
+from collections.abc import Hashable, Iterable
 from dataclasses import asdict, fields, is_dataclass, replace
 from functools import cache
 from math import isnan
@@ -11,8 +11,12 @@ from reference.suggestions import unknown
 
 Settings = TypeVar("Settings")
 
-# A sweep asks for the same few types thousands of times.
-_hints = cache(get_type_hints)
+
+@cache
+def _hints(settings: Hashable) -> dict[str, Any]:
+    # A sweep asks for the same few types thousands of times.
+    return get_type_hints(settings)
+
 
 TRUTH = {"true": True, "yes": True, "on": True, "1": True}
 FALSEHOOD = {"false": False, "no": False, "off": False, "0": False}
@@ -80,7 +84,8 @@ def known(settings: Any) -> str:
     str
         ``"a=1|2, b=NUMBER"``; "none" if there are none.
     """
-    hints = _hints(type(settings))
+    kind: type = type(settings)
+    hints = _hints(kind)
     words = [f"{f.name}={_form(hints[f.name], '|')}" for f in fields(settings)]
     return ", ".join(words) or "none"
 
