@@ -1,0 +1,149 @@
+"""The frame loop of every method, and what the passes of one frame share."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
+
+import numpy as np
+
+from reference.arrays import Indices
+from reference.passes.gbuffer import visible_points
+from reference.rng import KeyedUniforms, Stream
+from reference.scene.animation import Animation, Changes, still
+from reference.scene.camera import pixel_centers
+from reference.scene.surface import VisiblePoints
+from reference.schedule import Schedule, in_bands
+from reference.world import World, next_world
+
+Settings = TypeVar("Settings", covariant=True)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrameContext(Generic[Settings]):
+    """What the passes of one frame share.
+
+    Attributes
+    ----------
+    number : int
+        Of the frame, from 0.
+    world : World
+        The scene as it is in this frame.
+    visible : VisiblePoints
+        G-buffer, through the centres of the pixels.
+    settings : dataclass instance
+        The algorithm's.
+    bounces : int
+        Bounces of indirect light, 1 to 30.
+    seed : int
+        Runs of different seeds are independent.
+    schedule : Schedule
+        Bands and threads; no influence on the result.
+    changes : 'nothing', 'camera' or 'scene'
+        What may differ between frames of the run.
+    """
+
+    number: int
+    world: World
+    visible: VisiblePoints
+    settings: Settings
+    bounces: int
+    seed: int
+    schedule: Schedule
+    changes: Changes = "nothing"
+
+    @property
+    def pixels(self) -> int:
+        """Number of pixels N."""
+        return len(self.visible.depth)
+
+    def numbers(self, rows: slice) -> Indices:
+        """Numbers of the paths that K pixels draw: frame · N + pixel, (K,) int64."""
+        return self.number * self.pixels + np.arange(rows.start, rows.stop)
+
+    def uniforms(self, stream: Stream, rows: slice) -> KeyedUniforms:
+        """Random numbers of K pixels in this frame, K rows."""
+        pixel = np.arange(rows.start, rows.stop, dtype=np.uint32)
+        return KeyedUniforms(pixel, self.number, self.seed, stream)
+
+    def uniforms_of(self, stream: Stream, numbers: Indices) -> KeyedUniforms:
+        """Random numbers of the paths with given numbers, of any frame; a row each."""
+        frame, pixel = np.divmod(numbers, self.pixels)
+        return KeyedUniforms(pixel.astype(np.uint32), frame, self.seed, stream)
+
+
+class Made(Protocol):
+    """A finished frame, as far as the loop wants to know it."""
+
+    @property
+    def number(self) -> int:
+        """From 0."""
+
+    @property
+    def world(self) -> World:
+        """The scene as it was."""
+
+    @property
+    def visible(self) -> VisiblePoints:
+        """G-buffer, through the centres of the pixels."""
+
+
+Frame = TypeVar("Frame", bound=Made)
+
+
+def frames(
+    next_frame: Callable[[FrameContext[Settings], Frame | None], Frame],
+    world: World,
+    settings: Settings,
+    bounces: int,
+    seed: int,
+    schedule: Schedule,
+    animation: Animation | None = None,
+) -> Iterator[Frame]:
+    """Frames without end, each made from the one before it.
+
+    Parameters
+    ----------
+    next_frame : callable
+        The method: from a frame's context, and the frame before it, to the frame.
+    world : World
+        The scene in frame 0.
+    settings : dataclass instance
+        The method's.
+    bounces : int
+        Bounces of indirect light, 1 to 30.
+    seed : int
+        Runs of different seeds are independent.
+    schedule : Schedule
+        Bands and threads; no influence on the result.
+    animation : Animation, optional
+        Validated scenes of all frames, with cameras of one size; by default the scene
+        stands still.
+
+    Yields
+    ------
+    frame
+        Frame after frame.
+    """
+    animation = animation or still(world.scene)
+    x, y = pixel_centers(world.camera.width, world.camera.height)
+
+    def g_buffer(now: World) -> VisiblePoints:
+        return in_bands(schedule, len(x), lambda r: visible_points(now, x[r], y[r]))
+
+    last: Frame | None = None
+    while True:
+        number = last.number + 1 if last else 0
+        now = next_world(last.world, animation(number)) if last else world
+        visible = last.visible if last and now is last.world else g_buffer(now)
+        frame = FrameContext(
+            number=number,
+            world=now,
+            visible=visible,
+            settings=settings,
+            bounces=bounces,
+            seed=seed,
+            schedule=schedule,
+            changes=animation.changes,
+        )
+        last = next_frame(frame, last)
+        yield last
