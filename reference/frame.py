@@ -15,11 +15,12 @@ from reference.scene.surface import VisiblePoints
 from reference.schedule import Schedule, in_bands
 from reference.world import World, next_world
 
-Settings = TypeVar("Settings", covariant=True)
+Settings = TypeVar("Settings")
+Settings_co = TypeVar("Settings_co", covariant=True)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class FrameContext(Generic[Settings]):
+class FrameContext(Generic[Settings_co]):
     """What the passes of one frame share.
 
     Attributes
@@ -45,7 +46,7 @@ class FrameContext(Generic[Settings]):
     number: int
     world: World
     visible: VisiblePoints
-    settings: Settings
+    settings: Settings_co
     bounces: int
     seed: int
     schedule: Schedule
