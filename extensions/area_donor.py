@@ -9,7 +9,7 @@ from extensions.area_paths import AreaPaths, Placed
 from extensions.shifting import Shift
 from reference.arrays import Indices, Masks, Scalars, Vec3s, dot
 from reference.caster import STOP
-from reference.passes.reproject import row_at
+from reference.options.reprojection import row_at
 from reference.path_tracer import first_hits
 from reference.records import scatter, take
 from reference.resampling.reservoir import Reservoirs

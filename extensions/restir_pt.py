@@ -9,8 +9,8 @@ from extensions.donors import PointDonor
 from extensions.frame_loop import Moment, PathFrame, path_frames
 from extensions.pt_settings import PathSettings
 from reference.arrays import Indices
+from reference.options.reprojection import reproject
 from reference.passes.neighbors import find_neighbors
-from reference.passes.reproject import reproject
 from reference.records import cut
 from reference.resampling.generalized import resample
 from reference.resampling.reservoir import Reservoirs, finalize

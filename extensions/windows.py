@@ -8,7 +8,7 @@ import numpy as np
 from extensions.frame_loop import Moment, PathFrame
 from extensions.pt_settings import PathSettings
 from reference.arrays import Indices, Scalars
-from reference.passes.reproject import alike_before, places_before, row_at
+from reference.options.reprojection import alike_before, places_before, row_at
 from reference.records import NONE, take
 from reference.resampling.generalized import Neighbor, Target, resample
 from reference.resampling.reservoir import Reservoirs, cap_confidence

@@ -8,6 +8,7 @@ import numpy as np
 
 from reference.arrays import Indices
 from reference.passes.gbuffer import visible_points
+from reference.records import indices
 from reference.rng import KeyedUniforms, Stream
 from reference.scene.animation import Animation, Changes, still
 from reference.scene.camera import pixel_centers
@@ -57,13 +58,13 @@ class FrameContext(Generic[Settings_co]):
         """Number of pixels N."""
         return len(self.visible.depth)
 
-    def numbers(self, rows: slice) -> Indices:
+    def numbers(self, rows: slice | Indices) -> Indices:
         """Numbers of the paths that K pixels draw: frame · N + pixel, (K,) int64."""
-        return self.number * self.pixels + np.arange(rows.start, rows.stop)
+        return self.number * self.pixels + indices(rows)
 
-    def uniforms(self, stream: Stream, rows: slice) -> KeyedUniforms:
+    def uniforms(self, stream: Stream, rows: slice | Indices) -> KeyedUniforms:
         """Random numbers of K pixels in this frame, K rows."""
-        pixel = np.arange(rows.start, rows.stop, dtype=np.uint32)
+        pixel = indices(rows).astype(np.uint32)
         return KeyedUniforms(pixel, self.number, self.seed, stream)
 
     def uniforms_of(self, stream: Stream, numbers: Indices) -> KeyedUniforms:

@@ -5,9 +5,9 @@ from dataclasses import asdict, fields
 
 from reference.fingerprint import fingerprint
 from reference.methods import Job, Method
-from reference.options import text_of
 from reference.scene.camera import Camera
 from reference.scene.scene import Scene
+from reference.setting_values import text_of
 from reference.version import project_version
 
 Words = Mapping[str, str | int | float | bool]

@@ -103,6 +103,16 @@ def cut(record: Record, rows: slice) -> Record:
     return map_rows(lambda a: a[rows], record)
 
 
+def select(record: Record, rows: slice | Indices) -> Record:
+    """Rows of a record (or array): `cut` by a slice, `take` by indices."""
+    return cut(record, rows) if isinstance(rows, slice) else take(record, rows)
+
+
+def indices(rows: slice | Indices) -> Indices:
+    """Rows one by one, (K,) int."""
+    return np.arange(rows.start, rows.stop) if isinstance(rows, slice) else rows
+
+
 def where(mask: Masks, yes: Record, no: Record) -> Record:
     """Choose between two records (or arrays) row by row.
 

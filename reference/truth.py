@@ -10,9 +10,9 @@ from reference.fingerprint import fingerprint
 from reference.images import Image, to_image
 from reference.methods import Job
 from reference.moments import Moments, add_samples
-from reference.options import as_text
 from reference.resumable import Source, accumulate_resumably
 from reference.scene.scene import Scene
+from reference.setting_values import as_text
 from reference.version import project_version
 
 

@@ -16,7 +16,7 @@ from reference.exr import write_exr
 from reference.images import Image
 from reference.metadata import Words, header, metadata
 from reference.methods.path import PATH, PathSettings
-from reference.options import with_values
+from reference.setting_values import with_values
 from reference.truth import accumulate_truth, checkpoint_beside, truth_image
 from reference.workers import workers
 from reference.world import build_world

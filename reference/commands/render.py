@@ -20,7 +20,7 @@ from reference.images import Image, to_image
 from reference.metadata import Words, header, metadata
 from reference.methods import Layers, Method, drive, method_named, method_names
 from reference.methods.discovery import BUILT_IN
-from reference.options import with_values
+from reference.setting_values import with_values
 from reference.suggestions import unknown
 from reference.world import World, build_world
 

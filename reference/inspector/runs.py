@@ -12,11 +12,11 @@ from reference.images import Image, to_image
 from reference.inspector.recorded import Plain
 from reference.methods import Job, Layers, Method
 from reference.methods.restir_gi import BIASED, UNBIASED
-from reference.options import with_values
 from reference.path_tracer import MAX_BOUNCES, Light
 from reference.scene.catalogue.registry import CATALOGUE
 from reference.scene.named import Named, find_scene_or_file, frames_of
 from reference.schedule import Schedule
+from reference.setting_values import with_values
 from reference.world import build_world
 
 LAYERS = {

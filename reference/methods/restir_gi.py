@@ -10,7 +10,7 @@ from reference.biases import biases
 from reference.methods.aovs import GBUFFER, RESERVOIRS, reservoir_layers
 from reference.methods.framed import PARTS, Framed, Image
 from reference.methods.method import Job, Method
-from reference.passes.storage import stored_bytes
+from reference.options.storage import stored_bytes
 from reference.records import nbytes
 from reference.restir_gi import Frame, render_frames
 from reference.settings import Settings

@@ -1,85 +1,62 @@
-"""What the last frame hands on to the resampling of this one."""
+"""What the last frame hands on to the pixels of this one."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Indices, Masks
-from reference.passes.entries import Donors, Entry, other_entry, own_entry
-from reference.passes.receivers import Receivers
-from reference.records import NONE, cut, take
+from reference.arrays import Indices, Masks, Scalars
+from reference.passes.pixels import FrameReservoirs, NeighborPixels, Pixels
+from reference.records import NONE, indices, select
 from reference.resampling.reservoir import Reservoirs
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class History:
-    """Reservoirs of the last frame, and where each of K pixels finds its own.
+    """Reservoirs of the last frame, and where each pixel of this one finds its own.
 
     Attributes
     ----------
-    donors : Donors
-        Temporal or spatial reservoirs of the whole last frame.
-    rows : slice or (K,) int
-        A row of it for each pixel, or ``NONE`` where it begins anew; a slice while
-        every pixel is at its own place.
-    as_they_stand : bool
-        Nothing is shifted: the visible points are the same in the same scene, or are
-        taken to be, which is the paper's biased form.
+    temporal, spatial : FrameReservoirs
+        Of the last frame.
+    pixel : (N,) int or None
+        Pixel of the last frame that each pixel goes on from, or ``NONE`` where it
+        begins anew; ``None`` while every pixel is at its own place.
+    shifted : bool
+        The pixels were other points then, so that samples are shifted between them;
+        false where they were the same, or are taken to be, as in the paper.
+    seen : (N,) bool or None
+        Final visibility in the last frame, where it was asked for.
     """
 
-    donors: Donors
-    rows: slice | Indices
-    as_they_stand: bool
+    temporal: FrameReservoirs
+    spatial: FrameReservoirs
+    pixel: Indices | None = None
+    shifted: bool = False
+    seen: Masks | None = None
 
-    @property
-    def reservoirs(self) -> Reservoirs:
-        """K rows as they were stored; M and W are 0 where there is none."""
-        if isinstance(self.rows, slice):
-            return cut(self.donors.reservoirs, self.rows)
-        there = self.rows != NONE
-        r = take(self.donors.reservoirs, np.where(there, self.rows, 0))
-        return replace(r, W=np.where(there, r.W, 0.0), M=np.where(there, r.M, 0.0))
+    def rows(self, rows: slice | Indices) -> slice | Indices:
+        """Pixels of the last frame for K pixels of this one, or ``NONE``."""
+        return rows if self.pixel is None else self.pixel[rows]
 
-    @property
-    def indices(self) -> Indices:
-        """(K,) int: the rows one by one."""
-        if isinstance(self.rows, slice):
-            return np.arange(self.rows.start, self.rows.stop)
-        return self.rows
+    def exists(self, rows: slice | Indices) -> Masks:
+        """Whether K pixels go on from the last frame, (K,) bool."""
+        found: Masks = indices(self.rows(rows)) != NONE
+        return found
 
-    def keep(self, mask: Masks) -> "History":
-        """The same for some of the pixels.
+    def confidence(self, last: FrameReservoirs, rows: slice | Indices) -> Scalars:
+        """M of K pixels in the last frame, (K,); 0 where they begin anew."""
+        there = self.rows(rows)
+        if self.pixel is None:
+            return last.reservoirs.M[there]
+        return np.where(there != NONE, last.reservoirs.M[there], 0.0)
 
-        Parameters
-        ----------
-        mask : (K,) bool
-            Which.
-
-        Returns
-        -------
-        History
-            A row for each that is true.
-        """
-        return self if mask.all() else replace(self, rows=self.indices[mask])
-
-
-def past_entry(receivers: Receivers, history: History, place: int) -> Entry:
-    """Entry of what the last frame left.
-
-    Parameters
-    ----------
-    receivers : Receivers
-        K pixels.
-    history : History
-        K rows.
-    place : int
-        In the stream.
-
-    Returns
-    -------
-    Entry
-        M = 0 where a pixel begins anew.
-    """
-    if history.as_they_stand:
-        return own_entry(receivers, history.reservoirs, place)
-    return other_entry(receivers, history.donors, history.indices, place)
+    def of(
+        self, last: FrameReservoirs, q: Pixels, rows: slice | Indices
+    ) -> Reservoirs | NeighborPixels:
+        """Reservoirs of K pixels: their own, or those of the points that they were."""
+        there = self.rows(rows)
+        if self.shifted:
+            return last.neighbors(q, indices(there))
+        if self.pixel is None:
+            return select(last.reservoirs, there)
+        return last.at(indices(there))

@@ -40,7 +40,9 @@ class InitialSamples:
         Sample points; nulls where a path found no light or may not be reused.
     pdf : (N,) float64, 1/sr
         Source density of the direction to the sample point.
-    unshared : (N, 3) float64, W/(m² sr)
+    M : (N,) float64
+        1 where a sample was drawn, nulls included; else 0.
+    not_reused : (N, 3) float64, W/(m² sr)
         Light of this frame's paths that cannot be reused by reconnection: by way of a
         delta lobe or a rough dielectric at the visible point, or of a sample point that
         is not Lambertian.
@@ -48,7 +50,8 @@ class InitialSamples:
 
     y: Samples
     pdf: Scalars
-    unshared: Vec3s
+    M: Scalars
+    not_reused: Vec3s
 
 
 def source_pdf(
@@ -122,6 +125,7 @@ def initial_samples(
     source: Source,
     glossy_samples: GlossySamples,
     bounces: int,
+    *,
     directions: Uniforms,
     paths: Uniforms,
     speculars: Uniforms,
@@ -150,7 +154,7 @@ def initial_samples(
     tail : (N,) float64 or None
         Russian roulette: weight of what lies beyond the first bounce; ``None`` for 1.
     active : (N,) bool or None
-        Who samples at all; ``None`` for everyone.
+        Who draws a sample at all; ``None`` for everyone.
 
     Returns
     -------
@@ -179,17 +183,17 @@ def initial_samples(
     apart = drawn.delta
     if source == "bsdf" and world.materials.transmits:
         apart = apart | ~is_shared(world.materials, points)
-    unshared = np.where(apart[:, None], drawn.weight * radiance, 0.0)
+    not_reused = np.where(apart[:, None], drawn.weight * radiance, 0.0)
     if glossy_samples == "path-traced" and world.plan.glossy:
         lambertian = is_lambertian(world.materials, met)
         value = scattering(world.materials, points, omega) * radiance
         alone = (shared & ~lambertian)[:, None]
-        unshared += np.where(alone, divide_or_zero(value, density[:, None]), 0.0)
+        not_reused += np.where(alone, divide_or_zero(value, density[:, None]), 0.0)
         # A miss has no material, and no radiance.
         shared &= lambertian | ~met.hit
     if source != "bsdf" and world.plan.delta:
         first = sample_apart(world.materials, points, speculars.draw(0))
-        unshared += reflected_radiance(
+        not_reused += reflected_radiance(
             world,
             points,
             bounces,
@@ -206,7 +210,8 @@ def initial_samples(
         suffix = Suffix(numbers, kept)
     shining = np.where(shared[:, None], radiance, 0.0)
     y = Samples(x_s, met.normal, shining, suffix)
-    return InitialSamples(y, density, unshared)
+    M = np.ones(len(points)) if active is None else active.astype(float)
+    return InitialSamples(y, density, M, not_reused)
 
 
 def is_lambertian(table: MaterialTable, points: SurfacePoints) -> Masks:
@@ -228,7 +233,7 @@ def is_lambertian(table: MaterialTable, points: SurfacePoints) -> Masks:
     return lambertian
 
 
-def shares_all(world: World, source: Source, glossy_samples: GlossySamples) -> bool:
+def reuses_all(world: World, source: Source, glossy_samples: GlossySamples) -> bool:
     """Whether all light of the initial paths may be reused.
 
     Parameters
@@ -243,7 +248,7 @@ def shares_all(world: World, source: Source, glossy_samples: GlossySamples) -> b
     Returns
     -------
     bool
-        False where `InitialSamples.unshared` may hold light.
+        False where `InitialSamples.not_reused` may hold light.
     """
     kinds = world.materials.kinds
     lambertian = kinds == (Kind.LAMBERTIAN,)

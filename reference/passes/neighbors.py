@@ -1,14 +1,57 @@
-"""Which pixels lend their samples: a search that narrows where the image is busy."""
+"""Lines 4 to 8 of Algorithm 4: similar pixels nearby, sought ever closer."""
+
+from collections.abc import Callable
 
 import numpy as np
 
 from reference.arrays import Indices, Scalars
 from reference.passes.gbuffer import similar
-from reference.passes.lattice import corner
+from reference.passes.pixels import FrameReservoirs, NeighborPixels, Pixels
 from reference.records import NONE, take
-from reference.rng import Draw
+from reference.rng import Draw, Uniforms
 from reference.scene.surface import VisiblePoints
 from reference.settings import Search
+
+
+def neighbors_of(
+    q: Pixels,
+    source: FrameReservoirs,
+    rows: Indices,
+    uniforms: Uniforms,
+    tries: int,
+    keeper: Callable[[Indices], Indices] | None = None,
+) -> list[tuple[NeighborPixels, Scalars]]:
+    """Similar pixels near each q, with the number that decides on each.
+
+    Parameters
+    ----------
+    q : Pixels
+        K pixels.
+    source : FrameReservoirs
+        Of the frame in which neighbours are sought.
+    rows : (K,) int
+        Where q is in that frame, or ``NONE``: then it has no neighbours.
+    uniforms : Uniforms
+        K rows.  Dimension s: lanes 0 and 1 find neighbour s, lane 2 decides on it.
+    tries : int
+        How many are sought.
+    keeper : callable, optional
+        As of `find_neighbors`.
+
+    Returns
+    -------
+    list of (NeighborPixels, (K,))
+        One for each try.
+    """
+    there, width = rows != NONE, source.world.camera.width
+    draws = [uniforms.draw(s) for s in range(tries)]
+    found = find_neighbors(
+        np.maximum(rows, 0), source.visible, width, q.settings, draws, keeper
+    )
+    return [
+        (source.neighbors(q, np.where(there, row, NONE)), u[2])
+        for row, u in zip(found, draws, strict=True)
+    ]
 
 
 def find_neighbors(
@@ -17,7 +60,7 @@ def find_neighbors(
     width: int,
     settings: Search,
     draws: list[Draw],
-    lattice: int = 1,
+    keeper: Callable[[Indices], Indices] | None = None,
 ) -> list[Indices]:
     """Neighbours drawn in a disk around each pixel, one a draw.
 
@@ -33,8 +76,8 @@ def find_neighbors(
         Radius and similarity.
     draws : list of four (K,) float64
         Lanes 0 and 1 of each give a point of the disk.
-    lattice : int, pixels
-        Side of the squares of which one pixel has a reservoir to lend.
+    keeper : callable, optional
+        From pixels to those that keep a reservoir for them; by default their own.
 
     Returns
     -------
@@ -58,8 +101,8 @@ def find_neighbors(
         x_to, y_to = x + dx, y + dy
         inside = (x_to >= 0) & (x_to < width) & (y_to >= 0) & (y_to < height)
         neighbor = np.where(inside, y_to * width + x_to, rows)
-        if lattice > 1:
-            neighbor = corner(neighbor, width, lattice)
+        if keeper is not None:
+            neighbor = keeper(neighbor)
         usable = inside & similar(
             n_row,
             depth_row,

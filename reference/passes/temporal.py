@@ -1,90 +1,63 @@
-"""Algorithm 3: the new sample meets what the pixel kept from earlier frames."""
+"""Algorithm 3: temporal resampling."""
 
-from dataclasses import replace
-
-import numpy as np
-
-from reference.arrays import Masks
-from reference.passes.entries import Entry
-from reference.passes.history import History, past_entry
+from reference.arrays import Scalars
 from reference.passes.initial import InitialSamples
-from reference.passes.receivers import Receivers
-from reference.passes.resample import Competition
-from reference.resampling.reservoir import initial_candidates
-from reference.rng import Uniforms
+from reference.resampling.reservoir import (
+    Reservoirs,
+    cap_confidence,
+    finalize,
+    initial_candidates,
+)
+from reference.resampling.reuse import (
+    Neighbor,
+    PaperMis,
+    Receiver,
+    begin,
+    normalization,
+    reused,
+)
 
 
-def temporal_competition(
-    receivers: Receivers,
+def temporal_resampling(
+    q: Receiver,
     initial: InitialSamples,
-    history: History | None,
-    uniforms: Uniforms,
-    drawn: Masks | None = None,
-) -> Competition:
-    """Who takes part in temporal resampling.
+    past: Reservoirs | Neighbor,
+    u: Scalars,
+    *,
+    cap: float,
+    mis: PaperMis = "1/Z",
+) -> Reservoirs:
+    """Each pixel's new sample meets the temporal reservoir of the last frame.
 
     Parameters
     ----------
-    receivers : Receivers
-        N pixels.
+    q : Receiver
+        K pixels.
     initial : InitialSamples
-        One new sample each.
-    history : History or None
-        Temporal reservoirs of the last frame; ``None`` after a reset.
-    uniforms : Uniforms
-        N rows; dimension 0, lane 0 decides.
-    drawn : (N,) bool or None
-        Whether the pixel has drawn a sample at all; ``None`` for all.
+        A new sample each.
+    past : Reservoirs or Neighbor
+        Temporal reservoirs of the last frame: q's own, M = 0 after a reset; or, where
+        something has moved, those of the pixels that q was then.
+    u : (K,)
+        One number in [0, 1) each.
+    cap : float
+        Limit of M.
+    mis : '1/M' or '1/Z'
+        The same while nothing moves: both samples come from one domain, and M is exact.
 
     Returns
     -------
-    Competition
-        The past, where there is one, and then the new sample; M of what
-        :func:`reference.passes.resample.resample` makes of it is at most
-        ``settings.temporal_cap``.
+    Reservoirs
+        K rows.
 
     Notes
     -----
-    [Ouyang21, Alg. 3].  While nothing moves both samples come from the same domain, so
-    that 1/M is exact.  The running w of the paper is rebuilt from W and the capped M:
-    kept as it is, it would grow without bound.
+    [Ouyang21, Alg. 3].  The running sum w of the paper is rebuilt from W and the capped
+    M: kept as it is, it would grow without bound.
     """
-    # Line 3: the reservoir of the last frame competes with w = p̂ W M.
-    entries = [past_entry(receivers, history, 0)] if history else []
-    # Lines 2 and 4: the new sample with w = p̂ / p.
-    canonical = len(entries)
-    entries.append(new_entry(receivers, initial, canonical, drawn))
-    # Lines 5 and 6.
-    decisions = [uniforms.draw(0)[0]] * len(entries)
-    cap = receivers.settings.temporal_cap
-    return Competition(receivers, entries, decisions, canonical, cap)
-
-
-def new_entry(
-    receivers: Receivers, initial: InitialSamples, place: int, drawn: Masks | None
-) -> Entry:
-    """Entry of the samples that the initial pass has drawn.
-
-    Parameters
-    ----------
-    receivers : Receivers
-        N pixels.
-    initial : InitialSamples
-        One new sample each.
-    place : int
-        In the stream.
-    drawn : (N,) bool or None
-        Whether the pixel has drawn a sample at all; ``None`` for all.
-
-    Returns
-    -------
-    Entry
-        w = p̂ / p, and M = 1 for nulls too; both 0 where nothing was drawn.
-    """
-    p_hat = receivers.target(initial.y)
-    places = np.full(len(p_hat), place, np.uint8)
-    new = initial_candidates(places, p_hat, initial.pdf)
-    if drawn is not None:
-        w, M = np.where(drawn, new.w, 0.0), np.where(drawn, new.M, 0.0)
-        new = replace(new, w=w, M=M)
-    return Entry(new, initial.y)
+    S = initial.y  # line 2
+    R = begin(reused(q, past))  # line 3
+    new = initial_candidates(S, q.target(S), initial.pdf, initial.M)  # line 4: w = p̂/p
+    R = R.then(new, u)  # line 5
+    Z = normalization(mis, R, [past, new])  # line 6 has R.M: all, while nothing moves
+    return cap_confidence(finalize(R.kept, Z), cap)  # lines 6 and 7

@@ -159,8 +159,10 @@ def finalize(c: Candidates, normalization: Scalars) -> Reservoirs:
     return Reservoirs(y=c.y, W=saturate(W), M=c.M)
 
 
-def initial_candidates(y: Any, p_hat: Scalars, pdf: Scalars) -> Candidates:
-    """Fresh samples: w = p̂ / p, M = 1.
+def initial_candidates(
+    y: Any, p_hat: Scalars, pdf: Scalars, M: Scalars | None = None
+) -> Candidates:
+    """Fresh samples: w = M p̂ / p.
 
     Parameters
     ----------
@@ -170,19 +172,23 @@ def initial_candidates(y: Any, p_hat: Scalars, pdf: Scalars) -> Candidates:
         Target of each.
     pdf : (N,), 1/sr
         Source density of each.
+    M : (N,), optional
+        1 where a sample was drawn, nulls included, and 0 elsewhere; by default 1.
 
     Returns
     -------
     Candidates
-        w = 0 where p̂ or p is, at most the largest number; M counts nulls too.
+        w = 0 where p̂, p or M is, at most the largest number.
 
     Notes
     -----
     [Ouyang21, Eq. 5].
     """
-    with np.errstate(over="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"):
         w = divide_or_zero(p_hat, pdf)
-    return Candidates(y=y, p_hat=p_hat, w=saturate(w), M=np.ones_like(w))
+        w = w if M is None else w * M
+    M = np.ones_like(w) if M is None else M
+    return Candidates(y=y, p_hat=p_hat, w=saturate(w), M=M)
 
 
 def reused_candidates(

@@ -7,7 +7,7 @@ from typing import Any
 
 from reference.errors import UsageError
 from reference.methods import method_named
-from reference.options import as_text, with_values
+from reference.setting_values import as_text, with_values
 
 UNCHANGED = "as it is"
 """Label of the base."""

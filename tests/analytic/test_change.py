@@ -91,7 +91,8 @@ def test_pixels_that_begin_anew_draw_in_a_validating_frame_too():
 def test_control_other_random_numbers_empty_the_reservoirs(monkeypatch):
     """Were the path drawn anew, its radiance would differ, and M with it."""
     from reference.passes.moment import Moment
-    from reference.passes.replay import Replay
+
+    from reference.options.replay import Replay
 
     right = Moment.replay.fget
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reference.passes.passage import Passage
+from reference.options.motion import Passage
 from reference.restir_gi import render_frames
 from reference.scene.animation import still, with_camera, with_shape
 from reference.scene.catalogue.answers import half_lit_sphere, sphere_furnace

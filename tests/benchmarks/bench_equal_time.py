@@ -16,7 +16,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from reference.options import with_values
 from reference.passes.gbuffer import visible_points
 from reference.path_tracer import camera_radiance
 from reference.records import cut
@@ -25,6 +24,7 @@ from reference.rng import KeyedUniforms, Stream
 from reference.scene.camera import pixel_centers
 from reference.scene.catalogue.registry import find_scene
 from reference.schedule import Schedule, in_bands
+from reference.setting_values import with_values
 from reference.settings import BIASED, UNBIASED
 from reference.world import build_world
 

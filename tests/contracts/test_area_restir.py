@@ -12,9 +12,9 @@ from reference.cli import main
 from reference.errors import UsageError
 from reference.exr import read_exr
 from reference.methods.discovery import method_named, method_names
-from reference.options import with_values
 from reference.scene.catalogue.registry import find_animation
 from reference.schedule import Schedule
+from reference.setting_values import with_values
 from tests.properties.path_scenes import world
 
 

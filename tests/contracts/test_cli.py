@@ -23,11 +23,11 @@ from reference.methods import (
     method_named,
     method_names,
 )
-from reference.options import as_text, known, with_values
 from reference.scene.animation import still, with_change
 from reference.scene.camera import view_depth
 from reference.scene.catalogue.registry import CATALOGUE, find_scene
 from reference.scene.origins import STEP
+from reference.setting_values import as_text, known, with_values
 
 ROOT = Path(__file__).parents[2]
 COMMANDS = ("scenes", "render", "reference", "compare", "demo")

@@ -22,10 +22,10 @@ from reference.errors import UsageError
 from reference.exr import read_exr
 from reference.methods.discovery import method_named, method_names
 from reference.methods.method import Job, drive
-from reference.options import with_values
 from reference.scene.catalogue.registry import find_animation
 from reference.scene.validation import validate
 from reference.schedule import Schedule
+from reference.setting_values import with_values
 from reference.world import build_world
 from tests.properties.path_scenes import world
 

@@ -18,9 +18,9 @@ from reference.inspector.recorded import plain_frame
 from reference.inspector.surroundings import MOST_EDGES, edges
 from reference.inspector.watched import watched_frames
 from reference.methods import Job, method_named
-from reference.options import with_values
 from reference.scene.catalogue.registry import find_animation, find_scene
 from reference.schedule import Schedule
+from reference.setting_values import with_values
 from reference.world import build_world
 
 ROUNDING = 16 * np.finfo(float).eps

@@ -13,8 +13,8 @@ from reference.errors import UsageError
 from reference.exr import read_exr
 from reference.methods.discovery import method_named, method_names
 from reference.methods.method import Job
-from reference.options import with_values
 from reference.schedule import Schedule
+from reference.setting_values import with_values
 from tests.properties.path_scenes import world
 
 

@@ -13,14 +13,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-
-from reference.passes import normalization as normalization_module
 from reference.passes.entries import Donors, other_entry, own_entry
-from reference.passes.history import History, past_entry
-from reference.passes.initial import InitialSamples
-from reference.passes.passage import Passage
 from reference.passes.receivers import Receivers, sees
 from reference.passes.resample import Competition, resample
+
+from reference.options.motion import Passage
+from reference.passes import normalization as normalization_module
+from reference.passes.history import History, past_entry
+from reference.passes.initial import InitialSamples
 from reference.passes.temporal import temporal_competition
 from reference.records import take
 from reference.resampling.reservoir import Reservoirs, Samples

@@ -14,6 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from reference.passes.entries import Donors
+from reference.passes.receivers import Receivers, sees
+from reference.passes.resample import resample, resample_each
 
 from reference.passes import normalization as normalization_module
 from reference.passes import pairwise as pairwise_module
@@ -21,12 +24,9 @@ from reference.passes import receivers as receivers_module
 from reference.passes import resample as resample_module
 from reference.passes import shifting as shifting_module
 from reference.passes import temporal as temporal_module
-from reference.passes.entries import Donors
 from reference.passes.gbuffer import visible_points
 from reference.passes.history import History
 from reference.passes.initial import InitialSamples
-from reference.passes.receivers import Receivers, sees
-from reference.passes.resample import resample, resample_each
 from reference.passes.spatial import Neighborhood, spatial_competitions
 from reference.passes.temporal import temporal_competition
 from reference.records import take

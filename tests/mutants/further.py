@@ -5,11 +5,11 @@ In the manner of :mod:`tests.mutants.catalogue`.
 
 from tests.mutants.catalogue import Mutant
 
-REPROJECT = "reference.passes.reproject"
-VALIDATION = "reference.passes.validation"
-BOILING = "reference.passes.boiling"
-CHECKERBOARD = "reference.passes.checkerboard"
-ROULETTE = "reference.passes.roulette"
+REPROJECT = "reference.options.reprojection"
+VALIDATION = "reference.options.validation"
+BOILING = "reference.options.boiling"
+CHECKERBOARD = "reference.options.checkerboard"
+ROULETTE = "reference.options.roulette"
 CAMERA = "reference.scene.camera"
 OWN = "reference.oracle.builtin.further"
 PAPER = "reference.resampling.packing.paper"

@@ -21,7 +21,7 @@ from tests.mutants.catalogue import (
 
 INITIAL_PASS = "reference.passes.initial"
 HALVES = "reference.passes.halves"
-PASSAGE = "reference.passes.passage"
+PASSAGE = "reference.options.motion"
 PAST = "reference.passes.past"
 RECEIVERS = "reference.passes.receivers"
 

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
-from reference.passes.boiling import TILE, boiling_filter
+from reference.options.boiling import TILE, boiling_filter
 from reference.resampling.reservoir import Reservoirs, Samples
 
 WIDTH, HEIGHT = 2 * TILE + 3, TILE + 5

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_array_equal
 
-from reference.passes.checkerboard import samples_anew
+from reference.options.checkerboard import samples_anew
 
 sizes = st.tuples(st.integers(1, 9), st.integers(1, 9))
 frames = st.integers(0, 2**27 - 1)

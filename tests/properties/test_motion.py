@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from reference.errors import UsageError
+from reference.options.reprojection import motion_vectors, reproject
 from reference.passes.gbuffer import visible_points
-from reference.passes.reproject import motion_vectors, reproject
 from reference.records import NONE
 from reference.scene.animation import still, with_change, with_shape
 from reference.scene.camera import Camera, camera_rays, image_points, pixel_centers

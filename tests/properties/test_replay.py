@@ -8,11 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from reference.passes.moment import Moment
 
+from reference.options.storage import stored, stored_bytes
 from reference.passes.gbuffer import visible_points
 from reference.passes.initial import initial_samples
-from reference.passes.moment import Moment
-from reference.passes.storage import stored, stored_bytes
 from reference.path_tracer import reflected_radiance
 from reference.records import take
 from reference.resampling.packing.paper import pack, unpack

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
-from reference.passes.roulette import TILE_HEIGHT, TILE_WIDTH, tail_weight
+from reference.options.roulette import TILE_HEIGHT, TILE_WIDTH, tail_weight
 from reference.rng import DIMENSIONS, Stream, pcg4d
 from reference.strategies import cuts
 

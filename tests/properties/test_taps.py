@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
-from reference.passes.taps import nearby, permuted
+from reference.options.history_search import nearby, permuted
 from reference.records import NONE
 from reference.strategies import draws, scalars
 

@@ -17,7 +17,7 @@ from reference.errors import UsageError
 from reference.figures.record import Deviation, Interval
 from reference.methods import method_named
 from reference.moments import Moments
-from reference.options import with_values
+from reference.setting_values import with_values
 from reference.settings import Settings
 from reference.tradeoff.design import at_random, methods_beside, one_at_a_time
 from reference.tradeoff.front import advice, best_within, fastest_for, on_front

@@ -14,12 +14,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from reference.passes.receivers import Receivers
+from reference.passes.resample import resample
 from scipy import stats
 
 from reference.passes.gbuffer import visible_points
 from reference.passes.initial import initial_samples
-from reference.passes.receivers import Receivers
-from reference.passes.resample import resample
 from reference.passes.shade import shade
 from reference.passes.temporal import temporal_competition
 from reference.path_tracer import camera_radiance

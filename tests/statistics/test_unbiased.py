@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+import reference.passes.shifting
 from scipy import stats
 
-import reference.passes.shifting
 from reference.resampling.shift import reconnection_jacobian
 from reference.scene.catalogue.registry import find_scene
 from reference.settings import BIASED, UNBIASED, Settings

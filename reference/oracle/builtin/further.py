@@ -7,15 +7,15 @@ from typing import Any, cast
 import numpy as np
 
 from reference.arrays import Indices, Masks, Scalars, Vec3s, cross, dot, normalize
+from reference.options.boiling import boiling_filter
+from reference.options.checkerboard import samples_anew
+from reference.options.replay import Replay
+from reference.options.reprojection import reproject
+from reference.options.roulette import tail_weight
+from reference.options.validation import validated
 from reference.oracle.builtin.buffers import Array, as_real, samples_of
 from reference.oracle.builtin.world import surface_of
 from reference.oracle.contract.fields import Precision, dtype_of
-from reference.passes.boiling import boiling_filter
-from reference.passes.checkerboard import samples_anew
-from reference.passes.replay import Replay
-from reference.passes.reproject import reproject
-from reference.passes.roulette import tail_weight
-from reference.passes.validation import validated
 from reference.resampling.packing import paper
 from reference.resampling.reservoir import Reservoirs, Samples
 from reference.resampling.suffix import Suffix

@@ -6,13 +6,23 @@ import numpy as np
 
 from reference.arrays import Masks, dot
 from reference.caster import STOP
-from reference.passes.replay import Replay
+from reference.frame import FrameContext
+from reference.options.replay import Replay
 from reference.path_tracer import follow
 from reference.resampling.reservoir import Reservoirs, Samples
 from reference.resampling.target import luminance
 from reference.scene.origins import contact
 from reference.scene.surface import SurfacePoints, direction_and_distance
+from reference.settings import Settings
 from reference.world import World
+
+
+def validates(frame: FrameContext[Settings]) -> bool:
+    """In this frame samples are traced again, and none drawn where there is one."""
+    s = frame.settings
+    asked = s.motion == "as-stored" and frame.changes == "scene"
+    every = s.validate_every
+    return asked and every > 0 and frame.number % every == every - 1
 
 
 def validated(

@@ -1,9 +1,13 @@
 """Russian roulette by tiles: few pixels follow long paths, side by side."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from reference.arrays import Indices, Scalars
+from reference.frame import FrameContext
 from reference.rng import KeyedUniforms, Stream
+from reference.settings import Settings
 
 TILE_WIDTH, TILE_HEIGHT = 64, 32
 """Pixels that live or die together, so that threads side by side do the same."""
@@ -42,3 +46,18 @@ def tail_weight(
     tile = (y // TILE_HEIGHT * across + x // TILE_WIDTH).astype(np.uint32)
     u = KeyedUniforms(tile, frame, seed, Stream.ROULETTE).draw(0)[0]
     return np.where(u < probability, 1.0 / probability, 0.0)
+
+
+def tail_weights(
+    frame: FrameContext[Settings],
+) -> Callable[[Indices], Scalars] | None:
+    """From the numbers of paths to the weights of their tails; ``None`` for 1."""
+    probability, width = frame.settings.roulette, frame.world.camera.width
+    if probability == 1 or frame.bounces == 1:
+        return None
+
+    def weights(numbers: Indices) -> Scalars:
+        drawn_in, pixel = np.divmod(numbers, frame.pixels)
+        return tail_weight(pixel, width, probability, drawn_in, frame.seed)
+
+    return weights

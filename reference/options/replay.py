@@ -2,13 +2,17 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from math import isfinite
 
 import numpy as np
 
 from reference.arrays import Indices, Masks, Scalars, Vec3s
+from reference.frame import FrameContext
+from reference.options.roulette import tail_weights
 from reference.path_tracer import reflected_radiance
 from reference.resampling.suffix import Suffix
-from reference.rng import Uniforms
+from reference.rng import Stream, Uniforms
+from reference.settings import Settings
 from reference.world import World
 
 
@@ -59,3 +63,17 @@ class Replay:
         return reflected_radiance(
             world, surface, self.bounces - 1, uniforms, tail=weight
         )
+
+
+def replay_of(frame: FrameContext[Settings]) -> Replay:
+    """How the radiance of any sample of the run follows from its path's number."""
+
+    def uniforms(numbers: Indices) -> Uniforms:
+        return frame.uniforms_of(Stream.PATH, numbers)
+
+    return Replay(frame.bounces, uniforms, tail_weights(frame))
+
+
+def remembers(frame: FrameContext[Settings]) -> bool:
+    """Samples keep their suffix: their radiance or their age will be asked for."""
+    return frame.changes == "scene" or isfinite(frame.settings.max_age)

@@ -1,0 +1,1 @@
+"""What production renderers add to ReSTIR GI: an option a file, beside the passes."""

@@ -1,0 +1,68 @@
+"""One pass for all reuse: the pixel's past, and its neighbours' of the last frame."""
+
+from collections.abc import Sequence
+
+from reference.arrays import Scalars
+from reference.passes.initial import InitialSamples
+from reference.resampling.reservoir import (
+    Reservoirs,
+    cap_confidence,
+    finalize,
+    initial_candidates,
+)
+from reference.resampling.reuse import (
+    Neighbor,
+    PaperMis,
+    Receiver,
+    begin,
+    normalization,
+    reused,
+    shifted,
+)
+
+
+def fused_resampling(
+    q: Receiver,
+    initial: InitialSamples,
+    past: Reservoirs | Neighbor,
+    neighbors: Sequence[tuple[Neighbor, Scalars]],
+    u: Scalars,
+    *,
+    cap: float,
+    mis: PaperMis = "1/Z",
+) -> Reservoirs:
+    """New samples, the pixels' history, and their neighbours' of the last frame.
+
+    Production renderers save a pass, a barrier and a buffer that way.  Neighbours are a
+    frame old, but the estimate is not biased for it: each is asked in its own frame
+    what it could have made.
+
+    Parameters
+    ----------
+    q : Receiver
+        K pixels.
+    initial : InitialSamples
+        A new sample each.
+    past : Reservoirs or Neighbor
+        As of :func:`reference.passes.temporal.temporal_resampling`.
+    neighbors : sequence of (Neighbor, (K,))
+        Pixels of the last frame, and a number in [0, 1) for each.
+    u : (K,)
+        The number that decides on the new sample.
+    cap : float
+        Limit of M.
+    mis : '1/M' or '1/Z'
+        Biased or unbiased.
+
+    Returns
+    -------
+    Reservoirs
+        K rows.
+    """
+    S = initial.y
+    new = initial_candidates(S, q.target(S), initial.pdf, initial.M)
+    R = begin(reused(q, past)).then(new, u)
+    for q_n, u_n in neighbors:
+        R = R.then(shifted(q, q_n), u_n)
+    Z = normalization(mis, R, [past, new, *(q_n for q_n, _ in neighbors)])
+    return cap_confidence(finalize(R.kept, Z), cap)

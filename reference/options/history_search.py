@@ -1,0 +1,116 @@
+"""Where each pixel finds its history: reprojection, permutation, fallback search."""
+
+import numpy as np
+
+from reference.arrays import Indices, Masks, Scalars
+from reference.frame import FrameContext
+from reference.options.reprojection import alike_before, places_before, row_at
+from reference.passes.pixels import FrameReservoirs
+from reference.records import NONE
+from reference.rng import Draw, Stream
+from reference.scene.motion import Motion
+from reference.settings import Settings
+
+TAPS, REACH = 4, 4.0
+"""Places that are tried where reprojection fails, and how far away, in pixels."""
+
+FLIP = 3
+"""Bits of x and y that are turned over: a permutation within blocks of 4 x 4 pixels."""
+
+
+def permuted(rows: Indices, width: int, height: int, frame: int) -> Indices:
+    """Pixels shuffled within blocks of 4 x 4, which lie elsewhere in each frame.
+
+    Parameters
+    ----------
+    rows : (N,) int
+        Pixels of the last frame, or ``NONE``.
+    width, height : int, pixels
+        Of the image.
+    frame : int
+        From 0.
+
+    Returns
+    -------
+    (N,) int
+        The pixel's partner, whose own partner it is; itself where that would lie
+        outside of the image; ``NONE`` stays.
+
+    Notes
+    -----
+    It breaks up the patterns of history that stays with its pixel.  Place and time
+    alone decide.
+    """
+    shift_x, shift_y = frame % 4, frame // 4 % 4
+    y, x = np.divmod(np.maximum(rows, 0), width)
+    x_to = ((x + shift_x) ^ FLIP) - shift_x
+    y_to = ((y + shift_y) ^ FLIP) - shift_y
+    inside = (x_to >= 0) & (x_to < width) & (y_to >= 0) & (y_to < height)
+    partner = np.where(inside, y_to * width + x_to, rows)
+    return np.where(rows == NONE, NONE, partner)
+
+
+def nearby(x: Scalars, y: Scalars, u: Draw, radius: float) -> tuple[Scalars, Scalars]:
+    """A random place near a place of the image.
+
+    Parameters
+    ----------
+    x, y : (N,) float64, pixels
+        Places, NaN where there is none.
+    u : four (N,) float64
+        Lanes 0 and 1.
+    radius : float, pixels
+        Half of the side of the square that is searched.
+
+    Returns
+    -------
+    (N,), (N,) float64, pixels
+        Also outside of the image.
+    """
+    return x + radius * (2.0 * u[0] - 1.0), y + radius * (2.0 * u[1] - 1.0)
+
+
+def find_history(
+    frame: FrameContext[Settings], last: FrameReservoirs, reverse: Motion | None
+) -> Indices:
+    """Pixel of the last frame that each pixel of this one goes on from.
+
+    Parameters
+    ----------
+    frame : FrameContext
+        This frame, of N pixels.
+    last : FrameReservoirs
+        Of the last one.
+    reverse : Motion or None
+        Of the shapes, from this frame to the last.
+
+    Returns
+    -------
+    (N,) int
+        Or ``NONE``: the pixel begins anew.
+
+    Notes
+    -----
+    [Ouyang21, section 5].  Geometry and time decide, and random numbers of no sample:
+    so the choice of a history biases nothing, where it is then shifted.
+    """
+    before, world, camera = last.world, frame.world, last.world.camera
+
+    def alike(rows: Indices) -> Masks:
+        return alike_before(
+            before, last.visible, world, frame.visible, reverse, rows, frame.settings
+        )
+
+    x, y = places_before(before, world, frame.visible, reverse)
+    found = row_at(x, y, before)
+    if frame.settings.permutation:
+        partner = permuted(found, camera.width, camera.height, frame.number)
+        found = np.where(alike(partner), partner, found)
+    found = np.where(alike(found), found, NONE)
+    if frame.settings.fallback_search:
+        uniforms = frame.uniforms(Stream.TEMPORAL, slice(0, frame.pixels))
+        for tap in range(TAPS):
+            u = uniforms.draw(1 + tap)
+            nearest = row_at(*nearby(x, y, u, REACH), before)
+            found = np.where((found == NONE) & alike(nearest), nearest, found)
+    return found

@@ -1,0 +1,35 @@
+"""Who draws a new sample, and who keeps a reservoir: decided without any sample."""
+
+import numpy as np
+
+from reference.arrays import Masks
+from reference.frame import FrameContext
+from reference.options.checkerboard import samples_anew
+from reference.options.reduced_resolution import keeps_reservoir
+from reference.options.validation import validates
+from reference.passes.history import History
+from reference.settings import Settings
+
+
+def who_keeps(frame: FrameContext[Settings], rows: slice) -> Masks | None:
+    """Who keeps reservoirs, (K,) bool; ``None`` for everyone."""
+    side, width = frame.settings.lattice, frame.world.camera.width
+    if side == 1:
+        return None
+    return keeps_reservoir(np.arange(rows.start, rows.stop), width, side)
+
+
+def who_draws(
+    frame: FrameContext[Settings], history: History | None, rows: slice
+) -> Masks | None:
+    """Who draws a new sample, (K,) bool; ``None`` for everyone."""
+    able, drawn = who_keeps(frame, rows), None
+    if history and validates(frame):
+        # The rays of this frame go into old samples, where there are.
+        drawn = ~history.exists(rows)
+    elif history and frame.settings.checkerboard:
+        pixel, width = np.arange(rows.start, rows.stop), frame.world.camera.width
+        drawn = samples_anew(pixel, width, frame.number, history.exists(rows))
+    if able is None or drawn is None:
+        return able if drawn is None else drawn
+    return drawn & able

@@ -1,0 +1,59 @@
+"""Other uses of visibility: asked of the kept sample alone, of none, or when shown."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from reference.arrays import Masks
+from reference.frame import FrameContext
+from reference.passes.history import History
+from reference.passes.pixels import Pixels, sees
+from reference.records import indices
+from reference.resampling.reservoir import Reservoirs, Samples
+from reference.settings import Settings
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TrustingPixels(Pixels):
+    """Pixels q that take samples over without looking at them."""
+
+    def sees(self, y: Samples, asked: Masks) -> Masks:
+        """All that are asked: no ray."""
+        return asked
+
+
+def trusting(q: Pixels) -> TrustingPixels:
+    """The same pixels, which do not look at samples that they take over."""
+    return TrustingPixels(q.world, q.points, q.settings, q.shift, q.refuses)
+
+
+def without_hidden(q: Pixels, r: Reservoirs) -> Reservoirs:
+    """Empty the reservoirs whose sample q does not see: W = 0; M still counts."""
+    seen = sees(q.world, q.points, r.y, r.W > 0)
+    return replace(r, W=np.where(seen, r.W, 0.0))
+
+
+def finally_seen(
+    frame: FrameContext[Settings],
+    q: Pixels,
+    shown: Reservoirs,
+    history: History | None,
+    rows: slice,
+) -> Masks:
+    """Whether K pixels see the samples that they show, (K,) bool.
+
+    With ``final_visibility='reused'`` a sample that the pixel has kept from the last
+    frame was looked at then, which is biased while things move.
+    """
+    full = shown.W > 0
+    seen = np.zeros(len(full), bool)
+    known = seen
+    reuses = frame.settings.final_visibility == "reused"
+    if reuses and history is not None and history.seen is not None:
+        last = history.of(history.spatial, q, rows)
+        past = last if isinstance(last, Reservoirs) else last.reservoirs
+        same = (shown.y.position == past.y.position).all(axis=1)
+        known = history.exists(rows) & same & (past.W > 0)
+        then = np.maximum(indices(history.rows(rows)), 0)
+        seen = known & history.seen[then]
+    return seen | sees(q.world, q.points, shown.y, full & ~known)

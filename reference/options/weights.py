@@ -1,0 +1,150 @@
+"""Balance, pairwise and defensive weights: the passes by the general engine [Lin22]."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from reference.arrays import Indices, Masks, Scalars, divide_or_zero, saturate
+from reference.passes.initial import InitialSamples
+from reference.passes.pixels import NeighborPixels, Pixels, reconnection, sees
+from reference.resampling.generalized import Mis, Shifted, resample
+from reference.resampling.reservoir import Reservoirs, Samples
+
+Source = InitialSamples | Reservoirs | NeighborPixels
+
+
+@dataclass(frozen=True, slots=True)
+class WeighedSamples:
+    """Samples with their target where they are, N rows.
+
+    Attributes
+    ----------
+    y : Samples
+        N rows.
+    value : (N,), radiance/sr
+        p̂(y); 0 outside of the domain.
+    """
+
+    y: Samples
+    value: Scalars
+
+    def moved(self, value: Scalars, jacobian: Scalars) -> "WeighedSamples":
+        """The same samples at other pixels."""
+        return replace(self, value=value)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OwnSource:
+    """Reservoirs of K pixels' own domain."""
+
+    reservoirs: Reservoirs
+    rows: Indices
+    same_domain: bool = True
+
+    def shifted(self, at: Indices) -> Shifted:
+        """Never asked."""
+        raise NotImplementedError
+
+    def inverse(self, samples: Any, at: Indices) -> Shifted:
+        """Never asked."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ShiftedSource:
+    """Reservoirs of K neighbours, as they arrive at the pixels.
+
+    Attributes
+    ----------
+    q_n : NeighborPixels
+        The neighbours.
+    reservoirs : Reservoirs
+        Of `WeighedSamples`, weighed at the neighbours.
+    rows : (K,) int
+        All.
+    """
+
+    q_n: NeighborPixels
+    reservoirs: Reservoirs
+    rows: Indices
+    same_domain: bool = False
+
+    def shifted(self, at: Indices) -> Shifted:
+        """p̂_q of the neighbours' samples, 0 where hidden, and the Jacobian."""
+        q, y, W = self.q_n.q, self.reservoirs.y.y, self.reservoirs.W
+        p, J = q.target(y), self.q_n.jacobian()
+        seen = q.sees(y, (W > 0) & (p > 0) & (J > 0))
+        return np.where(seen, p, 0.0)[at], J[at]
+
+    def inverse(self, samples: WeighedSamples, at: Indices) -> Shifted:
+        """p̂_n of the pixels' samples, 0 outside of D_n, and the Jacobian back."""
+        asked = np.zeros(len(self.rows), bool)
+        asked[at] = True
+        p, J = _target_at(self.q_n, samples.y, asked, asked & False)
+        return p[at], J[at]
+
+
+def resample_weighted(
+    q: Pixels, sources: Sequence[tuple[Source, Scalars]], mis: Mis, cap: float
+) -> Reservoirs:
+    """Resample with any MIS weights.
+
+    Parameters
+    ----------
+    q : Pixels
+        K pixels.
+    sources : sequence of (InitialSamples, Reservoirs or NeighborPixels, (K,))
+        In the order of the stream, with the numbers that decide; the last one of q's
+        own domain is the canonical one.
+    mis : '1/M', '1/Z', 'balance', 'pairwise' or 'defensive'
+        Weights.
+    cap : float
+        Limit of M.
+
+    Returns
+    -------
+    Reservoirs
+        K rows.  Where nothing is shifted, all samples are of one domain, and M is
+        exact.
+    """
+    if not any(isinstance(source, NeighborPixels) for source, _ in sources):
+        mis = "1/M"
+    given = [_source(q, source) for source, _ in sources]
+    u = [u_n for _, u_n in sources]
+    kept = resample(given, u, mis, cap, lambda value: value)
+    return replace(kept, y=kept.y.y)
+
+
+def _source(q: Pixels, source: Source) -> OwnSource | ShiftedSource:
+    rows = np.arange(len(q.points))
+    if isinstance(source, NeighborPixels):
+        r = source.reservoirs
+        made = r.W > 0
+        p, _ = _target_at(source, r.y, made, made)
+        return ShiftedSource(source, replace(r, y=WeighedSamples(r.y, p)), rows)
+    if isinstance(source, InitialSamples):
+        pdf = source.pdf
+        with np.errstate(over="ignore"):
+            W = saturate(divide_or_zero(np.ones_like(pdf), pdf))
+        source = Reservoirs(source.y, W, source.M)
+    value = q.target(source.y)
+    return OwnSource(replace(source, y=WeighedSamples(source.y, value)), rows)
+
+
+def _target_at(
+    q_n: NeighborPixels, y: Samples, asked: Masks, made: Masks
+) -> tuple[Scalars, Scalars]:
+    """p̂_n of samples at q, 0 outside of D_n and where not asked; and |∂ω_n / ∂ω_q|.
+
+    Whoever made a sample sees it: no ray.
+    """
+    y, x_q = q_n.before(y, asked)
+    p = q_n.target(y)
+    possible = asked & (p > 0)
+    if q_n.q.refuses is not None:
+        possible &= ~q_n.q.refuses(q_n.x.position, x_q, y)
+    seen = made | sees(q_n.frame.world, q_n.x, y, possible & ~made)
+    J = reconnection(x_q, q_n.x.position, y)
+    return np.where(possible & seen, p, 0.0), J

@@ -1,0 +1,170 @@
+"""Pixels q, and their neighbours q_n, on real surfaces: what the passes ask of them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from reference.arrays import Indices, Masks, Scalars, Vec3s, dot
+from reference.passes.initial import source_pdf
+from reference.records import NONE, take
+from reference.resampling.reservoir import Reservoirs, Samples
+from reference.resampling.shift import reconnection_jacobian
+from reference.resampling.target import target
+from reference.scene.surface import (
+    SurfacePoints,
+    Viewpoints,
+    VisiblePoints,
+    direction_and_distance,
+)
+from reference.settings import Settings
+from reference.world import World
+
+
+def reconnection(x_from: Vec3s, x_to: Vec3s, y: Samples) -> Scalars:
+    """Jacobian of Equation 11 for samples; (K,), sr/sr."""
+    return reconnection_jacobian(x_from, x_to, y.position, y.normal)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pixels:
+    """Pixels q that resample, K rows.
+
+    Attributes
+    ----------
+    world : World
+        Of this frame.
+    points : SurfacePoints
+        x_v, their visible points.
+    settings : Settings
+        Source density and target.
+    shift : callable
+        From x_from, x_to, (K, 3) in m, and samples to the Jacobian of their
+        reconnection, (K,), 0 where it is refused.
+    refuses : callable or None
+        From the same arguments to whether the reconnection is refused for its Jacobian,
+        (K,) bool, so that Z can leave out whoever would not have been heard.
+    """
+
+    world: World
+    points: SurfacePoints
+    settings: Settings
+    shift: Callable[[Vec3s, Vec3s, Samples], Scalars] = reconnection
+    refuses: Callable[[Vec3s, Vec3s, Samples], Masks] | None = None
+
+    def target(self, y: Samples) -> Scalars:
+        """Target p̂_q(y), (K,), radiance/sr; without visibility."""
+        return target(self.settings.target, self.world.materials, self.points, y)
+
+    def sees(self, y: Samples, asked: Masks) -> Masks:
+        """Whether x_v sees y, (K,) bool: a ray each; false where not asked."""
+        return sees(self.world, self.points, y, asked)
+
+
+def sees(
+    world: World, points: SurfacePoints | Viewpoints, y: Samples, asked: Masks
+) -> Masks:
+    """Whether visible points see sample points, (K,) bool; false where not asked."""
+    return world.caster.visible(points, y.position, y.normal, asked, "reuse")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FrameReservoirs:
+    """Reservoirs of a whole frame, and the visible points that they belong to.
+
+    Attributes
+    ----------
+    world : World
+        Of their frame.
+    visible : VisiblePoints
+        G-buffer of their frame, N rows.
+    reservoirs : Reservoirs
+        N rows.
+    """
+
+    world: World
+    visible: VisiblePoints
+    reservoirs: Reservoirs
+
+    def at(self, rows: Indices) -> Reservoirs:
+        """Reservoirs of some pixels, or ``NONE``, for which M and W are 0."""
+        there = rows != NONE
+        r = take(self.reservoirs, np.maximum(rows, 0))
+        return replace(r, W=np.where(there, r.W, 0.0), M=np.where(there, r.M, 0.0))
+
+    def neighbors(self, q: Pixels, rows: Indices) -> "NeighborPixels":
+        """Pixels of this frame beside each q; (K,) rows, or ``NONE``."""
+        x = take(self.visible.surface.viewpoints, np.maximum(rows, 0))
+        return NeighborPixels(q, self, rows, x, self.at(rows))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NeighborPixels:
+    """Pixels q_n, one for each of K pixels q.
+
+    Attributes
+    ----------
+    q : Pixels
+        K pixels.
+    frame : FrameReservoirs
+        Whose pixels these are.
+    rows : (K,) int
+        Which of them, or ``NONE``.
+    x : Viewpoints
+        Their visible points.
+    reservoirs : Reservoirs
+        R_n, K rows.
+    """
+
+    q: Pixels
+    frame: FrameReservoirs
+    rows: Indices
+    x: Viewpoints
+    reservoirs: Reservoirs
+
+    def jacobian(self) -> Scalars:
+        """|∂ω_q / ∂ω_n| of their samples, Equation 11; (K,), sr/sr."""
+        return self.q.shift(self.x.position, self.q.points.position, self.reservoirs.y)
+
+    def could_make(self, y: Samples, asked: Masks) -> Masks:
+        """Whether y lies in the domain of q_n, (K,) bool; false where not asked.
+
+        There it is drawn with a density above 0, has a target above 0, which alone says
+        nothing with the target of Equation 10, and is seen.
+        """
+        asked = asked & (self.rows != NONE)
+        y, x_q = self.before(y, asked)
+        possible = asked & self.supports(y)
+        if self.q.refuses is not None:
+            possible &= ~self.q.refuses(self.x.position, x_q, y)
+        return sees(self.frame.world, self.x, y, possible)
+
+    def before(self, y: Samples, asked: Masks) -> tuple[Samples, Vec3s]:
+        """Samples at q as they were in the frame of q_n, and x_v of q beside them."""
+        return y, self.q.points.position
+
+    def supports(self, y: Samples) -> Masks:
+        """Whether q_n draws y and gives it a target above 0, whoever may hide it."""
+        settings, materials = self.q.settings, self.frame.world.materials
+        if not materials.plain:
+            return self.target(y) > 0
+        # Every point here is black or reflects all colours to its whole horizon, so
+        # that whether the target is positive is a question of geometry.
+        surface, row = self.frame.visible.surface, np.maximum(self.rows, 0)
+        toward = y.position - self.x.position
+        holds: Masks = dot(y.normal, toward) < 0
+        # A black point draws samples as others do, and Equation 10 does not mind it.
+        if settings.target == "scattered" or settings.source == "bsdf":
+            holds &= surface.color[row, 0] > 0
+        holds &= dot(take(surface.normal, row), toward) > 0
+        if surface.smooth is not None:
+            holds &= dot(take(surface.smooth, row), toward) > 0
+        return holds
+
+    def target(self, y: Samples) -> Scalars:
+        """Target of y at q_n, 0 where it is not drawn; (K,), without visibility."""
+        settings, materials = self.q.settings, self.frame.world.materials
+        points = take(self.frame.visible.surface, np.maximum(self.rows, 0))
+        omega, _ = direction_and_distance(points.position, y.position)
+        drawn = source_pdf(settings.source, materials, points, omega) > 0
+        return np.where(drawn, target(settings.target, materials, points, y), 0.0)
