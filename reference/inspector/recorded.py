@@ -9,10 +9,10 @@ import numpy as np
 
 from reference.arrays import Indices
 from reference.errors import UsageError
-from reference.inspector.considered import Considered
-from reference.inspector.fates import WORDS, Fate
-from reference.inspector.surroundings import surroundings
-from reference.inspector.watched import Watched, watched_frames
+from reference.inspector.candidates import PassRecord
+from reference.inspector.outcomes import WORDS, Outcome
+from reference.inspector.recorder import RecordedFrame, recorded_frames
+from reference.inspector.wireframe import wireframe
 from reference.methods import Job, Layers, Method, drive
 from reference.methods.method import Progress
 from reference.methods.restir_gi import FRAMED
@@ -20,11 +20,11 @@ from reference.records import nbytes
 from reference.resampling.reservoir import Reservoirs
 
 SHOWN = {
-    Fate.DARK: "dropped",
-    Fate.REFUSED: "dropped",
-    Fate.EDGE_ON: "dropped",
-    Fate.HIDDEN: "hidden",
-    Fate.COMPETED: "competed",
+    Outcome.DARK: "dropped",
+    Outcome.REFUSED: "dropped",
+    Outcome.EDGE_ON: "dropped",
+    Outcome.HIDDEN: "hidden",
+    Outcome.COMPETED: "competed",
 }
 """How rays to candidates are drawn; no ray to a sample that there is not."""
 
@@ -82,11 +82,11 @@ def recorded(
     kept: deque[Plain] = deque(maxlen=last)
 
     def frames(job: Job) -> Iterator[Any]:
-        for watched in watched_frames(job):
-            kept.append(plain_frame(watched))
+        for made in recorded_frames(job):
+            kept.append(plain_frame(made))
             while last is None and len(kept) > 1 and nbytes(list(kept)) > room:
                 kept.popleft()
-            yield watched.frame
+            yield made.frame
 
     watching = replace(method, render=replace(FRAMED, frames=frames).render)
     layers = drive(watching, job, tick)
@@ -98,12 +98,12 @@ def recorded(
     return Recorded(list(kept), layers)
 
 
-def plain_frame(watched: Watched) -> Plain:
+def plain_frame(made: RecordedFrame) -> Plain:
     """A frame in plain structures.
 
     Parameters
     ----------
-    watched : Watched
+    made : RecordedFrame
         A frame.
 
     Returns
@@ -111,10 +111,10 @@ def plain_frame(watched: Watched) -> Plain:
     dict
         Arrays of single precision, and of small integers, row = y · width + x.
     """
-    frame = watched.frame
+    frame = made.frame
     kinds = [(frame.temporal, "temporal"), (frame.spatial, "spatial")]
     if frame.spatial is frame.temporal:
-        kinds = [(frame.temporal, watched.passes[0].name)]
+        kinds = [(frame.temporal, made.passes[0].name)]
     pixels = len(frame.color)
     return {
         "number": frame.number,
@@ -123,10 +123,10 @@ def plain_frame(watched: Watched) -> Plain:
         "seen": frame.visible.surface.hit.astype(np.uint8),
         "reservoirs": [
             _reservoirs(name, r, made_by, pixels)
-            for (r, name), made_by in zip(kinds, watched.passes, strict=True)
+            for (r, name), made_by in zip(kinds, made.passes, strict=True)
         ],
-        "passes": [_pass(made_by) for made_by in watched.passes],
-        **surroundings(frame.world, frame.visible.surface),
+        "passes": [_pass(made_by) for made_by in made.passes],
+        **wireframe(frame.world, frame.visible.surface),
     }
 
 
@@ -138,7 +138,7 @@ def _whole(values: Indices) -> Any:
     return np.ascontiguousarray(values, np.int32)
 
 
-def _reservoirs(name: str, r: Reservoirs, made_by: Considered, pixels: int) -> Plain:
+def _reservoirs(name: str, r: Reservoirs, made_by: PassRecord, pixels: int) -> Plain:
     number, rows = made_by.number, np.arange(pixels)
     some = (number >= 0) & (r.W > 0)
     return {
@@ -156,21 +156,21 @@ def _reservoirs(name: str, r: Reservoirs, made_by: Considered, pixels: int) -> P
     }
 
 
-def _pass(made_by: Considered) -> Plain:
+def _pass(made_by: PassRecord) -> Plain:
     return {
         "name": made_by.name,
         "roles": list(made_by.roles),
         "frames": list(made_by.frames),
-        "fates": [WORDS[fate] for fate in Fate],
-        "shown": [SHOWN.get(fate) for fate in Fate],
-        "untried": int(Fate.UNTRIED),
-        "absent": int(Fate.ABSENT),
+        "fates": [WORDS[outcome] for outcome in Outcome],
+        "shown": [SHOWN.get(outcome) for outcome in Outcome],
+        "untried": int(Outcome.UNTRIED),
+        "absent": int(Outcome.ABSENT),
         "source": _whole(made_by.source),
         **{
             name: _reals(getattr(made_by, name))
             for name in ("M", "W", "p_hat", "jacobian", "w", "position")
         },
-        "fate": made_by.fate.astype(np.uint8),
+        "fate": made_by.outcome.astype(np.uint8),
         "could": made_by.could.astype(np.uint8),
         "kept": made_by.kept.astype(np.uint8),
     }

@@ -111,13 +111,19 @@ def resample_weighted(
     """
     if not any(isinstance(source, NeighborPixels) for source, _ in sources):
         mis = "1/M"
-    given = [_source(q, source) for source, _ in sources]
+    given = [weighed(q, source) for source, _ in sources]
     u = [u_n for _, u_n in sources]
-    kept = resample(given, u, mis, cap, lambda value: value)
+    kept = resample(given, u, mis, cap, itself)
     return replace(kept, y=kept.y.y)
 
 
-def _source(q: Pixels, source: Source) -> OwnSource | ShiftedSource:
+def itself(value: Scalars) -> Scalars:
+    """Target of `WeighedSamples`, whose value it is."""
+    return value
+
+
+def weighed(q: Pixels, source: Source) -> OwnSource | ShiftedSource:
+    """A source as the general engine takes it."""
     rows = np.arange(len(q.points))
     if isinstance(source, NeighborPixels):
         r = source.reservoirs

@@ -12,7 +12,7 @@ from reference.oracle.cases import Case
 from reference.oracle.contract.fields import Precision, Value
 from reference.oracle.sight import made_it
 from reference.oracle.stage import CAPS, NEIGHBORS, SIMILARITY, Stage
-from reference.passes.receivers import sees
+from reference.passes.pixels import sees
 from reference.records import take
 from reference.resampling.reservoir import Samples
 from reference.rng import Stream

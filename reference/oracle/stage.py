@@ -122,9 +122,9 @@ def stage(scene: Scene, size: int, seed: int) -> Stage:
         "uniform",
         "path-traced",
         1,
-        uniforms(Stream.INITIAL),
-        uniforms(Stream.PATH),
-        uniforms(Stream.SPECULAR),
+        directions=uniforms(Stream.INITIAL),
+        paths=uniforms(Stream.PATH),
+        speculars=uniforms(Stream.SPECULAR),
     )
     draws = [uniforms(Stream.SPATIAL).draw(s) for s in range(NEIGHBORS)]
     rows = np.arange(size * size)

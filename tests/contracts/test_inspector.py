@@ -11,12 +11,12 @@ import pytest
 from reference.cli import main
 from reference.exr import read_exr, write_exr
 from reference.images import Image
-from reference.inspector.considered import NOT_ASKED
-from reference.inspector.fates import Fate
+from reference.inspector.candidates import NOT_ASKED
+from reference.inspector.outcomes import Outcome
 from reference.inspector.page import MOST, packed, page
 from reference.inspector.recorded import plain_frame
-from reference.inspector.surroundings import MOST_EDGES, edges
-from reference.inspector.watched import watched_frames
+from reference.inspector.recorder import recorded_frames
+from reference.inspector.wireframe import MOST_EDGES, edges
 from reference.methods import Job, method_named
 from reference.scene.catalogue.registry import find_animation, find_scene
 from reference.schedule import Schedule
@@ -60,7 +60,7 @@ def job(scene, method, values, side=16, frames=4):
 
 
 def watched(scene, name, frames=4):
-    return list(islice(watched_frames(job(scene, *SETTINGS[name])), frames))
+    return list(islice(recorded_frames(job(scene, *SETTINGS[name])), frames))
 
 
 @pytest.mark.parametrize("scene", ["cornell-box", "moving-block"])
@@ -73,7 +73,7 @@ def test_what_is_shown_makes_what_is_kept(scene, name):
             at = (rows[full], made_by.kept[full])
             assert full.any()
             np.testing.assert_array_equal(made_by.position[at], r.y.position[full])
-            assert (made_by.fate[at] == Fate.COMPETED).all()
+            assert (made_by.outcome[at] == Outcome.COMPETED).all()
             total = made_by.total[full] * made_by.p_hat[at]
             W = made_by.w.sum(axis=1)[full] / total
             np.testing.assert_allclose(W, r.W[full], rtol=ROUNDING)
@@ -90,7 +90,7 @@ def test_weights_follow_from_their_factors(name):
     """The weight w = p̂ W M J of those that competed, and 0 of all others."""
     run = watched("cornell-box", name)
     for made_by in (one for shown in run for one in shown.passes):
-        competed = made_by.fate == Fate.COMPETED
+        competed = made_by.outcome == Outcome.COMPETED
         w = made_by.p_hat * made_by.W * made_by.M * made_by.jacobian
         # Products of four factors in another order.
         np.testing.assert_allclose(made_by.w[competed], w[competed], rtol=ROUNDING)
@@ -109,36 +109,42 @@ def test_z_is_the_sum_over_those_who_could(name):
 
 def test_who_is_not_asked_is_not_said_to_answer():
     made_by = watched("cornell-box", "biased")[-1].passes[1]
-    tried = made_by.fate != Fate.UNTRIED
+    tried = made_by.outcome != Outcome.UNTRIED
     assert (made_by.could[tried] == NOT_ASKED).all()
 
 
 @pytest.mark.parametrize("name", ["unbiased", "limited", "fused"])
 def test_reasons_are_true(name):
     """Each reason asked of the scene, not of the weights."""
-    counted = np.zeros(len(Fate), int)
+    counted = np.zeros(len(Outcome), int)
     for shown in watched("moving-block", name):
         world, points = shown.frame.world, shown.frame.visible.surface
         for made_by in shown.passes:
-            counted += np.bincount(made_by.fate.ravel(), minlength=len(Fate))
+            counted += np.bincount(made_by.outcome.ravel(), minlength=len(Outcome))
             for place, role in enumerate(made_by.roles):
-                fate, J = made_by.fate[:, place], made_by.jacobian[:, place]
-                absent = np.isin(fate, (Fate.ABSENT, Fate.UNTRIED))
+                outcome, J = made_by.outcome[:, place], made_by.jacobian[:, place]
+                absent = np.isin(outcome, (Outcome.ABSENT, Outcome.UNTRIED))
                 np.testing.assert_array_equal(made_by.M[:, place] <= 0, absent)
-                assert (made_by.p_hat[fate == Fate.DARK, place] == 0).all()
+                assert (made_by.p_hat[outcome == Outcome.DARK, place] == 0).all()
                 beyond = np.maximum(J, 1 / np.where(J > 0, J, 1)) > 1.5
-                refused = fate == Fate.REFUSED
+                refused = outcome == Outcome.REFUSED
                 assert (beyond[refused] & (J[refused] > 0)).all()
                 if name == "limited":
-                    assert not beyond[fate == Fate.COMPETED].any()
+                    assert not beyond[outcome == Outcome.COMPETED].any()
                 if role != "neighbour":
                     continue
                 x = made_by.position[:, place]
                 open_to = unobstructed(world, points.position, x)
-                assert open_to[fate == Fate.COMPETED].all()
-                assert not open_to[fate == Fate.HIDDEN].any()
-    told = {Fate.ABSENT, Fate.EMPTY, Fate.DARK, Fate.HIDDEN, Fate.COMPETED}
-    told |= {Fate.REFUSED} if name == "limited" else set()
+                assert open_to[outcome == Outcome.COMPETED].all()
+                assert not open_to[outcome == Outcome.HIDDEN].any()
+    told = {
+        Outcome.ABSENT,
+        Outcome.EMPTY,
+        Outcome.DARK,
+        Outcome.HIDDEN,
+        Outcome.COMPETED,
+    }
+    told |= {Outcome.REFUSED} if name == "limited" else set()
     assert all(counted[list(told)] > 0)
 
 
@@ -351,7 +357,7 @@ def test_what_is_packed_is_found_again():
 
 
 def test_numbers_of_the_page_are_those_of_the_buffers():
-    last = deque(watched_frames_of_four(), maxlen=1)[0]
+    last = deque(recorded_frames_of_four(), maxlen=1)[0]
     plain = plain_frame(last)
     temporal, spatial = plain["reservoirs"]
     for shown, r in ((temporal, last.frame.temporal), (spatial, last.frame.spatial)):
@@ -359,8 +365,8 @@ def test_numbers_of_the_page_are_those_of_the_buffers():
             np.testing.assert_array_equal(shown[name], values.astype(np.float32))
 
 
-def watched_frames_of_four():
-    return islice(watched_frames(job("cornell-box", *SETTINGS["unbiased"])), 4)
+def recorded_frames_of_four():
+    return islice(recorded_frames(job("cornell-box", *SETTINGS["unbiased"])), 4)
 
 
 def test_each_edge_is_drawn_once():

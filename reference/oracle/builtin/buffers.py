@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from reference.arrays import Masks, Scalars
 from reference.oracle.builtin.world import Known, surface_of, world_of
 from reference.oracle.contract.fields import Precision, dtype_of
-from reference.passes.receivers import Receivers
+from reference.passes.pixels import Pixels
 from reference.resampling.reservoir import Reservoirs, Samples
-from reference.resampling.target import target
 from reference.settings import UNBIASED
 
 Array = NDArray[Any]
@@ -78,9 +77,13 @@ def samples_of(buffers: Arrays, prefix: str = "") -> Samples:
     )
 
 
-def receivers_of(
-    buffers: Arrays, kind: Any, mis: Any, cap: float, known: Sequence[Known] = ()
-) -> Receivers:
+def reservoirs_of(buffers: Arrays, prefix: str = "") -> Reservoirs:
+    """Reservoirs among buffers, N rows, whose names begin with the prefix."""
+    W, M = buffers[f"{prefix}W"], buffers[f"{prefix}M"]
+    return Reservoirs(samples_of(buffers, prefix), W, M)
+
+
+def pixels_of(buffers: Arrays, kind: Any, known: Sequence[Known] = ()) -> Pixels:
     """Pixels among buffers.
 
     Parameters
@@ -89,25 +92,18 @@ def receivers_of(
         With the visible points.
     kind : 'scattered' or 'outgoing'
         Target.
-    mis : '1/M' or '1/Z'
-        Weight.
-    cap : float
-        Limit of M.
     known : sequence of Known
         Visibility.
 
     Returns
     -------
-    Receivers
+    Pixels
         N rows.
     """
     points = surface_of(
         buffers["visible_position"], buffers["visible_normal"], buffers["albedo"]
     )
-    settings = replace(
-        UNBIASED, target=kind, mis=mis, temporal_cap=cap, spatial_cap=cap
-    )
-    return Receivers(world_of(known), points, settings)
+    return Pixels(world_of(known), points, replace(UNBIASED, target=kind))
 
 
 def target_of(kind: Any, buffers: Arrays) -> Scalars:
@@ -125,9 +121,7 @@ def target_of(kind: Any, buffers: Arrays) -> Scalars:
     (N,)
         In the precision of the buffers.
     """
-    receivers = receivers_of(buffers, kind, "1/Z", 1.0)
-    y = samples_of(buffers)
-    return target(kind, receivers.world.materials, receivers.points, y)
+    return pixels_of(buffers, kind).target(samples_of(buffers))
 
 
 def reservoirs_out(precision: Precision, r: Reservoirs) -> dict[str, Array]:

@@ -11,28 +11,27 @@ from reference.oracle.builtin.buffers import (
     Arrays,
     as_real,
     bit,
-    receivers_of,
+    pixels_of,
+    reservoirs_of,
     reservoirs_out,
     samples_of,
     target_of,
 )
 from reference.oracle.builtin.world import Known, surface_of
 from reference.oracle.contract.fields import Precision
-from reference.passes.entries import Donors, Entry, other_entry, own_entry
-from reference.passes.history import History, past_entry
 from reference.passes.initial import InitialSamples
 from reference.passes.neighbors import find_neighbors
-from reference.passes.receivers import Receivers
-from reference.passes.resample import Competition, resample
+from reference.passes.pixels import FrameReservoirs, Pixels
 from reference.passes.shade import shade
-from reference.passes.temporal import new_entry, temporal_competition
+from reference.passes.spatial import spatial_resampling
+from reference.passes.temporal import temporal_resampling
 from reference.resampling.reservoir import (
     Reservoirs,
     finalize,
     initial_candidates,
 )
-from reference.rng import TabledUniforms
-from reference.scene.surface import VisiblePoints
+from reference.resampling.reuse import PaperMis
+from reference.scene.surface import SurfacePoints, VisiblePoints
 from reference.settings import UNBIASED
 
 
@@ -53,13 +52,10 @@ def _temporal(
     cap: float,
     **buffers: Array,
 ) -> dict[str, Array]:
-    receivers = receivers_of(buffers, target, "1/Z", cap)
-    past = _donors(receivers, buffers, "past_", receivers.points)
-    history = History(past, slice(0, len(u)), as_they_stand=True)
-    new = InitialSamples(samples_of(buffers, "new_"), new_pdf, new_pdf)
-    table = TabledUniforms(np.broadcast_to(u, (1, 4, len(u))))
-    kept = resample(temporal_competition(receivers, new, history, table))
-    return reservoirs_out(precision, kept.reservoirs)
+    q = pixels_of(buffers, target)
+    past = reservoirs_of(buffers, "past_")
+    kept = temporal_resampling(q, _new(buffers, new_pdf), past, u, cap=cap)
+    return reservoirs_out(precision, kept)
 
 
 def _moved(
@@ -69,7 +65,7 @@ def _moved(
     u: Array,
     target: str,
     cap: float,
-    mis: str,
+    mis: PaperMis,
     **buffers: Array,
 ) -> dict[str, Array]:
     rows = np.arange(len(u))
@@ -81,22 +77,17 @@ def _moved(
         for viewer in (0, 1)
         for k, y in enumerate(samples)
     ]
-    receivers = receivers_of(buffers, target, mis, cap, known)
+    q = pixels_of(buffers, target, known)
     x_past = surface_of(
         buffers["past_visible_position"],
         buffers["past_visible_normal"],
         buffers["past_albedo"],
     )
     x_past = replace(x_past, primitive=x_past.primitive + np.int32(count))
-    past = _donors(receivers, buffers, "past_", x_past)
-    history = History(past, rows, as_they_stand=False)
-    new = InitialSamples(samples_of(buffers, "new_"), new_pdf, new_pdf)
-    entries = [
-        past_entry(receivers, history, 0),
-        new_entry(receivers, new, 1, None),
-    ]
-    kept = resample(Competition(receivers, entries, [u, u], 1, cap))
-    return reservoirs_out(precision, kept.reservoirs)
+    past = _frame(q, x_past, reservoirs_of(buffers, "past_")).neighbors(q, rows)
+    new = _new(buffers, new_pdf)
+    kept = temporal_resampling(q, new, past, u, cap=cap, mis=mis)
+    return reservoirs_out(precision, kept)
 
 
 def _neighbors(
@@ -129,23 +120,18 @@ def _spatial(
     u_neighbors: Array,
     target: str,
     cap: float,
-    mis: str,
+    mis: PaperMis,
     **buffers: Array,
 ) -> dict[str, Array]:
-    count = neighbors.shape[1]
-    known = _known(buffers, neighbors, visible)
-    receivers = receivers_of(buffers, target, mis, cap, known)
-    temporal = _donors(receivers, buffers, "", receivers.points)
-    past = _donors(receivers, buffers, "past_", receivers.points).reservoirs
-    entries: list[Entry] = [
-        own_entry(receivers, past, 0),
-        own_entry(receivers, temporal.reservoirs, 1),
+    q = pixels_of(buffers, target, _known(buffers, neighbors, visible))
+    own, past = reservoirs_of(buffers), reservoirs_of(buffers, "past_")
+    frame = _frame(q, q.points, own)
+    around = [
+        (frame.neighbors(q, neighbors[:, k]), u_neighbors[:, k])
+        for k in range(neighbors.shape[1])
     ]
-    for k in range(count):
-        entries.append(other_entry(receivers, temporal, neighbors[:, k], 2 + k))
-    decisions = [u_own, u_own, *(u_neighbors[:, k] for k in range(count))]
-    kept = resample(Competition(receivers, entries, decisions, 1, cap))
-    return reservoirs_out(precision, kept.reservoirs)
+    kept = spatial_resampling(q, past, own, around, u_own, cap=cap, mis=mis)
+    return reservoirs_out(precision, kept)
 
 
 def _shade(
@@ -153,17 +139,19 @@ def _shade(
     W: Array,
     **buffers: Array,
 ) -> dict[str, Array]:
-    receivers = receivers_of(buffers, "scattered", "1/Z", 1.0)
+    q = pixels_of(buffers, "scattered")
     r = Reservoirs(samples_of(buffers), W, W)
-    return {"color": as_real(precision, shade(receivers.world, receivers.points, r))}
+    return {"color": as_real(precision, shade(q.world, q.points, r))}
 
 
-def _donors(receivers: Receivers, buffers: Arrays, prefix: str, points: Any) -> Donors:
-    r = Reservoirs(
-        samples_of(buffers, prefix), buffers[f"{prefix}W"], buffers[f"{prefix}M"]
-    )
+def _new(buffers: Arrays, pdf: Array) -> InitialSamples:
+    y = samples_of(buffers, "new_")
+    return InitialSamples(y, pdf, np.ones_like(pdf), np.zeros_like(y.radiance))
+
+
+def _frame(q: Pixels, points: SurfacePoints, r: Reservoirs) -> FrameReservoirs:
     depth = np.ones(len(r.W), r.W.dtype)
-    return Donors(receivers.world, VisiblePoints(points, depth), r)
+    return FrameReservoirs(q.world, VisiblePoints(points, depth), r)
 
 
 def _known(buffers: Arrays, neighbors: Array, visible: Array) -> list[Known]:

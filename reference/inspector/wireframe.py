@@ -13,7 +13,7 @@ MOST_EDGES = 20_000
 """Of a drawing; a finer mesh is shown by its points alone."""
 
 
-def surroundings(world: World, points: SurfacePoints) -> dict[str, Any]:
+def wireframe(world: World, points: SurfacePoints) -> dict[str, Any]:
     """Where the page looks from, what at, and the edges that it sees.
 
     Parameters
