@@ -90,21 +90,18 @@ def test_pixels_that_begin_anew_draw_in_a_validating_frame_too():
 
 def test_control_other_random_numbers_empty_the_reservoirs(monkeypatch):
     """Were the path drawn anew, its radiance would differ, and M with it."""
-    from reference.passes.moment import Moment
+    from reference.options import history
+    from reference.options.replay import Replay, replay_of
 
-    from reference.options.replay import Replay
-
-    right = Moment.replay.fget
-
-    def drawn_anew(moment):
-        replay = right(moment)
+    def drawn_anew(frame):
+        replay = replay_of(frame)
         return Replay(
-            replay.bounces, lambda n: replay.uniforms(n + moment.pixels), replay.tail
+            replay.bounces, lambda n: replay.uniforms(n + frame.pixels), replay.tail
         )
 
     scene = find_scene("cornell-box")
     animation = small(Animation(still(scene).scene_at, "scene"))
     settings = replace(BIASED, temporal_cap=1e9, spatial=False, validate_every=4)
-    monkeypatch.setattr(Moment, "replay", property(drawn_anew))
+    monkeypatch.setattr(history, "replay_of", drawn_anew)
     last = frames_of(animation, settings, 4, bounces=2)[-1]
     assert (last.temporal.M < 3).mean() > 0.2

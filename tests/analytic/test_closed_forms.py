@@ -19,7 +19,7 @@ from scipy import stats
 from scipy.spatial.transform import Rotation
 
 from reference.arrays import divide_or_zero
-from reference.passes import shifting
+from reference.passes import pixels
 from reference.resampling.shift import reconnection_jacobian
 from reference.scene.camera import Camera
 from reference.scene.catalogue.answers import (
@@ -190,7 +190,7 @@ MUTANTS = {
 
 @pytest.mark.parametrize("mutant", MUTANTS)
 def test_control_a_wrong_jacobian_is_rejected(monkeypatch, mutant):
-    monkeypatch.setattr(shifting, "reconnection_jacobian", MUTANTS[mutant])
+    monkeypatch.setattr(pixels, "reconnection_jacobian", MUTANTS[mutant])
     world, _, truth = close_up("sunlit-wall")
     runs = reuse_runs(world, truth, REUSE["wide"])
     assert largest_t(runs, 0.0) > bound(runs)

@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from reference.frame import FrameContext
 from reference.frames import to_world
 from reference.path_tracer import reflected_radiance
 from reference.records import take
@@ -441,15 +442,17 @@ def test_after_a_reset_comes_frame_zero():
     first = frames_of(world, 4, seed=2)
     again = frames_of(world, 1, seed=2)
     assert np.array_equal(first[0].color, again[0].color)
-    fresh = next_frame(
-        world,
-        Settings(),
-        1,
-        2,
-        ONE_BAND,
-        first[-1].visible,
-        None,
+    visible = first[-1].visible
+    frame = FrameContext(
+        number=0,
+        world=world,
+        visible=visible,
+        settings=Settings(),
+        bounces=1,
+        seed=2,
+        schedule=ONE_BAND,
     )
+    fresh = next_frame(frame, None)
     assert np.array_equal(first[0].color, fresh.color)
 
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reference.options.motion import Passage
+from reference.options.motion import TemporalShift
 from reference.restir_gi import render_frames
 from reference.scene.animation import still, with_camera, with_shape
 from reference.scene.catalogue.answers import half_lit_sphere, sphere_furnace
@@ -115,20 +115,21 @@ def test_samples_are_counted_in_whole_numbers(name):
     assert ((count > 0.5) & (count < M - 0.5)).any()
 
 
-def forgets_the_motion(passage, y, x):
+def forgets_the_motion(shift, y, x):
     return x
 
 
-def stays_behind(passage, y, active):
+def stays_behind(shift, y, active):
     return y
 
 
 @pytest.mark.parametrize(
-    ("name", "wrong"), [("beside", forgets_the_motion), ("arrive", stays_behind)]
+    ("name", "wrong"),
+    [("points_forward", forgets_the_motion), ("forward", stays_behind)],
 )
-def test_control_a_wrong_passage_shows_in_the_furnace(monkeypatch, name, wrong):
+def test_control_a_wrong_shift_shows_in_the_furnace(monkeypatch, name, wrong):
     """By more than a thousandth, where the right one is off by less than 1e-12."""
-    monkeypatch.setattr(Passage, name, wrong)
+    monkeypatch.setattr(TemporalShift, name, wrong)
     assert error(frames_of("sphere-furnace", sliding, seed=3)[-1]) > 1e-3
 
 

@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from reference.passes import shifting, temporal
+from reference.passes import pixels, temporal
 from reference.resampling.shift import reconnection_jacobian
 from reference.scene.catalogue.answers import half_lit_sphere, sphere_furnace
 from reference.scene.catalogue.registry import find_scene
@@ -126,7 +126,7 @@ MUTANTS = {
 @pytest.mark.parametrize("mutant", MUTANTS)
 def test_control_a_wrong_jacobian_shows_in_the_furnace(furnace, monkeypatch, mutant):
     """By more than a hundredth, where the right one is off by less than 1e-12."""
-    monkeypatch.setattr(shifting, "reconnection_jacobian", MUTANTS[mutant])
+    monkeypatch.setattr(pixels, "reconnection_jacobian", MUTANTS[mutant])
     reuse = settings("1/Z", "all", 30.0, (True, True), RADII[1])
     frames = frames_of(furnace, 2, seed=5, **reuse)
     assert error(frames[-1].color, sphere_furnace(1)[1]) > 1e-2
@@ -233,8 +233,8 @@ def test_control_skipping_nulls_is_found(monkeypatch):
     with the M that there ought to be.
     """
 
-    def without_nulls(y, p_hat, pdf):
-        new = initial_candidates(y, p_hat, pdf)
+    def without_nulls(y, p_hat, pdf, M):
+        new = initial_candidates(y, p_hat, pdf, M)
         return replace(new, M=np.where(new.w > 0, 1.0, 0.0))
 
     initial_candidates = temporal.initial_candidates

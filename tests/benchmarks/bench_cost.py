@@ -22,12 +22,14 @@ from extensions.area_settings import AreaSettings
 from extensions.connection import CRITERIA
 from extensions.pt_settings import PathSettings
 from extensions.restir_pt import render_path_frames
+from reference.frame import FrameContext
 from reference.passes.gbuffer import visible_points
 from reference.restir_gi import Frame, next_frame, render_frames
-from reference.scene.animation import Animation
+from reference.scene.animation import Animation, Changes
 from reference.scene.camera import pixel_centers
 from reference.scene.catalogue.registry import find_animation, find_scene
 from reference.scene.catalogue.rooms import cornell_box
+from reference.scene.surface import VisiblePoints
 from reference.schedule import Schedule
 from reference.settings import BIASED, UNBIASED, Settings
 from reference.world import World, build_world, next_world
@@ -72,9 +74,28 @@ def warmed(
     frame = next(f for f in frames if f.number == WARM)
 
     def step() -> Frame:
-        return next_frame(world, settings, 1, 0, schedule, frame.visible, frame)
+        return next_frame(following(frame, world, frame.visible, settings), frame)
 
     return frame, step
+
+
+def following(
+    last: Frame,
+    world: World,
+    visible: VisiblePoints,
+    settings: Settings,
+    changes: Changes = "nothing",
+) -> FrameContext[Settings]:
+    return FrameContext(
+        number=last.number + 1,
+        world=world,
+        visible=visible,
+        settings=settings,
+        bounces=1,
+        seed=0,
+        schedule=Schedule(),
+        changes=changes,
+    )
 
 
 def frame_against_rays() -> Iterator[str]:
@@ -143,7 +164,7 @@ def one_more(animation: Animation, moves: bool) -> Callable[[], Frame]:
     visible = visible_points(now, x, y) if moves else last.visible
 
     def step() -> Frame:
-        return next_frame(now, UNBIASED, 1, 0, Schedule(), visible, last, run.changes)
+        return next_frame(following(last, now, visible, UNBIASED, run.changes), last)
 
     return step
 

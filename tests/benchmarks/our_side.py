@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from reference.frame import FrameContext
 from reference.passes.gbuffer import visible_points
 from reference.restir_gi import next_frame
 from reference.scene.camera import pixel_centers
@@ -49,10 +50,16 @@ class Runner:
     def step(self) -> np.ndarray:
         """Indirect light of the next frame."""
         schedule = Schedule(threads=THREADS)
-        self.last = next_frame(
-            self.world, UNBIASED, self.bounces, self.seed, schedule, self.visible,
-            self.last,
-        )  # fmt: skip
+        frame = FrameContext(
+            number=self.last.number + 1 if self.last else 0,
+            world=self.world,
+            visible=self.visible,
+            settings=UNBIASED,
+            bounces=self.bounces,
+            seed=self.seed,
+            schedule=schedule,
+        )
+        self.last = next_frame(frame, self.last)
         return self.last.color
 
 

@@ -16,15 +16,8 @@ from numpy.testing import assert_array_equal
 
 import reference
 from reference import arrays, frames, sampling, tables
-from reference.passes import (
-    checkerboard,
-    gbuffer,
-    initial,
-    neighbors,
-    roulette,
-    shifting,
-    taps,
-)
+from reference.options import checkerboard, history_search, jacobian, roulette
+from reference.passes import gbuffer, initial, neighbors
 from reference.records import take
 from reference.resampling import (
     jacobian_limits,
@@ -356,14 +349,20 @@ KERNELS = {
         lambda rows, frame: roulette.tail_weight(rows, WIDTH, 0.5, frame, 3),
         (np.arange(N), np.arange(N) % 5),
     ),
-    shifting.mirrored: (
-        lambda x, z, y: shifting.mirrored(LIMITED, x, z, y),
+    jacobian.refusal_of: (
+        lambda x, z, y: jacobian.refusal_of(LIMITED)(x, z, y),
         (A, C, SAMPLES),
     ),
-    shifting.shift: (lambda x, z, y: shifting.shift(LIMITED, x, z, y), (A, C, SAMPLES)),
-    taps.nearby: (lambda x, y, u: taps.nearby(x, y, u, 4.0), (COS, ALPHA, U)),
-    taps.permuted: (
-        lambda rows: taps.permuted(rows, WIDTH, N // WIDTH, 3),
+    jacobian.shift_of: (
+        lambda x, z, y: jacobian.shift_of(LIMITED)(x, z, y),
+        (A, C, SAMPLES),
+    ),
+    history_search.nearby: (
+        lambda x, y, u: history_search.nearby(x, y, u, 4.0),
+        (COS, ALPHA, U),
+    ),
+    history_search.permuted: (
+        lambda rows: history_search.permuted(rows, WIDTH, N // WIDTH, 3),
         (np.arange(N),),
     ),
 }
@@ -382,7 +381,12 @@ ELSEWHERE = {
     "table.by_kind": "splits rows, in order",
     "gbuffer.visible_points": "traces rays: tests of the frame loop",
     "initial.initial_samples": "traces rays: tests of the frame loop",
-    "initial.shares_all": "of a scene",
+    "initial.reuses_all": "of a scene",
+    "history_search.find_history": "of a whole frame",
+    "jacobian.departs": "of settings",
+    "jacobian.with_jacobian": "of settings",
+    "neighbors.neighbors_of": "of a whole frame",
+    "roulette.tail_weights": "of a frame",
 }
 """Functions of the modules that are not kernels, with the reason."""
 
@@ -399,7 +403,8 @@ MODULES = [
     shift,
     target,
 ]
-MODULES += [checkerboard, jacobian_limits, pairwise, roulette, shifting, suffix, taps]
+MODULES += [checkerboard, history_search, jacobian, jacobian_limits, pairwise]
+MODULES += [roulette, suffix]
 MODULES += [coat, coated, conductor, dielectric, fresnel, lambertian, microfacet]
 MODULES += [rough_dielectric]
 MODULES += [bsdf_sampling, parameters, table]

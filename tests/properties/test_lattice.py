@@ -5,6 +5,7 @@ that pixels without a reservoir are as exact as those with one, to rounding.
 """
 
 from dataclasses import replace
+from functools import partial
 from itertools import islice
 
 import numpy as np
@@ -55,7 +56,7 @@ def test_neighbours_are_those_that_have_reservoirs(side, seed):
     draws = as_draws(u.ravel(), 5)
     width = 12
     for found in find_neighbors(
-        np.arange(size), FLAT, width, UNBIASED, draws, lattice=side
+        np.arange(size), FLAT, width, UNBIASED, draws, partial(corner, width=width, side=side)
     ):
         there = found[found != NONE]
         assert keeps_reservoir(there, width, side).all()

@@ -14,16 +14,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from reference.passes.receivers import Receivers
-from reference.passes.resample import resample
 from scipy import stats
 
+from reference.frame import FrameContext
 from reference.passes.gbuffer import visible_points
 from reference.passes.initial import initial_samples
+from reference.passes.pixels import Pixels
 from reference.passes.shade import shade
-from reference.passes.temporal import temporal_competition
+from reference.passes.temporal import temporal_resampling
 from reference.path_tracer import camera_radiance
 from reference.records import concatenate, take
+from reference.resampling.reservoir import Reservoirs
 from reference.restir_gi import next_frame
 from reference.rng import KeyedUniforms, Stream, UInts
 from reference.scene.camera import pixel_centers
@@ -122,8 +123,17 @@ def frame_colors(
 ) -> list[Array]:
     """Indirect light of each frame of one run."""
     last, colors = None, []
-    for _ in range(frames):
-        last = next_frame(world, settings, bounces, seed, ONE_BAND, visible, last)
+    for number in range(frames):
+        frame = FrameContext(
+            number=number,
+            world=world,
+            visible=visible,
+            settings=settings,
+            bounces=bounces,
+            seed=seed,
+            schedule=ONE_BAND,
+        )
+        last = next_frame(frame, last)
         colors.append(last.color)
     return colors
 
@@ -196,10 +206,12 @@ def initially_sampled(
             KeyedUniforms(pixel, number, SEED_OF_INITIAL, s) for s in streams
         )
         source, glossy_samples = settings.source, settings.glossy_samples
-        fresh = initial_samples(world, points, source, glossy_samples, bounces, *three)
-        receivers = Receivers(world, points, settings)
-        kept = resample(temporal_competition(receivers, fresh, None, last)).reservoirs
-        return shade(world, points, kept) + fresh.unshared
+        named = dict(zip(("directions", "paths", "speculars"), three, strict=True))
+        fresh = initial_samples(world, points, source, glossy_samples, bounces, **named)
+        nothing = Reservoirs(fresh.y, 0.0 * fresh.pdf, 0.0 * fresh.pdf)
+        q, u, cap = Pixels(world, points, settings), last.draw(0)[0], 1.0
+        kept = temporal_resampling(q, fresh, nothing, u, cap=cap)
+        return shade(world, points, kept) + fresh.not_reused
 
     return in_batches(world, samples, color, jitter)
 

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-import reference.passes.shifting
 from scipy import stats
 
+import reference.passes.pixels
 from reference.resampling.shift import reconnection_jacobian
 from reference.scene.catalogue.registry import find_scene
 from reference.settings import BIASED, UNBIASED, Settings
@@ -143,7 +143,7 @@ def test_the_same_test_rejects_a_planted_bias(plan, monkeypatch):
     }
     if plan.control in planted:
         wrong = planted[plan.control]
-        monkeypatch.setattr(reference.passes.shifting, "reconnection_jacobian", wrong)
+        monkeypatch.setattr(reference.passes.pixels, "reconnection_jacobian", wrong)
         settings = UNBIASED
     reuse = what_reuse_changes(plan, settings, runs)
     bound = threshold(len(reuse.mean) - 1, FAMILY, runs)
