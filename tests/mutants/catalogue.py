@@ -13,15 +13,12 @@ RESERVOIR = "reference.resampling.reservoir"
 TARGET = "reference.resampling.target"
 SHIFT = "reference.resampling.shift"
 MIS = "reference.resampling.mis"
-ENTRIES = "reference.passes.entries"
-HISTORY = "reference.passes.history"
-RESAMPLE = "reference.passes.resample"
-NORMALIZATION = "reference.passes.normalization"
-STREAM = "reference.passes.stream"
+REUSED = "reference.resampling.reuse"
+PIXELS = "reference.passes.pixels"
+SPATIAL = "reference.passes.spatial"
 NEIGHBORS = "reference.passes.neighbors"
 SHADE = "reference.passes.shade"
 GBUFFER = "reference.passes.gbuffer"
-SHIFTING = "reference.passes.shifting"
 TEMPORAL = "reference.passes.temporal"
 SAMPLING = "reference.sampling"
 FRAMES = "reference.frames"
@@ -78,12 +75,15 @@ CHOICE = "u * (w_a + w_b) < w_b)"
 CLOSED = "divide_or_zero(divide_or_zero(c.w, c.p_hat), normalization)"
 KEPT = "return Reservoirs(y=c.y, W=saturate(W), M=c.M)"
 CAP = "W=r.W, M=np.minimum(r.M, cap)"
-FRESH = "M=np.ones_like(w)"
+FRESH = "w=saturate(w), M=M)"
 BROUGHT = "return Candidates(y=r.y, p_hat=p_hat, w=w, M=r.M)"
 TERMS = "np.where(holds, M, M * 0) for"
-MOVED = "moved = shift(settings, x_from, points.position, y)"
-WITHOUT = "candidate = _without(candidate, moved)"
-SEEN = "seen = receivers.see(y, candidate.w > 0)"
+JACOBIAN_OF_NEIGHBOR = (
+    "return self.q.shift(self.x.position, self.q.points.position, self.reservoirs.y)"
+)
+SHIFTED = "c = reused_candidates(R_n, q.target(R_n.y), J)"
+SEEN = "seen = q.sees(R_n.y, c.w > 0)"
+OFFERED = "return replace(c, w=np.where(seen, c.w, c.w * 0))"
 FACES = "dot(y.normal, toward) < 0, lit_cosine"
 SCALE = "scale = divide_or_zero(cosine, np.pi * np.sqrt(dot(toward, toward)))"
 LIGHT = "return luminance(receiver.color * y.radiance) * scale"
@@ -92,38 +92,48 @@ SHOWN = "return radiance * reservoirs.W[:, None]"
 REFLECTED = "points.color * (lit_cosine(table, points, wi) / np.pi)[:, None]"
 SIDE = "lit = dot(y.normal, omega) < 0"
 LIT_COSINE = "cosine = np.maximum(dot(points.shading, wi), 0.0)"
-DONOR_TARGET = "np.where(possible, target(settings.target, materials, k, y), 0.0)"
-LOOKS = "seen = made | sees(donors.world, x_k, y, possible & ~made)"
+NEIGHBOR_TARGET = "np.where(drawn, target(settings.target, materials, points, y), 0.0)"
+LOOKS = "return sees(self.frame.world, self.x, y, possible)"
 UNIFORM = "np.where(cos_theta >= 0, 1.0 / (2.0 * np.pi), 0.0)"
 COSINE_PDF = "np.maximum(cos_theta, 0.0) / np.pi"
 UNIFORM_SAMPLE = "_about_z(u1, np.sqrt(np.maximum(0.0, 1.0 - u1 * u1)), u2)"
 COSINE_SAMPLE = "_about_z(np.sqrt(1.0 - u1), np.sqrt(u1), u2)"
 PHI = "phi = (2.0 * np.pi) * u\n"
-FROM_RESERVOIR = "candidate = reused_candidates(Reservoirs(places, r.W, r.M), p_hat)"
-DONATED = """M = np.where(there, r.M, 0.0)
-    candidate = reused_candidates(
-        Reservoirs(places, r.W, M), receivers.target(y), moved.factor
-    )"""
-HIDDEN = "candidate = replace(candidate, w=np.where(seen, candidate.w, 0.0))"
-AT_DONOR = "Receivers(donors.world, take(donors.visible.surface, row), settings)"
-LOOP = "for entry, u in zip(entries[1:], decisions[1:], strict=True):"
-FIRST = "chosen = entries[0].candidate\n"
-LENT = "[entry.candidate.M for entry in entries]"
-EVERYONE = "holds.append(everyone)"
-ASKED = "p_k = target_from(receivers, entry.origin, y, kept, made)"
+NEW = "new = initial_candidates(S, q.target(S), initial.pdf, initial.M)"
+PAST = "R = begin(reused(q, past))"
+MERGED = "R = R.then(new, u)"
+CLOSE = "return cap_confidence(finalize(R.kept, Z), cap)"
+PAST_S = "R_s = begin(reused(q, past))"
+OWN_S = "R_s = R_s.then(reused(q, own), u_own)"
+CLOSE_S = "return cap_confidence(finalize(R_s.kept, Z), cap)"
+LOOP = "for q_n, u_n in neighbors:"
+AT_ROWS = "M=np.where(there, r.M, 0.0))"
+COULD = "could[slot] = made | q_n.could_make(R.kept.y, full & ~made)"
+IS_OTHER = "if not isinstance(q_n, Candidates | Reservoirs):"
+EVERYONE = "could = [np.ones(len(full), bool)] * len(Q)"
+SUM_M = "return one_over_m(R.M)"
+SUM_Z = "return one_over_z(R.M, could_have_made(R, Q))"
+AT_NEIGHBOR = """replace(
+        q,
+        world=q_n.frame.world,
+        points=take(q_n.frame.visible.surface, np.maximum(q_n.rows, 0)),
+    ).target(R_n.y)"""
+TAKE = "from reference.records import take\n\n    "
+REPLACE = "from dataclasses import replace\n\n    "
+MOVES = "not isinstance(past, Reservoirs)"
 ALIKE = "alike & (near > 0) & (far - near <= max_depth * far)"
 ANGLE = "dot(n_a, n_b) >= np.cos(np.radians(max_angle))"
 LANDS = "x_to, y_to = x + dx, y + dy"
 
-RECEIVERS_COSINES = """moved = shift(settings, x_from, points.position, y)
-    v_from, v_to = y.position - x_from, y.position - points.position
-    n_from = take(donors.visible.surface.normal, row)
-    d_from, d_to = (v_from * v_from).sum(axis=1), (v_to * v_to).sum(axis=1)
-    d_from, d_to = np.maximum(d_from, 1e-30), np.maximum(d_to, 1e-30)
-    c_from = abs((n_from * v_from).sum(axis=1)) / np.sqrt(d_from)
-    c_to = abs((points.normal * v_to).sum(axis=1)) / np.sqrt(d_to)
-    ratio = np.where(c_from > 0, c_to / np.maximum(c_from, 1e-30), 0.0)
-    moved = replace(moved, factor=ratio * d_from / d_to)"""
+RECEIVERS_COSINES = """y, x_q = self.reservoirs.y, self.q.points
+        v_from, v_to = y.position - self.x.position, y.position - x_q.position
+        n_from = take(self.frame.visible.surface.normal, np.maximum(self.rows, 0))
+        d_from, d_to = (v_from * v_from).sum(axis=1), (v_to * v_to).sum(axis=1)
+        d_from, d_to = np.maximum(d_from, 1e-30), np.maximum(d_to, 1e-30)
+        c_from = abs((n_from * v_from).sum(axis=1)) / np.sqrt(d_from)
+        c_to = abs((x_q.normal * v_to).sum(axis=1)) / np.sqrt(d_to)
+        ratio = np.where(c_from > 0, c_to / np.maximum(c_from, 1e-30), 0.0)
+        return ratio * d_from / d_to"""
 
 JACOBIANS = [
     Mutant(
@@ -169,17 +179,17 @@ JACOBIANS = [
     Mutant(
         "cosines at the visible points",
         ("JC-05",),
-        ENTRIES,
-        MOVED,
+        PIXELS,
+        JACOBIAN_OF_NEIGHBOR,
         RECEIVERS_COSINES,
         ("jacobian-receiver-cosine",),
     ),
     Mutant(
         "donor and receiver change places",
         ("JC-07",),
-        SHIFTING,
-        "J = reconnection_jacobian(x_from, x_to, y.position, y.normal)",
-        "J = reconnection_jacobian(x_to, x_from, y.position, y.normal)",
+        PIXELS,
+        "return reconnection_jacobian(x_from, x_to, y.position, y.normal)",
+        "return reconnection_jacobian(x_to, x_from, y.position, y.normal)",
         ("jacobian-inverted",),
     ),
     Mutant(
@@ -202,17 +212,17 @@ JACOBIANS = [
     Mutant(
         "the Jacobian of the pixel's own sample",
         ("JC-09",),
-        ENTRIES,
-        MOVED,
-        "moved = shift(settings, x_from, points.position,"
-        " take(donors.reservoirs.y, np.arange(len(row))))",
+        PIXELS,
+        JACOBIAN_OF_NEIGHBOR,
+        "own = take(self.frame.reservoirs.y, np.arange(len(self.rows)))\n"
+        "        return self.q.shift(self.x.position, self.q.points.position, own)",
     ),
     Mutant(
         "the Jacobian from the receiver to itself",
         ("JC-09", "TR-03"),
-        ENTRIES,
-        "y, x_from = r.y, x.position",
-        "y, x_from = r.y, points.position",
+        PIXELS,
+        JACOBIAN_OF_NEIGHBOR,
+        JACOBIAN_OF_NEIGHBOR.replace("self.x.position", "self.q.points.position"),
         ("jacobian-omitted",),
     ),
     *(
@@ -250,11 +260,9 @@ JACOBIANS = [
     Mutant(
         "shifts beyond [1/10, 10] are refused, and not counted",
         ("JC-12",),
-        ENTRIES,
-        "M = np.where(there, r.M, 0.0)",
-        "M = np.where(\n"
-        "        there & (moved.factor >= 0.1) & (moved.factor <= 10), r.M, 0.0\n"
-        "    )",
+        REUSED,
+        SHIFTED,
+        "R_n = replace(R_n, M=R_n.M * ((J >= 0.1) & (J <= 10)))\n    " + SHIFTED,
         ("jacobian-rejected-not-counted",),
     ),
     Mutant(
@@ -448,8 +456,9 @@ INITIAL = [
         "a new sample's density is that of another pixel",
         ("IS-13",),
         TEMPORAL,
-        "new = initial_candidates(places, p_hat, initial.pdf)",
-        "new = initial_candidates(places, p_hat, np.roll(initial.pdf, 1))",
+        NEW,
+        "from numpy import roll\n\n    "
+        + NEW.replace("initial.pdf", "roll(initial.pdf, 1)"),
     ),
     Mutant(
         "a draw too many: the first is not counted",
@@ -464,7 +473,7 @@ INITIAL = [
         ("§0", "RG-01", "RG-07"),
         RESERVOIR,
         FRESH,
-        "M=(w > 0).astype(w.dtype)",
+        "w=saturate(w), M=M * (w > 0))",
         ("nulls-not-counted",),
     ),
     Mutant(
@@ -525,18 +534,17 @@ INITIAL = [
     Mutant(
         "one number for all neighbours",
         ("IS-25",),
-        STREAM,
+        SPATIAL,
         LOOP,
-        "us = [*decisions[1:3], *decisions[2:3] * len(decisions[3:])]\n"
-        "    for entry, u in zip(entries[1:], us, strict=True):",
+        "for q_n, u_n in [(n, neighbors[0][1]) for n, _ in neighbors]:",
         ("one-number-for-all-neighbors",),
     ),
     Mutant(
         "one number for all decisions",
         ("IS-25",),
-        STREAM,
+        SPATIAL,
         LOOP,
-        "for entry, u in zip(entries[1:], decisions[1:2] * len(entries[1:])):",
+        "for q_n, u_n in [(n, u_own) for n, _ in neighbors]:",
         ("one-number-for-all-decisions",),
     ),
     Mutant(
@@ -579,12 +587,11 @@ REUSE = [
     Mutant(
         "M is capped before it divides",
         ("TR-01",),
-        RESAMPLE,
-        "finalize(replace(chosen, y=y), total)",
-        "finalize(\n"
-        "        replace(chosen, y=y), total * (total <= cap) + cap * (total > cap)\n"
-        "    )",
+        SPATIAL,
+        CLOSE_S,
+        "Z = Z * (Z <= cap) + cap * (Z > cap)\n    " + CLOSE_S,
         ("capped-before-weight",),
+        also=((TEMPORAL, CLOSE, "Z = Z * (Z <= cap) + cap * (Z > cap)\n    " + CLOSE),),
     ),
     Mutant(
         "M is capped in the weight alone",
@@ -629,27 +636,38 @@ REUSE = [
         "equivalent",
         (
             (
-                ENTRIES,
-                FROM_RESERVOIR,
-                "M = np.minimum(r.M, receivers.settings.temporal_cap)\n"
-                "    candidate = reused_candidates(Reservoirs(places, r.W, M), p_hat)",
+                TEMPORAL,
+                PAST,
+                "from numpy import minimum\n\n    "
+                f"{REPLACE}if not ({MOVES}):\n"
+                "        past = replace(past, M=minimum(past.M, cap))\n    " + PAST,
+            ),
+            (
+                SPATIAL,
+                PAST_S,
+                "from numpy import minimum\n\n    "
+                f"{REPLACE}past = replace(past, M=minimum(past.M, cap))\n"
+                "    own = replace(own, M=minimum(own.M, cap))\n    " + PAST_S,
             ),
         ),
     ),
     Mutant(
         "no temporal Jacobian when the visible point moves",
         ("TR-03",),
-        ENTRIES,
-        MOVED,
-        f"{MOVED} if place else Shift(None, None)",
+        TEMPORAL,
+        PAST,
+        f"{REPLACE}if {MOVES}:\n"
+        "        def one(x_from, x_to, y):\n"
+        "            return x_from[:, 0] * 0 + 1\n\n"
+        "        past = replace(past, q=replace(past.q, shift=one))\n    " + PAST,
         ("jacobian-omitted",),
     ),
     Mutant(
         "what moved is reused as it stands",
         ("TR-03", "TR-19"),
-        HISTORY,
-        "if history.as_they_stand:",
-        "if True:",
+        TEMPORAL,
+        PAST,
+        f"if {MOVES}:\n        past = past.reservoirs\n    " + PAST,
         ("reused-as-it-stands",),
     ),
     Mutant(
@@ -665,7 +683,7 @@ REUSE = [
         ("TR-17",),
         RESERVOIR,
         FRESH,
-        "M=np.ones_like(w) * 2",
+        "w=saturate(w), M=M * 2)",
         ("confidence-off-by-one",),
     ),
     Mutant(
@@ -695,12 +713,10 @@ REUSE = [
     Mutant(
         "1/Z where 1/M is asked for",
         ("SR-01",),
-        NORMALIZATION,
-        'if mis == "1/M" or not any(',
-        "if not any(",
+        REUSED,
+        'if mis == "1/M":',
+        "if not mis:",
         ("one-over-z-where-m",),
-        "bias",
-        ((NORMALIZATION, 'if mis == "1/Z":', 'if mis in ("1/M", "1/Z"):'),),
     ),
     Mutant(
         "Z adds M of the last neighbour",
@@ -721,82 +737,92 @@ REUSE = [
     Mutant(
         "the pixel's own reservoir is counted with the merged M",
         ("SR-03",),
-        NORMALIZATION,
-        LENT,
-        "[e.candidate.M if e.origin else chosen.M for e in entries]",
+        REUSED,
+        SUM_Z,
+        "own = [isinstance(s, Candidates | Reservoirs) for s in Q]\n"
+        "    M_k = [R.merged.M if k else M for k, M in zip(own, R.M, strict=True)]\n"
+        "    return one_over_z(M_k, could_have_made(R, Q))",
         ("merged-confidence-in-z",),
+        also=(
+            (
+                REUSED,
+                SUM_M,
+                "own = [isinstance(s, Candidates | Reservoirs) for s in Q]\n"
+                "        M_k = [R.merged.M if k else M for k, M in zip(own, R.M)]\n"
+                "        return one_over_m(M_k)",
+            ),
+        ),
     ),
     Mutant(
         "Z asks for light, not for the horizon",
         ("SR-05",),
-        NORMALIZATION,
-        "return " + DONOR_TARGET,
+        PIXELS,
+        "return " + NEIGHBOR_TARGET,
         "return y.radiance.max(axis=1)",
         ("horizon-missing-in-z",),
     ),
     Mutant(
         "Z does not ask on which side the sample shines",
         ("SR-05",),
-        NORMALIZATION,
-        DONOR_TARGET,
-        "np.where(possible, y.radiance.max(axis=1), 0.0)",
+        PIXELS,
+        NEIGHBOR_TARGET,
+        "np.where(drawn, y.radiance.max(axis=1), 0.0)",
         ("side-missing-in-z",),
     ),
     Mutant(
         "Z does not ask for visibility",
         ("SR-05",),
-        NORMALIZATION,
+        PIXELS,
         LOOKS,
-        "seen = made | possible",
+        "return possible",
         ("visibility-missing-in-z",),
     ),
     Mutant(
         "Z asks what the receiver sees",
         ("SR-05",),
-        NORMALIZATION,
-        "sees(donors.world, x_k, y, possible & ~made)",
-        "receivers.see(y, possible & ~made)",
+        PIXELS,
+        LOOKS,
+        "return self.q.sees(y, possible)",
         ("receivers-visibility-in-z",),
     ),
     Mutant(
         "Z asks for the receiver's horizon",
         ("SR-05",),
-        NORMALIZATION,
-        "k = take(surface, donor)",
-        "k = receivers.points",
+        PIXELS,
+        "points = take(self.frame.visible.surface, np.maximum(self.rows, 0))",
+        "points = self.q.points",
         ("receivers-target-in-z",),
     ),
     Mutant(
         "Z forgets who made the sample",
         ("SR-05",),
-        NORMALIZATION,
-        "return seen.astype(float)",
-        "return (seen & ~made).astype(float)",
+        REUSED,
+        COULD,
+        COULD.replace("made | ", ""),
         ("maker-missing-in-z",),
     ),
     Mutant(
         "a neighbour that was rejected still counts",
         ("SR-07",),
-        ENTRIES,
-        "Reservoirs(places, r.W, M), receivers.target(y), moved.factor",
-        "Reservoirs(places, np.where(there, r.W, 0.0), r.M),\n"
-        "        receivers.target(y), moved.factor",
+        PIXELS,
+        AT_ROWS,
+        "M=r.M)",
         ("rejected-counted",),
     ),
     Mutant(
         "W is divided by the target at the donor",
         ("SR-09",),
-        ENTRIES,
-        WITHOUT,
-        f"{WITHOUT}\n    candidate = replace(candidate, p_hat={AT_DONOR}.target(y))",
+        REUSED,
+        SHIFTED,
+        f"{TAKE}{SHIFTED}\n    c = replace(c, p_hat={AT_NEIGHBOR})",
         ("divided-by-the-donors-target",),
     ),
     Mutant(
         "the target at the donor, in the weight too",
         ("SR-09",),
-        ENTRIES,
-        "receivers.target(y), moved.factor",
-        f"{AT_DONOR}.target(y), moved.factor",
+        REUSED,
+        SHIFTED,
+        TAKE + SHIFTED.replace("q.target(R_n.y)", AT_NEIGHBOR),
         ("donors-target-in-both",),
         "variance",
     ),
@@ -827,9 +853,9 @@ REUSE = [
     Mutant(
         "neighbours are trusted twice",
         ("SR-10",),
-        ENTRIES,
-        WITHOUT,
-        f"{WITHOUT}\n    candidate = replace(candidate, w=candidate.w * 2)",
+        REUSED,
+        SHIFTED,
+        f"{SHIFTED}\n    c = replace(c, w=c.w * 2)",
         ("neighbors-counted-double",),
     ),
     Mutant(
@@ -878,18 +904,20 @@ REUSE = [
     Mutant(
         "a neighbour outside of the image is pixel 0",
         ("SR-13",),
-        ENTRIES,
-        "M = np.where(there, r.M, 0.0)",
-        "M = r.M",
+        PIXELS,
+        "return replace(r, W=np.where(there, r.W, 0.0), M=np.where(there, r.M, 0.0))",
+        "return r",
         ("none-is-pixel-0",),
     ),
     Mutant(
         "the second loop replays other neighbours",
         ("SR-15",),
-        NORMALIZATION,
-        ASKED,
-        "origin = entries[place - 1].origin or entry.origin\n"
-        "        p_k = target_from(receivers, origin, y, kept, made)",
+        REUSED,
+        COULD,
+        "other = Q[slot - 1]\n"
+        "            is_own = isinstance(other, Candidates | Reservoirs)\n"
+        "            other = q_n if is_own else other\n            "
+        + COULD.replace("q_n.", "other."),
         ("other-neighbors-in-z",),
     ),
     Mutant(
@@ -921,26 +949,25 @@ REUSE = [
     Mutant(
         "hidden samples keep their weight",
         ("SR-21", "SR-33"),
-        ENTRIES,
+        REUSED,
         SEEN,
-        "seen = candidate.w > 0",
+        "seen = c.w > 0",
         ("visibility-missing-in-weight",),
     ),
     Mutant(
         "samples that arrive with no weight do not count",
         ("SR-25",),
-        ENTRIES,
-        "return Entry(candidate, arrived, Origin(donors, rows, x))",
-        "candidate = replace(candidate, M=candidate.M * (candidate.w > 0))\n"
-        "    return Entry(candidate, arrived, Origin(donors, rows, x))",
+        REUSED,
+        OFFERED,
+        OFFERED.replace("return", "c =") + "\n    return replace(c, M=c.M * (c.w > 0))",
         ("reused-nulls-not-counted",),
         "bias",
         (
             (
-                ENTRIES,
-                "return Entry(candidate, r.y)",
-                "candidate = replace(candidate, M=candidate.M * (candidate.w > 0))\n"
-                "    return Entry(candidate, r.y)",
+                REUSED,
+                "return reused_candidates(source, q.target(source.y))",
+                "c = reused_candidates(source, q.target(source.y))\n"
+                "        return replace(c, M=c.M * (c.w > 0))",
             ),
         ),
     ),
@@ -955,41 +982,43 @@ REUSE = [
     Mutant(
         "hidden samples do not count",
         ("SR-25",),
-        ENTRIES,
+        REUSED,
         SEEN,
-        "seen = receivers.see(y, there)\n"
-        "        candidate = replace(candidate, M=candidate.M * seen)",
+        "seen = q.sees(R_n.y, c.M > 0)\n    c = replace(c, M=c.M * seen)",
         ("hidden-not-counted",),
     ),
     Mutant(
         "hidden samples with a weight do not count",
         ("SR-25",),
-        ENTRIES,
+        REUSED,
         SEEN,
-        f"{SEEN}\n"
-        "        lost = (candidate.w > 0) & ~seen\n"
-        "        candidate = replace(candidate, M=candidate.M * ~lost)",
+        f"{SEEN}\n    c = replace(c, M=c.M * ~((c.w > 0) & ~seen))",
         ("hidden-lights-not-counted",),
     ),
     Mutant(
         "the pixel's own sample is not merged",
         ("SR-31",),
-        RESAMPLE,
-        "chosen = stream(entries, decisions)",
-        "if shifted:\n"
-        "        own = entries[canonical].candidate\n"
-        "        own = replace(own, w=own.w * 0, M=own.M * 0)\n"
-        "        entries = list(entries)\n"
-        "        entries[canonical] = replace(entries[canonical], candidate=own)\n"
-        "    chosen = stream(entries, decisions)",
+        SPATIAL,
+        OWN_S,
+        f"{REPLACE}own = replace(own, W=own.W * 0, M=own.M * 0)\n    {OWN_S}",
         ("canonical-not-merged",),
+        also=(
+            (
+                TEMPORAL,
+                MERGED,
+                f"{REPLACE}if {MOVES}:\n"
+                f"        new = replace(new, w=new.w * 0, M=new.M * 0)\n    {MERGED}",
+            ),
+        ),
     ),
     Mutant(
         "the pixel's own sample is not counted in Z",
         ("SR-31",),
-        NORMALIZATION,
+        REUSED,
         EVERYONE,
-        "holds.append(everyone if place != 1 else ~everyone)",
+        f"{EVERYONE}\n"
+        "    if not all(isinstance(s, Candidates | Reservoirs) for s in Q):\n"
+        "        could[1] = ~could[1]",
         ("canonical-missing-in-z",),
     ),
     Mutant(
@@ -1060,12 +1089,25 @@ REUSE = [
     Mutant(
         "the stream runs backwards",
         ("EQ",),
-        STREAM,
-        LOOP,
-        "chosen = entries[-1].candidate\n"
-        "    for entry, u in zip(entries[-2::-1], decisions[1:], strict=True):",
+        SPATIAL,
+        PAST_S,
+        "us = [u_own, *(u_n for _, u_n in neighbors)]\n"
+        "    backwards = [*(n for n, _ in neighbors[::-1]), own, past]\n"
+        "    R_s = begin(reused(q, backwards[0]))",
         ("stream-reversed",),
         "equivalent",
+        (
+            (SPATIAL, OWN_S, ""),
+            (SPATIAL, "= [past, own]", "= backwards[:1]"),
+            (SPATIAL, LOOP, "for q_n, u_n in zip(backwards[1:], us, strict=True):"),
+            (
+                SPATIAL,
+                "R_s.then(shifted(q, q_n), u_n)",
+                "R_s.then(reused(q, q_n), u_n)",
+            ),
+            (TEMPORAL, MERGED, "R = begin(new).then(reused(q, past), u)"),
+            (TEMPORAL, "[past, new]", "[new, past]"),
+        ),
     ),
 ]
 

@@ -6,99 +6,107 @@ sight of the oracle.  All are of kind 'bias'.  The other half is in
 """
 
 from tests.mutants.catalogue import (
-    AT_DONOR,
+    AT_NEIGHBOR,
     CAP,
+    CLOSE,
+    CLOSE_S,
     COSINES,
-    ENTRIES,
+    COULD,
     JACOBIAN,
-    LENT,
+    JACOBIAN_OF_NEIGHBOR,
     LIMITED,
     LOOKS,
+    MERGED,
     MIS,
-    MOVED,
-    NORMALIZATION,
-    RESAMPLE,
+    PIXELS,
+    REPLACE,
     RESERVOIR,
+    REUSED,
     SHIFT,
+    SHIFTED,
+    SPATIAL,
+    SUM_M,
+    SUM_Z,
+    TAKE,
     TEMPORAL,
-    WITHOUT,
     Mutant,
 )
 from tests.mutants.held_out_more import HELD_OUT_MORE
 
-CLOSE = "kept = finalize(replace(chosen, y=y), total)"
-COUNTED = "holds.append(p_k > 0)"
-NEW_ENTRY = "entries.append(new_entry(receivers, initial, canonical, drawn))"
 Z_TERMS = (
     "terms = [np.where(holds, M, M * 0) for M, holds in zip(M_k, holds_k, strict=True)]"
 )
 
-WHOLE_GEOMETRY_TERM = f"""{MOVED}
-    from reference.scene.surface import direction_and_distance
-
-    n_from = take(donors.visible.surface.normal, row)
-    u_from, _ = direction_and_distance(x_from, y.position)
-    u_to, _ = direction_and_distance(points.position, y.position)
-    c_from = np.maximum((n_from * u_from).sum(axis=1), 1e-4)
-    c_to = np.maximum((points.normal * u_to).sum(axis=1), 0.0)
-    moved = replace(moved, factor=moved.factor * c_to / c_from)"""
+WHOLE_GEOMETRY_TERM = """y, x_q = self.reservoirs.y, self.q.points
+        n_from = take(self.frame.visible.surface.normal, np.maximum(self.rows, 0))
+        u_from, _ = direction_and_distance(self.x.position, y.position)
+        u_to, _ = direction_and_distance(x_q.position, y.position)
+        c_from = np.maximum((n_from * u_from).sum(axis=1), 1e-4)
+        c_to = np.maximum((x_q.normal * u_to).sum(axis=1), 0.0)
+        return self.q.shift(self.x.position, x_q.position, y) * c_to / c_from"""
 
 UNTIL_THE_FIRST = """terms, on = [], holds_k[0] | True
     for M, holds in zip(M_k, holds_k, strict=True):
         on = on & (holds | (M == 0))
         terms.append(np.where(on, M, M * 0))"""
 
-LESS_TRUST = f"""{NEW_ENTRY}
-    if history:
-        old, new = (entry.candidate for entry in entries)
-        trust = np.where(new.w * old.M > 2.0 * old.w, 0.25, 1.0)
-        old = replace(old, w=old.w * trust, M=old.M * trust)
-        entries[0] = replace(entries[0], candidate=old)"""
+LESS_TRUST = f"""from numpy import where
 
-REC_601 = f"""from reference.resampling.target import luminance
+    {REPLACE}old = R.candidates[0]
+    trust = where(new.w * old.M > 2.0 * old.w, 0.25, 1.0)
+    R = begin(replace(old, w=old.w * trust, M=old.M * trust))
+    {MERGED}"""
 
-    shown = receivers.points.color * y.radiance
-    other = shown @ (0.299, 0.587, 0.114) / np.maximum(luminance(shown), 1e-30)
-    chosen = replace(chosen, p_hat=chosen.p_hat * other)
-    {CLOSE}"""
+REC_601 = f"""from numpy import maximum
 
-OLD_W = f"""{CLOSE}
-    first = entries[0].candidate
-    before = first.w / np.maximum(first.p_hat * first.M, 1e-30)
-    kept = replace(kept, W=np.where(chosen.y == 0, before, kept.W))"""
+    from reference.resampling.target import luminance
 
-ONCE_EACH = """before = [
-            e.origin.rows == entry.origin.rows for e in entries[1:place] if e.origin
-        ]
-        holds.append((p_k > 0) & ~np.any(before, axis=0))"""
+    {REPLACE}c = R.kept
+    shown = q.points.color * c.y.radiance
+    other = shown @ (0.299, 0.587, 0.114) / maximum(luminance(shown), 1e-30)
+    c = replace(c, p_hat=c.p_hat * other)
+    {CLOSE.replace("R.kept", "c")}"""
 
-BETWEEN_THE_TWO = """at = replace(
-        y, position=receivers.points.position, normal=receivers.points.normal
-    )
-    seen = made | sees(donors.world, x_k, at, possible & ~made)"""
+OLD_W = f"""from numpy import maximum, where
 
-IMPORT_NUMPY = (
-    RESAMPLE,
-    "from dataclasses import dataclass, replace\n",
-    "from dataclasses import dataclass, replace\n\nimport numpy as np\n",
-)
+    {REPLACE}kept, first = finalize(R.kept, Z), R.candidates[0]
+    before = first.w / maximum(first.p_hat * first.M, 1e-30)
+    kept = replace(kept, W=where(R.slot == 0, before, kept.W))
+    return cap_confidence(kept, cap)"""
+
+ONCE_EACH = f"""before = [
+                n.rows == q_n.rows
+                for n in Q[1:slot]
+                if not isinstance(n, Candidates | Reservoirs)
+            ]
+            {COULD}
+            could[slot] = could[slot] & ~np.any(before, axis=0)"""
+
+BETWEEN_THE_TWO = """at, n = self.q.points.position, self.q.points.normal
+        y = replace(y, position=at, normal=n)
+        return sees(self.frame.world, self.x, y, possible)"""
+
+
+def spatially(edit: str) -> str:
+    """The same edit on the page of Algorithm 4."""
+    return edit.replace("R.", "R_s.")
+
 
 HELD_OUT: tuple[Mutant, ...] = (
     Mutant(
         "the Jacobian is the ratio of whole geometry terms",
         ("JC-05", "IS-05"),
-        ENTRIES,
-        MOVED,
+        PIXELS,
+        JACOBIAN_OF_NEIGHBOR,
         WHOLE_GEOMETRY_TERM,
     ),
     Mutant(
         "the Jacobian's cosines are taken with the receiver's normal",
         ("JC-05",),
-        ENTRIES,
-        MOVED,
-        "moved = shift(\n"
-        "        settings, x_from, points.position, replace(y, normal=points.normal)\n"
-        "    )",
+        PIXELS,
+        JACOBIAN_OF_NEIGHBOR,
+        "y = replace(self.reservoirs.y, normal=self.q.points.normal)\n"
+        "        return self.q.shift(self.x.position, self.q.points.position, y)",
     ),
     Mutant(
         "the donor's cosine is left out of the Jacobian",
@@ -133,25 +141,19 @@ HELD_OUT: tuple[Mutant, ...] = (
     Mutant(
         "the weight has the donor's target, W the receiver's",
         ("SR-09",),
-        ENTRIES,
-        "receivers.target(y), moved.factor",
-        f"{AT_DONOR}.target(y), moved.factor",
-        also=(
-            (
-                ENTRIES,
-                WITHOUT,
-                f"{WITHOUT}\n"
-                "    candidate = replace(candidate, p_hat=receivers.target(y))",
-            ),
-        ),
+        REUSED,
+        SHIFTED,
+        TAKE
+        + SHIFTED.replace("q.target(R_n.y)", AT_NEIGHBOR)
+        + "\n    c = replace(c, p_hat=q.target(R_n.y))",
     ),
     Mutant(
         "weighted by the luminance of Rec. 709, divided by that of 601",
         ("PK-13",),
-        RESAMPLE,
+        TEMPORAL,
         CLOSE,
         REC_601,
-        also=(IMPORT_NUMPY,),
+        also=((SPATIAL, CLOSE_S, spatially(REC_601)),),
     ),
     Mutant(
         "samples are chosen by target alone",
@@ -170,10 +172,10 @@ HELD_OUT: tuple[Mutant, ...] = (
     Mutant(
         "W is refreshed only where the sample changes",
         ("TR-01", "IN-03"),
-        RESAMPLE,
+        TEMPORAL,
         CLOSE,
         OLD_W,
-        also=(IMPORT_NUMPY,),
+        also=((SPATIAL, CLOSE_S, spatially(OLD_W)),),
     ),
     Mutant(
         "M begins anew where no sample was kept",
@@ -185,43 +187,46 @@ HELD_OUT: tuple[Mutant, ...] = (
     Mutant(
         "M is capped in Z alone",
         ("TR-01", "SR-02"),
-        NORMALIZATION,
-        LENT,
-        "[np.minimum(entry.candidate.M, 8) for entry in entries]",
+        REUSED,
+        SUM_Z,
+        SUM_Z.replace("R.M", "[np.minimum(M, 8) for M in R.M]"),
+        also=(
+            (REUSED, SUM_M, SUM_M.replace("R.M", "[np.minimum(M, 8) for M in R.M]")),
+        ),
     ),
     Mutant(
         "the past is trusted less where the new sample outshines it",
         ("TR-07",),
         TEMPORAL,
-        NEW_ENTRY,
+        MERGED,
         LESS_TRUST,
     ),
     Mutant(
         "Z counts those whose own sample had a weight",
         ("SR-05", "SR-25"),
-        NORMALIZATION,
-        COUNTED,
-        "holds.append(entry.candidate.w > 0)",
+        REUSED,
+        COULD,
+        "could[slot] = R.candidates[slot].w > 0",
     ),
     Mutant(
         "Z asks whether donor and receiver see each other",
         ("SR-05",),
-        NORMALIZATION,
+        PIXELS,
         LOOKS,
         BETWEEN_THE_TWO,
     ),
     Mutant(
         "Z asks that the donor has the sample 6 degrees above its horizon",
         ("SR-05", "JC-12"),
-        NORMALIZATION,
-        "holds &= dot(take(surface.normal, donor), toward) > 0",
+        PIXELS,
+        "holds &= dot(take(surface.normal, row), toward) > 0",
         "least = 0.1 * np.sqrt(dot(toward, toward))\n"
-        "        holds &= dot(take(surface.normal, donor), toward) > least",
+        "        holds &= dot(take(surface.normal, row), toward) > least",
         also=(
             (
-                NORMALIZATION,
-                "possible = source_pdf(settings.source, materials, k, omega) > 0",
-                "possible = dot(k.normal, omega) > 0.1",
+                PIXELS,
+                "drawn = source_pdf(settings.source, materials, points, omega) > 0",
+                "drawn = dot(points.normal, omega) > 0.1",
             ),
         ),
     ),
@@ -235,8 +240,8 @@ HELD_OUT: tuple[Mutant, ...] = (
     Mutant(
         "a neighbour drawn twice is merged twice, and counted once in Z",
         ("HS-17",),
-        NORMALIZATION,
-        COUNTED,
+        REUSED,
+        COULD,
         ONCE_EACH,
     ),
     *HELD_OUT_MORE,

@@ -4,15 +4,22 @@ The second half of :mod:`tests.mutants.held_out`.
 """
 
 from tests.mutants.catalogue import (
+    CLOSE,
+    CLOSE_S,
     COSINE_SAMPLE,
-    ENTRIES,
     FRAMES,
-    HISTORY,
+    IS_OTHER,
     LIGHT,
-    NORMALIZATION,
-    RESAMPLE,
+    MOVES,
+    NEW,
+    PAST,
+    PAST_S,
+    PIXELS,
+    REPLACE,
+    REUSED,
     SAMPLING,
     SEEN,
+    SPATIAL,
     TARGET,
     TEMPORAL,
     UNIFORM_SAMPLE,
@@ -20,12 +27,10 @@ from tests.mutants.catalogue import (
 )
 
 INITIAL_PASS = "reference.passes.initial"
-HALVES = "reference.passes.halves"
-PASSAGE = "reference.options.motion"
-PAST = "reference.passes.past"
-RECEIVERS = "reference.passes.receivers"
+LOOP_OF_FRAMES = "reference.restir_gi"
+MOTION = "reference.options.motion"
+HISTORY = "reference.options.history"
 
-FRESH_WEIGHT = "new = initial_candidates(places, p_hat, initial.pdf)"
 PATH = "radiance = reflected_radiance(world, met, bounces - 1, paths, tail=tail)"
 SHINING = "shining = np.where(shared[:, None], radiance, 0.0)"
 OMEGA = "omega, _ = direction_and_distance(points.position, x_s)"
@@ -33,22 +38,23 @@ SHARED = "shared = ~drawn.delta & (density > 0)"
 FAR = "omega, distance = direction_and_distance(points.position, x_s)"
 DENSITY = "density = source_pdf(source, world.materials, points, omega)"
 REFLECTS = "value = scattering(table, receiver, omega) * y.radiance"
-ALL_SEE = 'if settings.visibility == "all":'
-FROM_HERE = "return sees(self.world, self.points, y, active)"
-ARRIVES = "return _passed(self.after, self.forth, self.replay, y, active)"
-HIDDEN_CHOICE = """if settings.visibility == "chosen" and shifted:
-        kept = drop_hidden(receivers, kept)"""
+FROM_HERE = "return sees(self.world, self.points, y, asked)"
+ARRIVES = "return _carried(self.after, self.motion, self.replay, y, active)"
+EARLIER = "return EarlierReservoirs(r.world, r.visible, reservoirs, shift)"
+SHOWN = "color, seen = shade(frame.world, q.points, kept), None"
 
 EMISSION_TOO = f"""{PATH}
     from reference.scene.emitters import emitted
 
     radiance = radiance + emitted(world.emitters, world.geometry, met)"""
 
-WITHOUT_ALBEDO = f"""{FRESH_WEIGHT}
+WITHOUT_ALBEDO = f"""{NEW}
+    from numpy import maximum
+
     from reference.resampling.target import luminance
 
-    shown = luminance(receivers.points.color * initial.y.radiance)
-    more = luminance(initial.y.radiance) / np.maximum(shown, 1e-30)
+    {REPLACE}shown = luminance(q.points.color * initial.y.radiance)
+    more = luminance(initial.y.radiance) / maximum(shown, 1e-30)
     new = replace(new, w=new.w * more)"""
 
 UNSCALED_TANGENTS = """axis = np.where(abs(z) < 0.9, 0.0, 1.0)
@@ -58,21 +64,38 @@ UNSCALED_TANGENTS = """axis = np.where(abs(z) < 0.9, 0.0, 1.0)
 
 CAMERA_RELATIVE = """from numpy import subtract
 
-        y = _passed(self.after, self.forth, self.replay, y, active)
+        y = _carried(self.after, self.motion, self.replay, y, active)
         step = subtract(self.after.camera.position, self.before.camera.position)
         return replace(y, position=y.position + step)"""
 
-GIVES_WAY = """if shifted:
-        from reference.records import where
+GIVES_WAY = f"""from reference.records import where
 
-        own, c = entries[canonical].y, entries[canonical].candidate
-        hidden = (kept.W > 0) & (drop_hidden(receivers, kept).W == 0)
-        W = kept.W * ~hidden + hidden * c.w / (c.p_hat * c.M + 1e-30)
-        kept = replace(kept, y=where(hidden, own, kept.y), W=W)"""
+    {REPLACE}kept, c = finalize(R_s.kept, Z), R_s.candidates[1]
+    hidden = (kept.W > 0) & ~q.sees(kept.y, kept.W > 0)
+    W = kept.W * ~hidden + hidden * c.w / (c.p_hat * c.M + 1e-30)
+    kept = replace(kept, y=where(hidden, c.y, kept.y), W=W)
+    return cap_confidence(kept, cap)"""
 
-CLOSE_BY = """v, x_to = x.position - points.position, y.position - points.position
-        near = (v * v).sum(axis=1) < 0.02 * (x_to * x_to).sum(axis=1)
-        seen = near | receivers.see(y, candidate.w > 0)"""
+GIVES_WAY_IN_TIME = f"""if not ({MOVES}):
+        {CLOSE}
+    {GIVES_WAY.replace("R_s.", "R.")}"""
+
+TRUSTED = f"""from reference.options.visibility import trusting
+
+    R = begin(reused(trusting(q) if {MOVES} else q, past))"""
+
+CLOSE_BY = """x_q = q.points.position
+    v, x_to = q_n.x.position - x_q, R_n.y.position - x_q
+    near = (v * v).sum(axis=1) < 0.02 * (x_to * x_to).sum(axis=1)
+    seen = near | q.sees(R_n.y, c.w > 0)"""
+
+TO_THE_LEFT = f"""from numpy import arange, maximum
+
+    from reference.records import take
+
+    if not ({MOVES}):
+        past = take(past, maximum(arange(len(past.M)) - 1, 0))
+    {PAST}"""
 
 HELD_OUT_MORE: tuple[Mutant, ...] = (
     Mutant(
@@ -95,7 +118,7 @@ HELD_OUT_MORE: tuple[Mutant, ...] = (
         "the weight of a new sample lacks the albedo, W is divided by it",
         ("RG-03", "SR-09"),
         TEMPORAL,
-        FRESH_WEIGHT,
+        NEW,
         WITHOUT_ALBEDO,
     ),
     Mutant(
@@ -163,44 +186,45 @@ HELD_OUT_MORE: tuple[Mutant, ...] = (
     Mutant(
         "the donors of the last frame stand where this frame's points do",
         ("TR-03", "TR-13"),
-        PAST,
-        "return Donors(last.world, last.visible, r",
-        "return Donors(last.world, moment.visible, r",
+        HISTORY,
+        EARLIER,
+        EARLIER.replace("r.visible", "frame.visible"),
     ),
     Mutant(
         "the past is not tested for visibility when the camera moves",
         ("TR-15",),
-        ENTRIES,
-        ALL_SEE,
-        ALL_SEE.replace(":", " and place > 0:"),
+        TEMPORAL,
+        PAST,
+        TRUSTED,
+        also=((SPATIAL, PAST_S, TRUSTED.replace("R = ", "R_s = ")),),
         expected=("visibility-missing-in-weight",),
     ),
     Mutant(
         "the past always counts in Z",
         ("SR-05", "TR-13"),
-        NORMALIZATION,
-        "if entry.origin is None:",
-        "if entry.origin is None or place == 0:",
+        REUSED,
+        IS_OTHER,
+        IS_OTHER.replace("if ", "if slot and "),
         expected=("one-over-m",),
     ),
     Mutant(
         "the past of the pixel to the left, as it stands",
         ("TR-05", "TR-03"),
-        HISTORY,
-        "return cut(self.donors.reservoirs, self.rows)",
-        "return take(self.donors.reservoirs, np.maximum(self.indices - 1, 0))",
+        TEMPORAL,
+        PAST,
+        TO_THE_LEFT,
     ),
     Mutant(
         "sample points are kept relative to a camera that moves",
         ("TR-03",),
-        PASSAGE,
+        MOTION,
         ARRIVES,
         CAMERA_RELATIVE,
     ),
     Mutant(
         "the receiver's ray meets the sample itself",
         ("SR-33",),
-        RECEIVERS,
+        PIXELS,
         FROM_HERE,
         "end = y.position + 0.001 * (y.position - self.points.position)\n"
         "        y = Samples(end, y.normal * 0, y.radiance)\n"
@@ -209,17 +233,20 @@ HELD_OUT_MORE: tuple[Mutant, ...] = (
     Mutant(
         "donors close by are taken to see the same",
         ("SR-33", "SR-21"),
-        ENTRIES,
+        REUSED,
         SEEN,
         CLOSE_BY,
     ),
     Mutant(
         "a hidden choice gives way to the pixel's own sample",
         ("SR-33", "SR-31"),
-        RESAMPLE,
-        HIDDEN_CHOICE,
+        SPATIAL,
+        CLOSE_S,
         GIVES_WAY,
-        also=((ENTRIES, ALL_SEE, "if False:"),),
+        also=(
+            (TEMPORAL, CLOSE, GIVES_WAY_IN_TIME),
+            (REUSED, SEEN, "seen = c.w > 0"),
+        ),
     ),
     Mutant(
         "a sample keeps what its own pixel reflects of it",
@@ -241,10 +268,9 @@ HELD_OUT_MORE: tuple[Mutant, ...] = (
     Mutant(
         "the spatial sample is shown with the temporal W",
         ("SR-09", "SR-11"),
-        HALVES,
-        "color = shade(moment.world, receivers.points, kept.reservoirs)",
-        "W = fresh.kept.reservoirs.W[r]\n"
-        "    shown = replace(kept.reservoirs, W=W)\n"
-        "    color = shade(moment.world, receivers.points, shown)",
+        LOOP_OF_FRAMES,
+        SHOWN,
+        "shown = replace(kept, W=first.temporal.W[r])\n    "
+        + SHOWN.replace("kept", "shown"),
     ),
 )
