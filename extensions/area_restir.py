@@ -7,8 +7,9 @@ import numpy as np
 from extensions.area_donor import AreaDonor, AreaShift
 from extensions.area_paths import draw_area_paths, target
 from extensions.area_settings import AreaSettings
-from extensions.frame_loop import Moment, PathFrame, path_frames
+from extensions.frame_loop import PathFrame, path_frames, path_shift
 from extensions.windows import resample_past, windows
+from reference.frame import FrameContext
 from reference.passes.neighbors import find_neighbors
 from reference.records import cut
 from reference.resampling.generalized import resample
@@ -57,54 +58,53 @@ def render_area_frames(
     return path_frames(_frame, world, settings, bounces, seed, schedule, animation)
 
 
-def _frame(moment: Moment, last: PathFrame | None, schedule: Schedule) -> PathFrame:
-    kept = area_reused(moment, last, lambda r: area_drawn(moment, r), schedule)
+def _frame(frame: FrameContext[AreaSettings], last: PathFrame | None) -> PathFrame:
+    kept = area_reused(frame, last, lambda r: area_drawn(frame, r))
     color = kept.y.paths.value * kept.W[:, None]
-    return PathFrame(moment.number, moment.world, moment.visible, kept, color)
+    return PathFrame(frame.number, frame.world, frame.visible, kept, color)
 
 
 def area_reused(
-    moment: Moment,
+    frame: FrameContext[AreaSettings],
     last: PathFrame | None,
     drawn: Callable[[slice], Reservoirs],
-    schedule: Schedule,
 ) -> Reservoirs:
     """Temporal and spatial reuse over areas, as the settings say.
 
     Parameters
     ----------
-    moment : Moment
-        The frame.
+    frame : FrameContext
+        This frame.
     last : PathFrame or None
         The one before, if there is one.
     drawn : callable
         From some pixels to the paths that they draw anew.
-    schedule : Schedule
-        Bands and threads.
 
     Returns
     -------
     Reservoirs
         Of `AreaPaths`, a pixel each.
     """
-    rows, settings = moment.pixels, moment.settings
+    rows, settings = frame.pixels, frame.settings
     if last is None or not settings.temporal:
-        fresh = in_bands(schedule, rows, drawn)
+        fresh = in_bands(frame.schedule, rows, drawn)
     else:
-        fresh = in_bands(schedule, rows, lambda r: _temporal(moment, last, drawn(r), r))
+        fresh = in_bands(
+            frame.schedule, rows, lambda r: _temporal(frame, last, drawn(r), r)
+        )
     if not settings.spatial:
         return fresh
     # Every pixel's reservoir is complete before a neighbour reads it.
-    return in_bands(schedule, rows, lambda r: _spatial(moment, fresh, r))
+    return in_bands(frame.schedule, rows, lambda r: _spatial(frame, fresh, r))
 
 
-def area_drawn(moment: Moment, rows: slice) -> Reservoirs:
+def area_drawn(frame: FrameContext[AreaSettings], rows: slice) -> Reservoirs:
     """Paths that the areas of pixels draw anew.
 
     Parameters
     ----------
-    moment : Moment
-        The frame.
+    frame : FrameContext
+        This frame.
     rows : slice
         K pixels.
 
@@ -113,60 +113,64 @@ def area_drawn(moment: Moment, rows: slice) -> Reservoirs:
     Reservoirs
         Of `AreaPaths`, K rows; M = 1.
     """
-    number = moment.numbers(rows)
+    shift, number = path_shift(frame), frame.numbers(rows)
     tree = draw_area_paths(
-        moment.world,
+        frame.world,
         np.arange(rows.start, rows.stop),
-        moment.uniforms(rows, Stream.PIXEL).draw(0),
-        moment.bounces,
-        moment.shift.criterion,
+        frame.uniforms(Stream.PIXEL, rows).draw(0),
+        frame.bounces,
+        shift.criterion,
         number,
-        moment.shift.uniforms(number),
+        shift.uniforms(number),
     )
     return finalize(tree, tree.M)
 
 
 def _temporal(
-    moment: Moment, last: PathFrame, new: Reservoirs, rows: slice
+    frame: FrameContext[AreaSettings],
+    last: PathFrame,
+    new: Reservoirs,
+    rows: slice,
 ) -> Reservoirs:
-    s, here = moment.settings, np.arange(rows.start, rows.stop)
-    assert isinstance(s, AreaSettings)
-    shift = AreaShift(moment.shift, s.primary, last.world, moment.world)
-    stands = last.world is moment.world
-    past = windows(last, moment, here)
+    s, here = frame.settings, np.arange(rows.start, rows.stop)
+    shift = AreaShift(path_shift(frame), s.primary, last.world, frame.world)
+    stands = last.world is frame.world
+    past = windows(frame, last, here)
     before = [
         AreaDonor(shift, here, last.reservoirs, part.rows, part.dx, part.dy, stands)
         for part in past
     ]
     shares = [part.share for part in past]
-    u = moment.uniforms(rows, Stream.TEMPORAL)
+    u = frame.uniforms(Stream.TEMPORAL, rows)
     decisions = [*u.draw(0)[: len(before)], u.draw(1)[0]]
-    own = _own(moment, new, rows)
+    own = _own(frame, new, rows)
     return resample_past(own, before, shares, decisions, s, target)
 
 
-def _spatial(moment: Moment, fresh: Reservoirs, rows: slice) -> Reservoirs:
-    s, width = moment.settings, moment.world.camera.width
+def _spatial(
+    frame: FrameContext[AreaSettings], fresh: Reservoirs, rows: slice
+) -> Reservoirs:
+    s, width = frame.settings, frame.world.camera.width
     here = np.arange(rows.start, rows.stop)
-    uniforms = moment.uniforms(rows, Stream.SPATIAL)
+    uniforms = frame.uniforms(Stream.SPATIAL, rows)
     draws = [uniforms.draw(k) for k in range(s.neighbors)]
-    donors = [_own(moment, cut(fresh, rows), rows)]
-    for row in find_neighbors(here, moment.visible, width, s, draws):
+    donors = [_own(frame, cut(fresh, rows), rows)]
+    for row in find_neighbors(here, frame.visible, width, s, draws):
         dx, dy = here % width - row % width, here // width - row // width
-        way = _within(moment), here, fresh, row, dx.astype(float), dy.astype(float)
+        way = _within(frame), here, fresh, row, dx.astype(float), dy.astype(float)
         donors.append(AreaDonor(*way))
     decisions = [np.zeros(len(here)), *(draw[2] for draw in draws)]
     return resample(donors, decisions, s.mis, s.spatial_cap, target)
 
 
-def _within(moment: Moment) -> AreaShift:
+def _within(frame: FrameContext[AreaSettings]) -> AreaShift:
     """Between pixels of this frame: x_1 moves with its place."""
-    return AreaShift(moment.shift, "move", moment.world, moment.world)
+    return AreaShift(path_shift(frame), "move", frame.world, frame.world)
 
 
-def _own(moment: Moment, reservoirs: Reservoirs, rows: slice) -> AreaDonor:
+def _own(
+    frame: FrameContext[AreaSettings], reservoirs: Reservoirs, rows: slice
+) -> AreaDonor:
     here, none = np.arange(rows.start, rows.stop), np.zeros(len(reservoirs.M))
     at = np.arange(len(here))
-    return AreaDonor(
-        _within(moment), here, reservoirs, at, none, none, same_domain=True
-    )
+    return AreaDonor(_within(frame), here, reservoirs, at, none, none, same_domain=True)

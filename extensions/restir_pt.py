@@ -6,9 +6,10 @@ import numpy as np
 
 from extensions.candidates import draw_paths
 from extensions.donors import PointDonor
-from extensions.frame_loop import Moment, PathFrame, path_frames
+from extensions.frame_loop import PathFrame, path_frames, path_shift
 from extensions.pt_settings import PathSettings
 from reference.arrays import Indices
+from reference.frame import FrameContext
 from reference.passes.neighbors import find_neighbors
 from reference.passes.reproject import reproject
 from reference.records import cut
@@ -57,53 +58,50 @@ def render_path_frames(
     return path_frames(_frame, world, settings, bounces, seed, schedule, animation)
 
 
-def _frame(moment: Moment, last: PathFrame | None, schedule: Schedule) -> PathFrame:
-    kept = reused(moment, last, lambda rows: _drawn(moment, rows), schedule)
+def _frame(frame: FrameContext[PathSettings], last: PathFrame | None) -> PathFrame:
+    kept = reused(frame, last, lambda rows: _drawn(frame, rows))
     color = kept.y.value * kept.W[:, None]
-    return PathFrame(moment.number, moment.world, moment.visible, kept, color)
+    return PathFrame(frame.number, frame.world, frame.visible, kept, color)
 
 
 def reused(
-    moment: Moment,
+    frame: FrameContext[PathSettings],
     last: PathFrame | None,
     drawn: Callable[[slice], Reservoirs],
-    schedule: Schedule,
 ) -> Reservoirs:
     """Temporal and spatial reuse of whole paths, as the settings say.
 
     Parameters
     ----------
-    moment : Moment
-        The frame.
+    frame : FrameContext
+        This frame.
     last : PathFrame or None
         The one before, if there is one.
     drawn : callable
         From some pixels to the paths that they draw anew.
-    schedule : Schedule
-        Bands and threads.
 
     Returns
     -------
     Reservoirs
         Of `extensions.paths.Paths`, a pixel each.
     """
-    rows = moment.pixels
-    past = _rows_before(moment, last)
+    rows = frame.pixels
+    past = _rows_before(frame, last)
     fresh = in_bands(
-        schedule, rows, lambda r: _temporal(moment, last, past, r, drawn(r))
+        frame.schedule, rows, lambda r: _temporal(frame, last, past, r, drawn(r))
     )
-    if not moment.settings.spatial:
+    if not frame.settings.spatial:
         return fresh
     # Every pixel's reservoir is complete before a neighbour reads it.
-    return in_bands(schedule, rows, lambda r: _spatial(moment, fresh, r))
+    return in_bands(frame.schedule, rows, lambda r: _spatial(frame, fresh, r))
 
 
-def _drawn(moment: Moment, rows: slice) -> Reservoirs:
-    shift, number = moment.shift, moment.numbers(rows)
+def _drawn(frame: FrameContext[PathSettings], rows: slice) -> Reservoirs:
+    shift, number = path_shift(frame), frame.numbers(rows)
     tree = draw_paths(
-        moment.world,
-        cut(moment.visible.surface, rows),
-        moment.bounces,
+        frame.world,
+        cut(frame.visible.surface, rows),
+        frame.bounces,
         shift.criterion,
         number,
         shift.uniforms(number),
@@ -111,28 +109,30 @@ def _drawn(moment: Moment, rows: slice) -> Reservoirs:
     return finalize(tree, tree.M)
 
 
-def _rows_before(moment: Moment, last: PathFrame | None) -> Indices | None:
+def _rows_before(
+    frame: FrameContext[PathSettings], last: PathFrame | None
+) -> Indices | None:
     """Where each pixel finds its past; ``None`` where all are at their own place."""
-    if last is None or last.world is moment.world:
+    if last is None or last.world is frame.world:
         return None
     return reproject(
-        last.world, last.visible, moment.world, moment.visible, None, moment.settings
+        last.world, last.visible, frame.world, frame.visible, None, frame.settings
     )
 
 
 def _temporal(
-    moment: Moment,
+    frame: FrameContext[PathSettings],
     last: PathFrame | None,
     past: Indices | None,
     rows: slice,
     new: Reservoirs,
 ) -> Reservoirs:
-    if last is None or not moment.settings.temporal:
+    if last is None or not frame.settings.temporal:
         return new
-    points = cut(moment.visible.surface, rows)
+    points = cut(frame.visible.surface, rows)
     here = np.arange(len(points))
-    now = moment.shift, moment.world, points
-    own = PointDonor(*now, moment.world, points, new, here, same_domain=True)
+    now = path_shift(frame), frame.world, points
+    own = PointDonor(*now, frame.world, points, new, here, same_domain=True)
     rows_before = np.arange(rows.start, rows.stop) if past is None else past[rows]
     before = PointDonor(
         *now,
@@ -142,22 +142,24 @@ def _temporal(
         rows_before,
         same_domain=past is None,
     )
-    u = moment.uniforms(rows, Stream.TEMPORAL).draw(0)[0]
-    s = moment.settings
+    u = frame.uniforms(Stream.TEMPORAL, rows).draw(0)[0]
+    s = frame.settings
     return resample([before, own], [u, u], s.mis, s.temporal_cap)
 
 
-def _spatial(moment: Moment, fresh: Reservoirs, rows: slice) -> Reservoirs:
-    s, surface = moment.settings, moment.visible.surface
+def _spatial(
+    frame: FrameContext[PathSettings], fresh: Reservoirs, rows: slice
+) -> Reservoirs:
+    s, surface = frame.settings, frame.visible.surface
     here = np.arange(rows.start, rows.stop)
-    uniforms = moment.uniforms(rows, Stream.SPATIAL)
+    uniforms = frame.uniforms(Stream.SPATIAL, rows)
     draws = [uniforms.draw(k) for k in range(s.neighbors)]
-    width = moment.world.camera.width
-    around = find_neighbors(here, moment.visible, width, s, draws)
-    now = moment.shift, moment.world, cut(surface, rows)
+    width = frame.world.camera.width
+    around = find_neighbors(here, frame.visible, width, s, draws)
+    now = path_shift(frame), frame.world, cut(surface, rows)
 
     def lent(row: Indices, same_domain: bool) -> PointDonor:
-        return PointDonor(*now, moment.world, surface, fresh, row, same_domain)
+        return PointDonor(*now, frame.world, surface, fresh, row, same_domain)
 
     donors = [
         lent(here, same_domain=True),

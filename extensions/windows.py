@@ -5,9 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from extensions.frame_loop import Moment, PathFrame
+from extensions.frame_loop import PathFrame
 from extensions.pt_settings import PathSettings
 from reference.arrays import Indices, Scalars
+from reference.frame import FrameContext
 from reference.passes.reproject import alike_before, places_before, row_at
 from reference.records import NONE, take
 from reference.resampling.generalized import Neighbor, Target, resample
@@ -34,15 +35,17 @@ class Window:
     share: Scalars
 
 
-def windows(last: PathFrame, moment: Moment, pixel: Indices) -> list[Window]:
+def windows(
+    frame: FrameContext[PathSettings], last: PathFrame, pixel: Indices
+) -> list[Window]:
     """Where the areas of pixels were a frame ago.
 
     Parameters
     ----------
+    frame : FrameContext
+        This frame.
     last : PathFrame
-        The frame before.
-    moment : Moment
-        This one.
+        The one before.
     pixel : (K,) int
         Rows of the image.
 
@@ -56,19 +59,19 @@ def windows(last: PathFrame, moment: Moment, pixel: Indices) -> list[Window]:
     -----
     [Zhang24].  What the centres see decides, never a sample.
     """
-    if last.world is moment.world:
+    if last.world is frame.world:
         none = np.zeros(len(pixel))
         return [Window(pixel, none, none, none + 1.0)]
-    visible, width = take(moment.visible, pixel), moment.world.camera.width
+    visible, width = take(frame.visible, pixel), frame.world.camera.width
     x_now, y_now = pixel % width + 0.5, pixel // width + 0.5
-    x, y = places_before(last.world, moment.world, visible, None)
+    x, y = places_before(last.world, frame.world, visible, None)
     left, top = np.floor(x - 0.5), np.floor(y - 0.5)
     found = []
     for i, j in ((0, 0), (1, 0), (0, 1), (1, 1)):
         column, line = left + i, top + j
         rows = row_at(column + 0.5, line + 0.5, last.world)
-        seen = last.world, last.visible, moment.world, visible
-        usable = alike_before(*seen, None, rows, moment.settings)
+        seen = last.world, last.visible, frame.world, visible
+        usable = alike_before(*seen, None, rows, frame.settings)
         overlap = (1.0 - np.abs(column + 0.5 - x)) * (1.0 - np.abs(line + 0.5 - y))
         rows = np.where(usable & (overlap > 0), rows, NONE)
         share = np.where(rows != NONE, overlap, 0.0)
