@@ -5,8 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from extensions.candidates import draw_paths
-from extensions.connection import Criterion
-from extensions.paths import Paths
+from extensions.shifting import Criterion, Paths
 from reference.arrays import Indices, Scalars, Vec3s
 from reference.path_tracer import first_hits
 from reference.resampling.reservoir import Candidates

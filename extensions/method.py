@@ -5,9 +5,9 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from extensions.frame_loop import PathFrame
-from extensions.paths import Paths
 from extensions.pt_settings import PathSettings
 from extensions.restir_pt import render_path_frames
+from extensions.shifting import Paths
 from reference.arrays import Scalars
 from reference.methods.aovs import GBUFFER
 from reference.methods.framed import PARTS, Framed

@@ -1,13 +1,15 @@
 """ReSTIR PT: the frame loop of ReSTIR GI, on whole paths."""
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from extensions.candidates import draw_paths
-from extensions.donors import PointDonor
 from extensions.frame_loop import PathFrame, path_frames, path_shift
 from extensions.pt_settings import PathSettings
+from extensions.shifting import PathNeighbor
 from reference.arrays import Indices
 from reference.frame import FrameContext
 from reference.passes.neighbors import find_neighbors
@@ -55,11 +57,25 @@ def render_path_frames(
     -----
     [Lin22, section 6].
     """
-    return path_frames(_frame, world, settings, bounces, seed, schedule, animation)
+    return path_frames(next_frame, world, settings, bounces, seed, schedule, animation)
 
 
-def _frame(frame: FrameContext[PathSettings], last: PathFrame | None) -> PathFrame:
-    kept = reused(frame, last, lambda rows: _drawn(frame, rows))
+def next_frame(frame: FrameContext[PathSettings], last: PathFrame | None) -> PathFrame:
+    """One frame: new paths, temporal and spatial reuse, and the picture.
+
+    Parameters
+    ----------
+    frame : FrameContext
+        This frame.
+    last : PathFrame or None
+        The one before, if there is one.
+
+    Returns
+    -------
+    PathFrame
+        With the next number.
+    """
+    kept = reused(frame, last, partial(_drawn, frame))
     color = kept.y.value * kept.W[:, None]
     return PathFrame(frame.number, frame.world, frame.visible, kept, color)
 
@@ -83,17 +99,16 @@ def reused(
     Returns
     -------
     Reservoirs
-        Of `extensions.paths.Paths`, a pixel each.
+        Of `extensions.shifting.Paths`, a pixel each.
     """
-    rows = frame.pixels
-    past = _rows_before(frame, last)
-    fresh = in_bands(
-        frame.schedule, rows, lambda r: _temporal(frame, last, past, r, drawn(r))
-    )
+    new, rows = drawn, frame.pixels
+    if last is not None and frame.settings.temporal:
+        new = partial(_temporal, frame, last, _reprojected(frame, last), drawn)
+    fresh = in_bands(frame.schedule, rows, new)
     if not frame.settings.spatial:
         return fresh
     # Every pixel's reservoir is complete before a neighbour reads it.
-    return in_bands(frame.schedule, rows, lambda r: _spatial(frame, fresh, r))
+    return in_bands(frame.schedule, rows, partial(_spatial, frame, fresh))
 
 
 def _drawn(frame: FrameContext[PathSettings], rows: slice) -> Reservoirs:
@@ -109,11 +124,9 @@ def _drawn(frame: FrameContext[PathSettings], rows: slice) -> Reservoirs:
     return finalize(tree, tree.M)
 
 
-def _rows_before(
-    frame: FrameContext[PathSettings], last: PathFrame | None
-) -> Indices | None:
-    """Where each pixel finds its past; ``None`` where all are at their own place."""
-    if last is None or last.world is frame.world:
+def _reprojected(frame: FrameContext[PathSettings], last: PathFrame) -> Indices | None:
+    """Row of each pixel in the last frame; ``None`` where all are in their place."""
+    if last.world is frame.world:
         return None
     return reproject(
         last.world, last.visible, frame.world, frame.visible, None, frame.settings
@@ -122,48 +135,54 @@ def _rows_before(
 
 def _temporal(
     frame: FrameContext[PathSettings],
-    last: PathFrame | None,
-    past: Indices | None,
+    last: PathFrame,
+    reprojected: Indices | None,
+    drawn: Callable[[slice], Reservoirs],
     rows: slice,
-    new: Reservoirs,
 ) -> Reservoirs:
-    if last is None or not frame.settings.temporal:
-        return new
-    points = cut(frame.visible.surface, rows)
-    here = np.arange(len(points))
-    now = path_shift(frame), frame.world, points
-    own = PointDonor(*now, frame.world, points, new, here, same_domain=True)
-    rows_before = np.arange(rows.start, rows.stop) if past is None else past[rows]
-    before = PointDonor(
-        *now,
-        last.world,
-        last.visible.surface,
-        last.reservoirs,
-        rows_before,
-        same_domain=past is None,
+    """The history of each pixel first, and what it draws anew."""
+    points, here = cut(frame.visible.surface, rows), np.arange(rows.start, rows.stop)
+    new = PathNeighbor(
+        shift=path_shift(frame),
+        world=frame.world,
+        points=points,
+        world_from=frame.world,
+        points_from=points,
+        reservoirs=drawn(rows),
+        rows=here - rows.start,
+        same_domain=True,
+    )
+    history = replace(
+        new,
+        world_from=last.world,
+        points_from=last.visible.surface,
+        reservoirs=last.reservoirs,
+        rows=here if reprojected is None else reprojected[rows],
+        same_domain=reprojected is None,
     )
     u = frame.uniforms(Stream.TEMPORAL, rows).draw(0)[0]
     s = frame.settings
-    return resample([before, own], [u, u], s.mis, s.temporal_cap)
+    return resample([history, new], [u, u], s.mis, s.temporal_cap)
 
 
 def _spatial(
     frame: FrameContext[PathSettings], fresh: Reservoirs, rows: slice
 ) -> Reservoirs:
-    s, surface = frame.settings, frame.visible.surface
-    here = np.arange(rows.start, rows.stop)
+    """The reservoir of each pixel first, and those of its neighbours."""
+    s, here = frame.settings, np.arange(rows.start, rows.stop)
     uniforms = frame.uniforms(Stream.SPATIAL, rows)
-    draws = [uniforms.draw(k) for k in range(s.neighbors)]
-    width = frame.world.camera.width
-    around = find_neighbors(here, frame.visible, width, s, draws)
-    now = path_shift(frame), frame.world, cut(surface, rows)
-
-    def lent(row: Indices, same_domain: bool) -> PointDonor:
-        return PointDonor(*now, frame.world, surface, fresh, row, same_domain)
-
-    donors = [
-        lent(here, same_domain=True),
-        *(lent(row, same_domain=False) for row in around),
-    ]
-    decisions = [np.zeros(len(here)), *(draw[2] for draw in draws)]
-    return resample(donors, decisions, s.mis, s.spatial_cap)
+    u = [uniforms.draw(k) for k in range(s.neighbors)]
+    around = find_neighbors(here, frame.visible, frame.world.camera.width, s, u)
+    own = PathNeighbor(
+        shift=path_shift(frame),
+        world=frame.world,
+        points=cut(frame.visible.surface, rows),
+        world_from=frame.world,
+        points_from=frame.visible.surface,
+        reservoirs=fresh,
+        rows=here,
+        same_domain=True,
+    )
+    neighbors = [replace(own, rows=row, same_domain=False) for row in around]
+    choices = [np.zeros(len(here)), *(u_n[2] for u_n in u)]
+    return resample([own, *neighbors], choices, s.mis, s.spatial_cap)

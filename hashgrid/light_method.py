@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from hashgrid.keys import levels
+from hashgrid.grid import levels
 from hashgrid.light_settings import LightSettings
 from hashgrid.world_reservoirs import LightFrame, render_light_frames
 from reference.arrays import Scalars

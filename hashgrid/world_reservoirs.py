@@ -1,28 +1,48 @@
-"""Light reservoirs at every vertex of eye paths, reused through a grid in the world.
+"""World-space reservoirs: light sampling at every vertex of eye paths.
 
-[Boisse21]: each vertex draws points on lights, keeps one of them by its light, shadows
-left out, and takes over what vertices near it kept in the frame before; one ray looks
-whether the light is seen.
+[Boisse21].  Each vertex draws points on lights and keeps one (Algorithm 1), resamples
+it with what vertices near it kept in the frame before, traces one shadow ray, and is
+put into a cell for the next frame (Algorithm 2, on the page `hashgrid.grid`, where its
+lines are counted).
 """
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
-from extensions.frame_loop import frames
-from hashgrid.cache import Cache, fill
-from hashgrid.keys import lattice_of
-from hashgrid.light_donor import lent
+from hashgrid.grid import Cache, insert, lattice_of, look_up, vertex_uniforms
 from hashgrid.light_settings import LightSettings
-from hashgrid.light_vertex import Vertex, Visit, Walk
-from hashgrid.lights import lends
-from hashgrid.vertex_numbers import of_vertices
-from reference.arrays import Indices, Vec3s, zero_vectors
-from reference.records import concatenate, cut, keep
-from reference.rng import Stream, Uniforms
+from hashgrid.lights import (
+    Chance,
+    LightPoints,
+    draw_lights,
+    emitter_hits,
+    hits_count,
+    light_samples,
+    reflected,
+    renumbered,
+    reusable,
+    same_lights,
+)
+from reference.arrays import Indices, Vec3s, dot, zero_vectors
+from reference.direct_light import sees_light
+from reference.frame import FrameContext, frames
+from reference.records import concatenate, cut, keep, take
+from reference.resampling.generalized import Shifted, resample
+from reference.resampling.reservoir import (
+    Reservoirs,
+    finalize,
+    initial_candidates,
+    merge,
+)
+from reference.resampling.target import luminance
+from reference.rng import KeyedUniforms, Stream
 from reference.scene.animation import Animation
-from reference.scene.surface import VisiblePoints
+from reference.scene.hits import surface_points
+from reference.scene.materials.bsdf_sampling import sample
+from reference.scene.surface import SurfacePoints, VisiblePoints
 from reference.schedule import Schedule, in_bands
 from reference.world import World
 
@@ -64,7 +84,7 @@ def render_light_frames(
     schedule: Schedule,
     animation: Animation | None = None,
 ) -> Iterator[LightFrame]:
-    """Frames of indirect light by light reservoirs in world space, without end.
+    """Frames of indirect light by world-space reservoirs, without end.
 
     Parameters
     ----------
@@ -79,63 +99,369 @@ def render_light_frames(
     schedule : Schedule
         Bands and threads; no influence on the result.
     animation : Animation, optional
-        Validated scenes of all frames; by default the scene stands still.  Camera,
-        shapes and lights may move.
+        As of `reference.frame.frames`.  Camera, shapes and lights may move.
 
     Returns
     -------
     iterator of LightFrame
         Frame after frame, each looking into the cells of the last one.
     """
-
-    def frame(
-        number: int, now: World, visible: VisiblePoints, last: LightFrame | None
-    ) -> LightFrame:
-        past = lent(last.cache, now) if last else None
-        vertices = [
-            Vertex(now, settings, number, seed, v, v == bounces + 1, past)
-            for v in range(1, bounces + 2)
-        ]
-        return _frame(vertices, visible, schedule)
-
-    return frames(frame, world, schedule, animation)
+    return frames(next_frame, world, settings, bounces, seed, schedule, animation)
 
 
-def _frame(
-    vertices: list[Vertex], visible: VisiblePoints, schedule: Schedule
+def next_frame(
+    frame: FrameContext[LightSettings], last: LightFrame | None
 ) -> LightFrame:
-    pixels = len(visible.depth)
-    walk = Walk(np.arange(pixels), visible.surface, 1.0 + zero_vectors(pixels))
-    color, visited = zero_vectors(pixels), []
-    for vertex in vertices:
-        # Where nothing was hit, nothing is drawn; an empty walk is still a walk.
-        walk = keep(walk, walk.points.hit)
-        visit = in_bands(schedule, len(walk.pixel), _of(vertex, walk))
-        color[walk.pixel] += visit.light
-        if visit.reservoirs is not None:
-            visited.append((vertex.number, walk, visit.reservoirs))
-        walk = visit.onward
-    first = vertices[0]
-    walks = concatenate([walk for _, walk, _ in visited])
-    number = concatenate([np.full(len(w.pixel), v) for v, w, _ in visited])
-    cache = fill(
-        first.world,
-        lattice_of(first.world.camera, first.settings.facings),
-        walks.points,
+    """One frame: eye paths, vertex by vertex, and the grid for the next one.
+
+    Parameters
+    ----------
+    frame : FrameContext
+        This frame.
+    last : LightFrame or None
+        The one before, if there is one.
+
+    Returns
+    -------
+    LightFrame
+        Indirect light alone: what x_1 receives straight from a light is left out.
+
+    Notes
+    -----
+    [Boisse21, section 3].
+    """
+    world, s = frame.world, frame.settings
+    history = history_of(last.cache, world) if last and s.cells else None
+    color, visited = zero_vectors(frame.pixels), []
+    x = Vertices(
+        np.arange(frame.pixels), frame.visible.surface, 1.0 + zero_vectors(frame.pixels)
+    )
+    for v in range(1, frame.bounces + 2):
+        # Where nothing was hit, nothing is drawn; an empty set is still a set.
+        x = keep(x, x.points.hit)
+        found = in_bands(
+            frame.schedule, len(x.pixel), partial(visit, frame, history, v, x)
+        )
+        color[x.pixel] += found.light
+        if found.reservoirs is not None:
+            visited.append((v, x, found.reservoirs))
+        x = found.onward
+    # Algorithm 2 puts the vertices into cells; lines 2 and 3 were done at each of them.
+    paths = concatenate([x for _, x, _ in visited])
+    vertex = concatenate([np.full(len(x.pixel), v) for v, x, _ in visited])
+    cache = insert(
+        world,
+        lattice_of(world.camera, s.facings),
+        paths.points,
         concatenate([reservoirs for _, _, reservoirs in visited]),
-        # Nobody is put in where nobody asks.
-        lends(first.world, walks.points) & (first.settings.cells > 0),
-        _insertions(first, walks.pixel, number),
+        reusable(world, paths.points) & (s.cells > 0),
+        vertex_uniforms(frame, paths.pixel, vertex, Stream.CELLS),
     )
     return LightFrame(
-        first.frame, first.world, visible, walks.pixel, number, cache, color
+        frame.number, world, frame.visible, paths.pixel, vertex, cache, color
     )
 
 
-def _insertions(first: Vertex, pixel: Indices, number: Indices) -> Uniforms:
-    """Numbers of all vertices."""
-    return of_vertices(pixel, first.frame, number, first.seed, Stream.CELLS)
+@dataclass(frozen=True, slots=True)
+class Vertices:
+    """Vertices x_v of K eye paths.
+
+    Attributes
+    ----------
+    pixel : (K,) int64
+        Whose.
+    points : SurfacePoints
+        x_v.
+    throughput : (K, 3) float64
+        Product of f cos θ / p of x_1 to x_(v-1).
+    """
+
+    pixel: Indices
+    points: SurfacePoints
+    throughput: Vec3s
 
 
-def _of(vertex: Vertex, walk: Walk) -> Callable[[slice], Visit]:
-    return lambda rows: vertex.visit(cut(walk, rows))
+@dataclass(frozen=True, slots=True)
+class Visited:
+    """What K paths leave at x_v, and how they go on.
+
+    Attributes
+    ----------
+    reservoirs : Reservoirs or None
+        Of `LightPoints`; ``None`` for visible points without reservoirs.
+    light : (K, 3) float64, W/(m² sr)
+        Added to the pixels.
+    onward : Vertices
+        x_(v+1); misses where a path has ended.
+    """
+
+    reservoirs: Reservoirs | None
+    light: Vec3s
+    onward: Vertices
+
+
+def visit(
+    frame: FrameContext[LightSettings],
+    history: "History | None",
+    v: int,
+    vertices: Vertices,
+    rows: slice,
+) -> Visited:
+    """Reservoir and light of vertices x_v, and the way to x_(v+1).
+
+    Parameters
+    ----------
+    frame : FrameContext
+        This frame.
+    history : History or None
+        What the last frame left.
+    v : int
+        Number of the vertices, from 1.
+    vertices : Vertices
+        All of them.
+    rows : slice
+        Which K are visited.
+
+    Returns
+    -------
+    Visited
+        K rows.
+    """
+    world, s, here = frame.world, frame.settings, cut(vertices, rows)
+    x, light, r = here.points, zero_vectors(len(here.pixel)), None
+    if v > 1 or s.visible:
+        # Alg. 2, line 2.
+        r = ris(frame, v, here)
+        if history is not None:
+            r = reuse(frame, history, v, here, r)
+    if r is not None and v > 1:
+        # Alg. 1, shading: f(r.y) · r.W, and one shadow ray for what was kept.
+        shines = np.flatnonzero((r.W > 0) & r.y.value.any(axis=1))
+        if len(shines):
+            some = take(x, shines)
+            sample_s = light_samples(world, some, take(r.y, shines))
+            seen = sees_light(world, some, sample_s, np.ones(len(shines), bool))
+            weight = np.where(seen, r.W[shines], 0.0)
+            light[shines] = r.y.value[shines] * weight[:, None]
+    # On to x_(v+1).
+    path = KeyedUniforms(
+        here.pixel.astype(np.uint32), frame.number, frame.seed, Stream.PATH
+    )
+    bsdf = sample(world.materials, x, path.draw(2 * (v - 1)))
+    goes_on = x.hit & (dot(bsdf.weight, bsdf.weight) > 0)
+    if v == frame.bounces + 1:
+        goes_on = goes_on & hits_count(world, bsdf, s.chance)
+    hits = world.caster.from_surface(x, bsdf.wi, goes_on, "bounce")
+    onward = surface_points(world.geometry, hits, x.position, bsdf.wi)
+    if v > 1:
+        hit = emitter_hits(world, x, bsdf, hits, s.chance)
+        light = here.throughput * (hit + light)
+    return Visited(
+        r, light, Vertices(here.pixel, onward, here.throughput * bsdf.weight)
+    )
+
+
+def ris(frame: FrameContext[LightSettings], v: int, vertices: Vertices) -> Reservoirs:
+    """Resampled importance sampling of the lights that vertices may see.
+
+    Parameters
+    ----------
+    frame : FrameContext
+        This frame.
+    v : int
+        Number of the vertices.
+    vertices : Vertices
+        K rows.
+
+    Returns
+    -------
+    Reservoirs
+        Of `LightPoints`; M is the number of candidates.
+
+    Notes
+    -----
+    [Boisse21, Alg. 1], RIS: p draws by power, p̂ is the light without shadows.
+    """
+    world, s = frame.world, frame.settings
+    uniforms = vertex_uniforms(frame, vertices.pixel, v, Stream.LIGHTS)
+    r = None
+    for i in range(s.candidates):
+        # Generate x_i ~ p.
+        u = uniforms.draw(i)
+        x_i, p = draw_lights(world.emitters, u)
+        f = reflected(world, vertices.points, x_i, s.chance)
+        # WRS(x_i, p̂(x_i) / p(x_i)).
+        drawn = initial_candidates(replace(x_i, value=f), luminance(f), p)
+        r = drawn if r is None else merge(r, drawn, u[3])
+    assert r is not None
+    # W = w_sum / (M p̂(y)).
+    return finalize(r, r.M)
+
+
+def reuse(
+    frame: FrameContext[LightSettings],
+    history: "History",
+    v: int,
+    vertices: Vertices,
+    r: Reservoirs,
+) -> Reservoirs:
+    """Resample reservoirs with those of the cells around, of the frame before.
+
+    Parameters
+    ----------
+    frame : FrameContext
+        This frame.
+    history : History
+        What the last frame left.
+    v : int
+        Number of the vertices.
+    vertices : Vertices
+        K rows.
+    r : Reservoirs
+        What they drew.
+
+    Returns
+    -------
+    Reservoirs
+        K rows.
+
+    Notes
+    -----
+    [Boisse21, section 3], with MIS weights of [Lin22].
+    """
+    s, cache = frame.settings, history.cache
+    uniforms = vertex_uniforms(frame, vertices.pixel, v, Stream.CELLS)
+    found = look_up(cache, vertices.points, uniforms, s.cells, s.reuse)
+    canonical = LightNeighbor(
+        world=frame.world,
+        points=vertices.points,
+        world_from=frame.world,
+        points_from=vertices.points,
+        reservoirs=r,
+        rows=np.arange(len(r.M)),
+        lights_from=history.lights_from,
+        chance=s.chance,
+        same_domain=True,
+    )
+    in_cells = replace(
+        canonical,
+        world_from=cache.world,
+        points_from=cache.points,
+        reservoirs=history.reservoirs,
+        same_domain=False,
+    )
+    neighbors = [replace(in_cells, rows=row) for row, _ in found]
+    u = [np.zeros(len(r.M)), *(u_n for _, u_n in found)]
+    return resample([canonical, *neighbors], u, s.mis, s.cap)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LightNeighbor:
+    """Vertices of the frame before, and the points on lights that they keep.
+
+    Attributes
+    ----------
+    world, points : World, SurfacePoints
+        Of the K receivers.
+    world_from, points_from : World, SurfacePoints
+        Of the N neighbours.
+    reservoirs : Reservoirs
+        N rows of `LightPoints`, in the receivers' list of lights.
+    rows : (K,) int
+        Row that each receiver resamples, or ``NONE``.
+    lights_from : (E,) int64
+        For each light of the receivers its row in the neighbours' list.
+    chance : 'delta-lobes' or 'balance'
+        As of `hashgrid.lights.reflected`.
+    same_domain : bool
+        Neighbour and receiver are one point.
+    """
+
+    world: World
+    points: SurfacePoints
+    world_from: World
+    points_from: SurfacePoints
+    reservoirs: Reservoirs
+    rows: Indices
+    lights_from: Indices
+    chance: Chance
+    same_domain: bool = False
+
+    def shifted(self, at: Indices) -> Shifted:
+        """Values of the neighbours' points at the receivers.
+
+        Parameters
+        ----------
+        at : (A,) int
+            Receivers, none without a neighbour.
+
+        Returns
+        -------
+        (A, 3), (A,) float64
+            Value, and Jacobian 1.
+        """
+        lights = take(self.reservoirs.y, self.rows[at])
+        value = reflected(self.world, take(self.points, at), lights, self.chance)
+        return value, np.ones(len(at))
+
+    def inverse(self, samples: LightPoints, at: Indices) -> Shifted:
+        """Values of the receivers' points at their neighbours.
+
+        Parameters
+        ----------
+        samples : LightPoints
+            K rows, at the receivers.
+        at : (A,) int
+            Which of them, none without a neighbour.
+
+        Returns
+        -------
+        (A, 3), (A,) float64
+            Value in the neighbours' scene, and Jacobian 1.
+        """
+        points = take(self.points_from, self.rows[at])
+        lights = renumbered(take(samples, at), self.lights_from)
+        value = reflected(self.world_from, points, lights, self.chance)
+        return value, np.ones(len(at))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class History:
+    """The last frame's cache, for all vertices of this frame.
+
+    Attributes
+    ----------
+    cache : Cache
+        Of the last frame.
+    reservoirs : Reservoirs
+        Of the cache, in this frame's list of lights; samples know their cells.
+    lights_from : (E,) int64
+        For each light of this frame its row in the last frame's list.
+    """
+
+    cache: Cache
+    reservoirs: Reservoirs
+    lights_from: Indices
+
+
+def history_of(cache: Cache, world: World) -> History:
+    """Prepare a cache for a frame: lights come and go, and change their numbers.
+
+    Parameters
+    ----------
+    cache : Cache
+        Of the frame before.
+    world : World
+        The scene as it is.
+
+    Returns
+    -------
+    History
+        Once for all vertices.
+    """
+    grid, then, now = cache.grid, cache.world.emitters, world.emitters
+    cell = np.zeros(len(cache.points), np.int64)
+    cell[grid.cell_storage] = np.repeat(grid.slot + 1, grid.counters)
+    lights = renumbered(cache.reservoirs.y, same_lights(then, now))
+    reservoirs = replace(cache.reservoirs, y=replace(lights, cell=cell))
+    return History(cache, reservoirs, same_lights(now, then))

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from extensions.connection import CRITERIA
 from extensions.method import METHOD
+from extensions.pt_settings import CRITERIA
 from reference.arrays import Masks
 from reference.demo.score import relative_bias
 from reference.figures.bootstrap import mean_interval, ratio_interval

@@ -4,11 +4,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hashgrid.grid import BUCKET, Grid
-from hashgrid.keys import edges, jittered, keys_of, levels
+from hashgrid.grid import BUCKET, Grid, edges, jittered, keys_of, levels
 from hashgrid.light_method import METHOD
 from hashgrid.report import occupancy
-from hashgrid.vertex_numbers import of_vertices
 from hashgrid.world_reservoirs import LightFrame, render_light_frames
 from reference.arrays import Indices, Masks, Vec3s
 from reference.display import Bytes
@@ -25,7 +23,7 @@ from reference.figures.paths import sized_world
 from reference.figures.record import PaperFigure, Row, Work
 from reference.figures.registry import Entry
 from reference.images import to_image
-from reference.rng import Stream, pcg4d, to_unit_interval
+from reference.rng import KeyedUniforms, Stream, pcg4d, to_unit_interval
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.axes import Axes
@@ -117,10 +115,11 @@ def _tiles(frame: LightFrame, work: Work, first: bool) -> list[Tile]:
     lattice, visible = frame.cache.lattice, frame.visible
     level = levels(lattice, visible.surface.position)
     seen = visible.surface.hit
-    u = of_vertices(np.arange(len(seen)), 0, 1, 0, Stream.CELLS).draw(0)
+    pixel = np.arange(len(seen), dtype=np.uint32)
+    u = KeyedUniforms(pixel, 1, 0, Stream.CELLS).draw(0)
     x, n = visible.surface.position, visible.surface.normal
-    own = keys_of(lattice, x, n).checksum
-    moved = keys_of(lattice, jittered(lattice, x, n, u), n).checksum
+    own = keys_of(lattice, x, n).hashes
+    moved = keys_of(lattice, jittered(lattice, x, n, u), n).hashes
     source = _source(frame)
     least, most = edges(np.array([level[seen].min(), level[seen].max()]))
     pictures = [
@@ -159,7 +158,7 @@ def _levels(level: Indices, seen: Masks) -> Vec3s:
 
 def _by_name(name: Indices, there: Masks) -> Vec3s:
     """A colour that hangs on a number alone."""
-    key = np.asarray(name, np.int64).astype(np.uint32)
+    key = np.asarray(name).astype(np.uint32)
     zero = np.zeros_like(key)
     r, g, b, _ = (to_unit_interval(word) for word in pcg4d(key, zero, zero, zero))
     colors: Vec3s = 0.15 + 0.8 * np.stack([r, g, b], axis=1)
@@ -172,7 +171,7 @@ def _image(rows: Vec3s, size: int) -> Bytes:
 
 
 def _histograms(left: "Axes", right: "Axes", name: str, color: str, grid: Grid) -> None:
-    counts = grid.counts
+    counts = grid.counters
     bins = 2.0 ** np.arange(np.ceil(np.log2(counts.max() + 1)) + 1)
     sizes, _ = np.histogram(counts, bins)
     left.step(bins[:-1], np.maximum(sizes, 0), where="post", color=color, label=name)

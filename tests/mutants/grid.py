@@ -245,8 +245,8 @@ PATH_MUTANTS = [
         "the pixel's own way on is not among the candidates",
         (),
         BOUNCE,
-        "canonical = PointDonor(m.shift, *now, *now, own, here, same_domain=True)",
-        "canonical = PointDonor(m.shift, *now, *now,"
+        "canonical = PathNeighbor(m.shift, *now, *now, own, here, same_domain=True)",
+        "canonical = PathNeighbor(m.shift, *now, *now,"
         " replace(own, W=own.W * (own.y.joint == 2)), here, same_domain=True)",
     ),
 ]

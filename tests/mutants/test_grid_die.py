@@ -3,11 +3,11 @@
 from dataclasses import replace
 from functools import partial
 
+import hashgrid.cache
 import numpy as np
 import pytest
-
-import hashgrid.cache
 from hashgrid.keys import Keys
+
 from hashgrid.light_settings import LightSettings
 from hashgrid.path_settings import CellSettings
 from reference.schedule import Schedule

@@ -4,14 +4,14 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 import pytest
+from hashgrid.hashes import nested, pcg, xxhash
+from hashgrid.keys import Keys, Lattice, edges, jittered, keys_of, lattice_of, levels
+from hashgrid.visits import visits
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hashgrid.grid import BUCKET, NOWHERE, build_grid, find_cells
-from hashgrid.hashes import nested, pcg, xxhash
-from hashgrid.keys import Keys, Lattice, edges, jittered, keys_of, lattice_of, levels
 from hashgrid.report import occupancy
-from hashgrid.visits import visits
 from reference.arrays import dot, normalize
 from reference.records import NONE, take
 from reference.scene.camera import Camera

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.testing import assert_array_equal
-
 from hashgrid.cache import fill, find, homes
 from hashgrid.keys import lattice_of
+from numpy.testing import assert_array_equal
+
 from hashgrid.light_settings import LightSettings
 from hashgrid.lights import GONE, draw_lights, in_sight, reflected, same_lights
 from hashgrid.world_reservoirs import render_light_frames

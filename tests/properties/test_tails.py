@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import hashgrid.bounce
-from extensions.connection import CRITERIA
+from extensions.pt_settings import CRITERIA
 from extensions.shifting import Shift
 from hashgrid.bounce import Bounces
 from hashgrid.path_settings import CellSettings

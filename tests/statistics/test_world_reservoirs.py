@@ -9,11 +9,11 @@ its tiles, and one of candidates with 1e-4: `tests.statistics.path_runs`.
 
 from dataclasses import replace
 
+import hashgrid.light_candidates
 import numpy as np
 import pytest
-
-import hashgrid.light_candidates
 from hashgrid.light_donor import LightDonor
+
 from hashgrid.light_settings import LightSettings
 from hashgrid.lights import draw_lights, reflected
 from hashgrid.world_reservoirs import render_light_frames

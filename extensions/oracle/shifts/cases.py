@@ -5,10 +5,11 @@ from functools import cache
 
 import numpy as np
 
-from extensions.connection import CRITERIA, Criterion
 from extensions.oracle.shifts.passes import SHIFT
 from extensions.oracle.shifts.rows import buffers, eventful
 from extensions.oracle.shifts.stage import frame_of
+from extensions.pt_settings import CRITERIA
+from extensions.shifting import Criterion
 from reference.oracle.buffers import given
 from reference.oracle.cases import Case
 from reference.oracle.contract.fields import Precision, Value, dtype_of

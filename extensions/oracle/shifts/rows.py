@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from extensions.connection import Criterion
 from extensions.oracle.shifts.stage import Frame
 from extensions.oracle.shifts.tables import (
     columns,
@@ -15,8 +14,7 @@ from extensions.oracle.shifts.tables import (
     lights,
 )
 from extensions.oracle.shifts.walks import at_slot, walked
-from extensions.paths import Paths
-from extensions.shifting import Shift
+from extensions.shifting import Criterion, Paths, Shift
 from reference.arrays import Indices, Masks
 from reference.oracle.cases import Buffers
 from reference.records import take

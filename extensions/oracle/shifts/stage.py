@@ -6,8 +6,7 @@ from functools import cache
 import numpy as np
 
 from extensions.candidates import draw_paths
-from extensions.connection import Criterion
-from extensions.paths import Paths
+from extensions.shifting import Criterion, Paths
 from reference.arrays import Indices
 from reference.passes.gbuffer import visible_points
 from reference.rng import KeyedUniforms, Stream, Uniforms

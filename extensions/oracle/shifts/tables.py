@@ -5,10 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from extensions.connection import NEVER_JOINED, Criterion, segment
 from extensions.oracle.shifts.stage import Frame
 from extensions.oracle.shifts.walks import Walk
-from extensions.paths import Paths, Technique
+from extensions.shifting import NEVER_JOINED, Criterion, Paths, Technique, segment
 from reference.arrays import Masks, Scalars, Vec3s, dot
 from reference.direct_light import choose_light, met_lights
 from reference.light_shares import share_of_chance

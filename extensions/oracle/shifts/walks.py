@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-from extensions.connection import Criterion
-from extensions.walking import Leaving, Step, arrive, leave, start
+from extensions.shifting import Criterion, Leaving, Step, arrive, leave, start
 from reference.arrays import Indices, Vec3s
 from reference.records import where
 from reference.rng import Uniforms
