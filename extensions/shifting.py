@@ -8,8 +8,8 @@ vertex is tested on the offset path as it was on the base path: so the shift bac
 to where it came from, or does not exist.
 
 The page follows that order: the record of a path, the reconnection criterion, one
-vertex of random replay, the shift.  Paths are x_1 - x_2 - ... - x_end - light, where the
-pixel sees x_1, and c is the index of the reconnection vertex.
+vertex of random replay, the shift.  Paths are x_1 - x_2 - ... - x_end - light, where
+the pixel sees x_1, and c is the index of the reconnection vertex.
 """
 
 from collections.abc import Callable

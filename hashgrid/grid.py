@@ -196,7 +196,7 @@ class Keys:
         Each is h(level + h(x + h(y + h(z + h(facing))))) of the lower 32 bits of the
         fields, modulo 2³²; a checksum is at least 1, and 0 marks a free slot.
         """
-        bucket = checksum = np.zeros(len(self), np.uint32)
+        bucket = checksum = np.zeros(len(self.level), np.uint32)
         for field in (self.facing, self.z, self.y, self.x, self.level):
             word = (field.astype(np.int64) & 0xFFFFFFFF).astype(np.uint32)
             bucket, checksum = pcg(word + bucket), xxhash(word + checksum)
@@ -373,56 +373,61 @@ def build_grid(keys: Keys, active: Masks, buckets: int = BUCKETS) -> Grid:
     [Boisse21, Alg. 2], whose prefix sum leaves the cell itself out.  On a GPU the order
     of atomic additions decides; here the number of the vertex does.
     """
-    # Line 1: for each vertex; those of one cell are put side by side.
+    # Line 1: foreach vertex.
     v = np.flatnonzero(active)
-    order, first = side_by_side(take(keys, v))
-    v, head, cell = v[order], np.flatnonzero(first), np.cumsum(first) - 1
-    # Line 4: FindOrInsertCell.  A cell is inserted when its first vertex comes.
-    cells = take(keys, v[head])
-    hashes = cells.hashes
-    slot = free_slots((hashes >> np.uint64(32)) % np.uint64(buckets), v[head])
+    # Line 4: FindOrInsertCell.  The vertices of a cell now follow each other.
+    order, head, slot = find_or_insert(take(keys, v), buckets)
+    v, size = v[order], np.diff(np.append(head, len(order)))
     kept = np.flatnonzero(slot != NOWHERE)
     kept = kept[np.argsort(slot[kept], kind="stable")]
-    cell_of = np.full(len(head), NOWHERE)
-    cell_of[kept] = np.arange(len(kept))
-    cell_index = cell_of[cell]
-    # Line 5: atom_inc gives each vertex the count before it.
-    index_in_cell = np.arange(len(v)) - head[cell]
-    cell_counters = np.diff(np.append(head, len(v)))[kept]
-    # Line 6: the append buffer holds what has found a cell.
-    appended = np.flatnonzero(cell_index != NOWHERE)
+    cell = np.full(len(slot), NOWHERE)
+    cell[kept] = np.arange(len(kept))
+    cell_index = np.repeat(cell, size)
+    # Line 5: atom_inc returns to each vertex the count before it.
+    index_in_cell = np.arange(len(v)) - np.repeat(head, size)
+    cell_counters = size[kept]
+    # Line 6: what has found a cell is appended.
+    found = cell_index != NOWHERE
+    append_buffer = v[found], cell_index[found], index_in_cell[found]
     # Line 7: ParallelPrefixSum.
     index_buffer = np.concatenate([[0], np.cumsum(cell_counters)])
-    # Lines 8 to 11: scatter.
-    base_offset = index_buffer[cell_index[appended]]
-    scatter_offset = base_offset + index_in_cell[appended]
-    cell_storage = np.empty(len(appended), np.int64)
-    cell_storage[scatter_offset] = v[appended]
-    by_hash = np.argsort(hashes[kept], kind="stable")
+    # Lines 8 to 11: foreach triplet.
+    base_offset = index_buffer[append_buffer[1]]
+    scatter_offset = base_offset + append_buffer[2]
+    cell_storage = np.empty(len(scatter_offset), np.int64)
+    cell_storage[scatter_offset] = append_buffer[0]
+    cells = take(keys, v[head[kept]])
+    by_hash = np.argsort(cells.hashes, kind="stable")
     return Grid(
         buckets=buckets,
-        cells=take(cells, kept),
+        cells=cells,
         slot=slot[kept].astype(np.int32),
         index_buffer=index_buffer,
         cell_storage=cell_storage,
-        lost=len(v) - len(appended),
-        hashes=hashes[kept][by_hash],
+        lost=len(v) - len(cell_storage),
+        hashes=cells.hashes[by_hash],
         by_hash=by_hash.astype(np.int32),
     )
 
 
-def side_by_side(keys: Keys) -> tuple[Indices, Masks]:
-    """Order in which rows of one cell follow each other, and where a cell begins.
+def find_or_insert(keys: Keys, buckets: int) -> tuple[Indices, Indices, Indices]:
+    """Cells of vertices that come one after the other, and the slots that they find.
 
     Parameters
     ----------
     keys : Keys
-        N rows.
+        Cells of N vertices.
+    buckets : int
+        How many of 16 slots each.
 
     Returns
     -------
-    (N,) int, (N,) bool
-        Rows of a cell are in rising order.
+    order : (N,) int
+        Vertices cell by cell, in rising order within each.
+    head : (C,) int
+        Where in this order a cell begins.
+    slot : (C,) int64
+        Bucket · 16 + slot in the bucket, or ``NOWHERE`` where it was full.
     """
     hashes = keys.hashes
     order = np.argsort(hashes, kind="stable")
@@ -430,44 +435,26 @@ def side_by_side(keys: Keys) -> tuple[Indices, Masks]:
     if np.any(first[1:] & (np.diff(hashes[order]) == 0)):
         # Other cells of one hash: so rare that only then all fields are sorted.
         fields = (keys.facing, keys.z, keys.y, keys.x, keys.level, hashes)
-        order = np.lexsort((np.arange(len(keys)), *fields))
+        order = np.lexsort((np.arange(len(order)), *fields))
         first = _first_of_each(take(keys, order))
-    return order, first
+    head = np.flatnonzero(first)
+    # A cell takes the next slot of its bucket when its first vertex comes.
+    came = order[head]
+    bucket = (hashes[came] >> np.uint64(32)).astype(np.int64) % buckets
+    turn = np.lexsort((came, bucket))
+    fresh = np.append(True, np.diff(bucket[turn]) != 0)[: len(turn)]
+    begin = np.flatnonzero(fresh)
+    rank = np.arange(len(turn)) - begin[np.cumsum(fresh) - 1]
+    slot = np.empty(len(head), np.int64)
+    slot[turn] = np.where(rank < BUCKET, bucket[turn] * BUCKET + rank, NOWHERE)
+    return order, head, slot
 
 
 def _first_of_each(keys: Keys) -> Masks:
     """Whether a row is of another cell than the one before it."""
-    first, last = np.ones(len(keys), bool), max(len(keys) - 1, 0)
+    first, last = np.ones(len(keys.x), bool), max(len(keys.x) - 1, 0)
     first[1:] = ~cut(keys, slice(1, None)).same(cut(keys, slice(0, last)))
     return first
-
-
-def free_slots(bucket: Indices, came: Indices) -> Indices:
-    """Slots that cells find when they come one after the other.
-
-    Parameters
-    ----------
-    bucket : (C,) int
-        Of each cell.
-    came : (C,) int
-        Its first vertex.
-
-    Returns
-    -------
-    (C,) int64
-        Bucket · 16 + slot in the bucket, or ``NOWHERE`` where it is full.
-    """
-    order = np.lexsort((came, bucket))
-    sorted_buckets = bucket[order].astype(np.int64)
-    fresh = np.ones(len(order), bool)
-    fresh[1:] = sorted_buckets[1:] != sorted_buckets[:-1]
-    heads = np.flatnonzero(fresh)
-    sizes = np.diff(np.append(heads, len(order)))
-    rank = np.arange(len(order)) - np.repeat(heads, sizes)
-    there = sorted_buckets * BUCKET + rank
-    slot = np.empty(len(order), np.int64)
-    slot[order] = np.where(rank < BUCKET, there, NOWHERE)
-    return slot
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -592,13 +579,10 @@ def find_cells(grid: Grid, keys: Keys) -> Indices:
     (Q,) int64
         Row of the cell, or ``NOWHERE``.
     """
-    found = np.full(len(keys), NOWHERE)
-    if len(grid) == 0:
-        return found
     wanted = keys.hashes
-    at = np.searchsorted(grid.hashes, wanted)
+    found, at = np.full(len(wanted), NOWHERE), np.searchsorted(grid.hashes, wanted)
     # Cells of one hash follow each other: as a rule there is one.
-    open_rows = np.flatnonzero(at < len(grid))
+    open_rows = np.flatnonzero(at < len(grid.hashes))
     while len(open_rows):
         here = grid.by_hash[at[open_rows]]
         alike = grid.hashes[at[open_rows]] == wanted[open_rows]
@@ -606,7 +590,7 @@ def find_cells(grid: Grid, keys: Keys) -> Indices:
         found[open_rows[same]] = here[same]
         open_rows = open_rows[alike & ~same]
         at[open_rows] += 1
-        open_rows = open_rows[at[open_rows] < len(grid)]
+        open_rows = open_rows[at[open_rows] < len(grid.hashes)]
     return found
 
 
@@ -635,11 +619,11 @@ def visits(grid: Grid, cells: Indices, u: Scalars, most: int) -> list[Indices]:
     Strides of n / most, rounded down, from a place that is drawn evenly: places differ
     as long as there are enough of them, and all have the same chance.
     """
-    if len(grid) == 0:
+    if len(grid.cell_storage) == 0:
         return [np.full(len(cells), NONE)] * most
     cell = np.maximum(cells, 0)
     first = grid.index_buffer[cell]
-    count = np.where(cells == NOWHERE, 0, grid.counters[cell])
+    count = np.where(cells == NOWHERE, 0, grid.index_buffer[cell + 1] - first)
     offset = np.minimum((u * count).astype(np.int64), np.maximum(count - 1, 0))
     found = []
     for k in range(most):

@@ -10,7 +10,6 @@ from typing import Literal
 
 import numpy as np
 
-from extensions.shifting import roughness
 from reference.arrays import Indices, Masks, Scalars, Vec3s, zero_vectors
 from reference.direct_light import met_lights
 from reference.light_shares import share_of_chance, share_of_choice
@@ -216,23 +215,26 @@ def hits_count(world: World, bsdf: BsdfSamples, chance: Chance) -> Masks:
     return (bsdf.delta | (chance == "balance")) & able
 
 
-def renumbered(lights: LightPoints, rows: Indices) -> LightPoints:
+def renumbered(
+    lights: LightPoints, before: Emitters | None, now: Emitters | None
+) -> LightPoints:
     """Points on lights by the list of another frame.
 
     Parameters
     ----------
     lights : LightPoints
         N rows.
-    rows : (E,) int64
-        Row of each light in the other list, or ``GONE``: of `same_lights`.
+    before, now : Emitters or None
+        Lights of two frames of one animation.
 
     Returns
     -------
     LightPoints
-        N rows.
+        N rows; `GONE` where the other frame has no such light.
     """
     # One entry more than there are lights: a light that is gone stays gone.
-    return replace(lights, light=np.append(rows, GONE)[lights.light])
+    row = np.append(same_lights(before, now), GONE)[lights.light]
+    return replace(lights, light=row)
 
 
 def same_lights(before: Emitters | None, now: Emitters | None) -> Indices:
@@ -271,23 +273,3 @@ def same_lights(before: Emitters | None, now: Emitters | None) -> Indices:
 def _others(emitters: Emitters) -> tuple[int, int, int]:
     sky = emitters.environment is not None
     return len(emitters.position), len(emitters.direction), int(sky)
-
-
-def reusable(world: World, points: SurfacePoints) -> Masks:
-    """Whether vertices receive light from points that others may take over.
-
-    Parameters
-    ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        K points.
-
-    Returns
-    -------
-    (K,) bool
-        False for misses, for what scatters into single directions alone, and for rough
-        dielectrics, whose light is not reused.
-    """
-    able: Masks = roughness(world.materials, points) >= 0
-    return able

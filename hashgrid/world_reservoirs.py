@@ -12,6 +12,7 @@ from functools import partial
 
 import numpy as np
 
+from extensions.shifting import roughness
 from hashgrid.grid import Cache, insert, lattice_of, look_up, vertex_uniforms
 from hashgrid.light_settings import LightSettings
 from hashgrid.lights import (
@@ -23,8 +24,6 @@ from hashgrid.lights import (
     light_samples,
     reflected,
     renumbered,
-    reusable,
-    same_lights,
 )
 from reference.arrays import Indices, Vec3s, dot, zero_vectors
 from reference.direct_light import sees_light
@@ -131,7 +130,7 @@ def next_frame(
     [Boisse21, section 3].
     """
     world, s = frame.world, frame.settings
-    history = history_of(last.cache, world) if last and s.cells else None
+    history = carried(last.cache, world) if last and s.cells else None
     color, visited = zero_vectors(frame.pixels), []
     x = Vertices(
         np.arange(frame.pixels), frame.visible.surface, 1.0 + zero_vectors(frame.pixels)
@@ -154,7 +153,8 @@ def next_frame(
         lattice_of(world.camera, s.facings),
         paths.points,
         concatenate([reservoirs for _, _, reservoirs in visited]),
-        reusable(world, paths.points) & (s.cells > 0),
+        # Light in single directions is not reused, nor that of rough dielectrics.
+        (roughness(world.materials, paths.points) >= 0) & (s.cells > 0),
         vertex_uniforms(frame, paths.pixel, vertex, Stream.CELLS),
     )
     return LightFrame(
@@ -202,7 +202,7 @@ class Visited:
 
 def visit(
     frame: FrameContext[LightSettings],
-    history: "History | None",
+    history: Cache | None,
     v: int,
     vertices: Vertices,
     rows: slice,
@@ -213,8 +213,8 @@ def visit(
     ----------
     frame : FrameContext
         This frame.
-    history : History or None
-        What the last frame left.
+    history : Cache or None
+        Of the last frame.
     v : int
         Number of the vertices, from 1.
     vertices : Vertices
@@ -300,7 +300,7 @@ def ris(frame: FrameContext[LightSettings], v: int, vertices: Vertices) -> Reser
 
 def reuse(
     frame: FrameContext[LightSettings],
-    history: "History",
+    history: Cache,
     v: int,
     vertices: Vertices,
     r: Reservoirs,
@@ -311,8 +311,8 @@ def reuse(
     ----------
     frame : FrameContext
         This frame.
-    history : History
-        What the last frame left.
+    history : Cache
+        Of the last frame.
     v : int
         Number of the vertices.
     vertices : Vertices
@@ -329,9 +329,9 @@ def reuse(
     -----
     [Boisse21, section 3], with MIS weights of [Lin22].
     """
-    s, cache = frame.settings, history.cache
+    s = frame.settings
     uniforms = vertex_uniforms(frame, vertices.pixel, v, Stream.CELLS)
-    found = look_up(cache, vertices.points, uniforms, s.cells, s.reuse)
+    found = look_up(history, vertices.points, uniforms, s.cells, s.reuse)
     canonical = LightNeighbor(
         world=frame.world,
         points=vertices.points,
@@ -339,14 +339,13 @@ def reuse(
         points_from=vertices.points,
         reservoirs=r,
         rows=np.arange(len(r.M)),
-        lights_from=history.lights_from,
         chance=s.chance,
         same_domain=True,
     )
     in_cells = replace(
         canonical,
-        world_from=cache.world,
-        points_from=cache.points,
+        world_from=history.world,
+        points_from=history.points,
         reservoirs=history.reservoirs,
         same_domain=False,
     )
@@ -369,8 +368,6 @@ class LightNeighbor:
         N rows of `LightPoints`, in the receivers' list of lights.
     rows : (K,) int
         Row that each receiver resamples, or ``NONE``.
-    lights_from : (E,) int64
-        For each light of the receivers its row in the neighbours' list.
     chance : 'delta-lobes' or 'balance'
         As of `hashgrid.lights.reflected`.
     same_domain : bool
@@ -383,7 +380,6 @@ class LightNeighbor:
     points_from: SurfacePoints
     reservoirs: Reservoirs
     rows: Indices
-    lights_from: Indices
     chance: Chance
     same_domain: bool = False
 
@@ -420,32 +416,14 @@ class LightNeighbor:
             Value in the neighbours' scene, and Jacobian 1.
         """
         points = take(self.points_from, self.rows[at])
-        lights = renumbered(take(samples, at), self.lights_from)
+        now, then = self.world.emitters, self.world_from.emitters
+        lights = renumbered(take(samples, at), now, then)
         value = reflected(self.world_from, points, lights, self.chance)
         return value, np.ones(len(at))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class History:
-    """The last frame's cache, for all vertices of this frame.
-
-    Attributes
-    ----------
-    cache : Cache
-        Of the last frame.
-    reservoirs : Reservoirs
-        Of the cache, in this frame's list of lights; samples know their cells.
-    lights_from : (E,) int64
-        For each light of this frame its row in the last frame's list.
-    """
-
-    cache: Cache
-    reservoirs: Reservoirs
-    lights_from: Indices
-
-
-def history_of(cache: Cache, world: World) -> History:
-    """Prepare a cache for a frame: lights come and go, and change their numbers.
+def carried(cache: Cache, world: World) -> Cache:
+    """A cache for the frame after it, in which lights have come and gone.
 
     Parameters
     ----------
@@ -456,12 +434,11 @@ def history_of(cache: Cache, world: World) -> History:
 
     Returns
     -------
-    History
-        Once for all vertices.
+    Cache
+        Samples by this frame's list of lights; they know their cells.
     """
-    grid, then, now = cache.grid, cache.world.emitters, world.emitters
-    cell = np.zeros(len(cache.points), np.int64)
-    cell[grid.cell_storage] = np.repeat(grid.slot + 1, grid.counters)
-    lights = renumbered(cache.reservoirs.y, same_lights(then, now))
-    reservoirs = replace(cache.reservoirs, y=replace(lights, cell=cell))
-    return History(cache, reservoirs, same_lights(now, then))
+    grid, r = cache.grid, cache.reservoirs
+    cell = np.zeros(len(r.M), np.int64)
+    cell[grid.cell_storage] = np.repeat(grid.slot + 1, np.diff(grid.index_buffer))
+    lights = renumbered(r.y, cache.world.emitters, world.emitters)
+    return replace(cache, reservoirs=replace(r, y=replace(lights, cell=cell)))
