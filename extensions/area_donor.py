@@ -86,23 +86,23 @@ class AreaShift:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class AreaDonor:
-    """Donors and receivers that are pixels with an area.
+class AreaNeighbor:
+    """Pixels with an area, whose reservoirs others resample.
 
     Attributes
     ----------
     shift : AreaShift
-        From the donors to the K receivers.
+        From the neighbours to the K receivers.
     pixel : (K,) int
         Rows of the image that the receivers are.
     reservoirs : Reservoirs
         N rows of `AreaPaths`, a pixel each.
     rows : (K,) int
-        Row that is offered to each pixel, or ``NONE``.
+        Row that each receiver resamples, or ``NONE``.
     dx, dy : (K,) float64, pixels
-        How far places move from the donor to the receiver, if x_1 moves.
+        How far places move from the neighbour to the receiver, if x_1 moves.
     same_domain : bool
-        Donor and receiver are one pixel of one image, and nothing is shifted.
+        Neighbour and receiver are one pixel of one image: nothing is shifted.
     """
 
     shift: AreaShift
@@ -114,12 +114,12 @@ class AreaDonor:
     same_domain: bool = False
 
     def shifted(self, at: Indices) -> tuple[Placed, Scalars]:
-        """Values of the donors' paths at the receivers.
+        """The neighbours' paths, shifted to the receivers.
 
         Parameters
         ----------
         at : (A,) int
-            Receivers, none without a donor.
+            Receivers, none without a neighbour.
 
         Returns
         -------
@@ -130,14 +130,14 @@ class AreaDonor:
         return self.shift(samples, self.pixel[at], self.dx[at], self.dy[at])
 
     def inverse(self, samples: Any, at: Indices) -> tuple[Placed, Scalars]:
-        """Values of the receivers' paths at their donors.
+        """The receivers' paths, shifted back to their neighbours.
 
         Parameters
         ----------
         samples : AreaPaths
             K rows, at the receivers.
         at : (A,) int
-            Which of them, none without a donor.
+            Which of them, none without a neighbour.
 
         Returns
         -------

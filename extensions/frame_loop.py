@@ -63,13 +63,17 @@ def path_frames(
 ) -> Iterator[OfPaths]:
     """Frames of whole paths, without end; arguments as of `reference.frame.frames`.
 
-    A frame before which shapes or lights have moved begins anew: the paths of the last
-    one are of another scene.
+    Where shapes or lights have moved, a frame has no history: the paths of the last one
+    are of another scene.
     """
 
-    def anew_if_moved(frame: FrameContext[Settings], last: OfPaths | None) -> OfPaths:
+    def without_history_if_moved(
+        frame: FrameContext[Settings], last: OfPaths | None
+    ) -> OfPaths:
         if last and not same_but_for_the_camera(last.world.scene, frame.world.scene):
             last = None
         return next_frame(frame, last)
 
-    return frames(anew_if_moved, world, settings, bounces, seed, schedule, animation)
+    return frames(
+        without_history_if_moved, world, settings, bounces, seed, schedule, animation
+    )

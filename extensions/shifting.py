@@ -211,7 +211,7 @@ def segment(
     x_from: SurfacePoints,
     x_to: SurfacePoints,
 ) -> tuple[SurfacePoints, Segment]:
-    """Look from one point to another, and measure the way.
+    """The segment from one point to another, as the first point sees it.
 
     Parameters
     ----------
@@ -228,8 +228,7 @@ def segment(
         The second, as the first sees it: ``wo`` looks back.  The direction is that from
         point to point; a ray's differs by the rounding of its hit.
     Segment
-        The same for whoever measures it, base path or offset path; not joinable where
-        a point is a miss.
+        The same for base path and offset path; not joinable where a point is a miss.
     """
     x_s = contact(geometry, x_to)
     omega, distance = direction_and_distance(x_from.position, x_s)

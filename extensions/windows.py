@@ -87,12 +87,12 @@ def resample_past(
     settings: PathSettings,
     target: Target,
 ) -> Reservoirs:
-    """Choose among the windows of each area's past, and what is new.
+    """Resample the windows of each area's history, and what is new.
 
     Parameters
     ----------
     own : Neighbor
-        The new samples; stands.
+        The new samples, in their own domain.
     before : list of Neighbor
         Of the last frame.
     shares : list of (K,)
@@ -109,9 +109,9 @@ def resample_past(
     Reservoirs
         K rows.
     """
-    trust = own.reservoirs.M
-    for donor, share in zip(before, shares, strict=True):
+    M = own.reservoirs.M
+    for q_n, share in zip(before, shares, strict=True):
         # Windows are parts of one area: what they know of it are means, not sums.
-        trust = trust + donor.reservoirs.M[np.maximum(donor.rows, 0)] * share
+        M = M + q_n.reservoirs.M[np.maximum(q_n.rows, 0)] * share
     kept = resample([*before, own], decisions, settings.mis, np.inf, target)
-    return cap_confidence(replace(kept, M=trust), settings.temporal_cap)
+    return cap_confidence(replace(kept, M=M), settings.temporal_cap)

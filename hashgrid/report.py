@@ -1,4 +1,4 @@
-"""What became of a grid: how full it is, and how far one has to look."""
+"""Statistics of a grid: how full it is, and how many slots a look-up reads."""
 
 from dataclasses import dataclass
 

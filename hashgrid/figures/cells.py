@@ -1,4 +1,4 @@
-"""Cells of the grid: how large, how full, and whose samples pixels take."""
+"""Cells of the grid: how large, how full, and whose samples pixels reuse."""
 
 from typing import TYPE_CHECKING
 
@@ -33,7 +33,7 @@ NAME = "cells"
 SCENES = ("many-lights", "night-market", "cornell-box")
 BOUNCES = 2
 FRAMES = 6
-"""Until the cells have something to lend."""
+"""Until the cells are filled."""
 
 
 def cells(work: Work) -> PaperFigure:
@@ -52,7 +52,7 @@ def cells(work: Work) -> PaperFigure:
     found = {name: _last(name, work) for name in SCENES}
     return PaperFigure(
         NAME,
-        "Cells of the grid: sizes, borders, and whose samples pixels take",
+        "Cells of the grid: sizes, borders, and whose samples pixels reuse",
         _picture(found, work),
         tuple(_row(name, frame) for name, frame in found.items()),
         (
@@ -60,10 +60,10 @@ def cells(work: Work) -> PaperFigure:
             f" {BOUNCES} bounces: the grid holds the second and later points of all"
             " paths. A cell is some 16 pixels wide, rounded down to a power of two of"
             " a millimetre.",
-            "The last picture has the colour of the cell whose vertices lent the light"
+            "The last picture has the colour of the cell whose vertex held the light"
             " sample at the path's second point; black where the vertex kept what it"
             " drew itself, or nothing.",
-            f"Buckets have {BUCKET} places; 'probes' is how many of them a look-up"
+            f"Buckets have {BUCKET} slots; 'probes' is how many of them a look-up"
             " reads in the mean, 'shared' how many cells a grid would mix up that"
             " compares checksums alone.",
         ),

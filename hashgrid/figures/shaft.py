@@ -1,4 +1,4 @@
-"""Light by few ways: ReSTIR GI, ReSTIR PT, and paths that ask cells how to go on."""
+"""Light by few ways: ReSTIR GI, ReSTIR PT, and paths that look into cells."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -39,7 +39,7 @@ VARIANTS: dict[str, Method] = {
 
 
 def shaft(work: Work) -> PaperFigure:
-    """Error of paths that ask cells, and of screen-space reuse in the same time.
+    """Error of paths that look into cells, and of screen-space reuse in the same time.
 
     Parameters
     ----------

@@ -7,7 +7,7 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from extensions.area_donor import AreaDonor, AreaShift, kept_in_place
+from extensions.area_donor import AreaNeighbor, AreaShift, kept_in_place
 from extensions.area_restir import render_area_frames
 from extensions.area_settings import AreaSettings
 from extensions.frame_loop import path_shift
@@ -138,7 +138,7 @@ def donor_of(primary):
     """All pixels of the last frame offered to the pixels that their hits fall into."""
     last, frame = frames()
     shown = windows(frame, last, ROWS)[0]
-    return last, AreaDonor(
+    return last, AreaNeighbor(
         AreaShift(path_shift(frame), primary, last.world, frame.world),
         ROWS,
         last.reservoirs,
