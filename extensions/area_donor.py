@@ -28,10 +28,8 @@ class AreaShift:
 
     Attributes
     ----------
-    shift : Shift
-        Of all beyond x_1.
-    primary : 'move' or 'keep'
-        What becomes of x_1.
+    shift : Shift; of all beyond x_1
+    primary : 'move' or 'keep'; what becomes of x_1
     world_from, world_to : World
         In which the paths were made, and that to which they go.
     """
@@ -53,12 +51,8 @@ class AreaShift:
 
         Parameters
         ----------
-        samples : AreaPaths
-            N rows.
-        pixel : (N,) int
-            Rows of the image to which they go.
-        dx, dy : (N,) float64, pixels
-            How far places move, if x_1 moves.
+        pixel : (N,) int; rows of the image to which they go
+        dx, dy : (N,) float64, pixels; how far places move, if x_1 moves
 
         Returns
         -------
@@ -114,36 +108,12 @@ class AreaNeighbor:
     same_domain: bool = False
 
     def shifted(self, at: Indices) -> tuple[Placed, Scalars]:
-        """The neighbours' paths, shifted to the receivers.
-
-        Parameters
-        ----------
-        at : (A,) int
-            Receivers, none without a neighbour.
-
-        Returns
-        -------
-        Placed, (A,) float64
-            As of `AreaShift`.
-        """
+        """The neighbours' paths at the receivers ``at``, which all have one, (A,)."""
         samples = take(self.reservoirs.y, self.rows[at])
         return self.shift(samples, self.pixel[at], self.dx[at], self.dy[at])
 
     def inverse(self, samples: Any, at: Indices) -> tuple[Placed, Scalars]:
-        """The receivers' paths, shifted back to their neighbours.
-
-        Parameters
-        ----------
-        samples : AreaPaths
-            K rows, at the receivers.
-        at : (A,) int
-            Which of them, none without a neighbour.
-
-        Returns
-        -------
-        Placed, (A,) float64
-            As of `AreaShift`.
-        """
+        """The receivers' paths ``at`` back at their neighbours, (A,)."""
         some = take(samples, at)
         return self.shift.back(some, self.rows[at], -self.dx[at], -self.dy[at])
 
@@ -155,15 +125,12 @@ def kept_in_place(
 
     Parameters
     ----------
-    world_from, world_to : World
-        Of the two cameras; nothing else has moved.
-    seen : SurfacePoints
-        N points that the first sees.
+    world_from, world_to : World; of the two cameras; nothing else has moved
+    seen : SurfacePoints; N points that the first sees
 
     Returns
     -------
-    x, y : (N,) float64, pixels
-        In the image of the second; NaN behind it.
+    x, y : (N,) float64, pixels; in the image of the second; NaN behind it
     jacobian : (N,) float64
         |∂(x, y)_to / ∂(x, y)_from|: both images' pixels per area at the point; 0
         behind the second.

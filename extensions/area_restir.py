@@ -32,26 +32,6 @@ def render_area_frames(
 ) -> Iterator[PathFrame]:
     """Frames of indirect light by ReSTIR over the area of each pixel, without end.
 
-    Parameters
-    ----------
-    world : World
-        The scene in frame 0.
-    settings : AreaSettings
-        The algorithm.
-    bounces : int
-        Bounces of indirect light, 1 to 30.
-    seed : int
-        Runs of different seeds are independent.
-    schedule : Schedule
-        Bands and threads; no influence on the result.
-    animation : Animation, optional
-        As of `path_frames`.
-
-    Returns
-    -------
-    iterator of PathFrame
-        Means over the areas of the pixels; samples are `AreaPaths`.
-
     Notes
     -----
     [Zhang24].  Which pixels are reused, and with what confidence, is decided by what
@@ -61,20 +41,7 @@ def render_area_frames(
 
 
 def next_frame(frame: FrameContext[AreaSettings], last: PathFrame | None) -> PathFrame:
-    """One frame: new paths, temporal and spatial reuse, and the picture.
-
-    Parameters
-    ----------
-    frame : FrameContext
-        This frame.
-    last : PathFrame or None
-        The one before, if there is one.
-
-    Returns
-    -------
-    PathFrame
-        With the next number.
-    """
+    """One frame: new paths, temporal and spatial reuse, and the picture."""
     kept = area_reused(frame, last, partial(area_drawn, frame))
     color = kept.y.paths.value * kept.W[:, None]
     return PathFrame(frame.number, frame.world, frame.visible, kept, color)
@@ -85,22 +52,7 @@ def area_reused(
     last: PathFrame | None,
     drawn: Callable[[slice], Reservoirs],
 ) -> Reservoirs:
-    """Temporal and spatial reuse over areas, as the settings say.
-
-    Parameters
-    ----------
-    frame : FrameContext
-        This frame.
-    last : PathFrame or None
-        The one before, if there is one.
-    drawn : callable
-        From some pixels to the paths that they draw anew.
-
-    Returns
-    -------
-    Reservoirs
-        Of `AreaPaths`, a pixel each.
-    """
+    """Temporal and spatial reuse over areas of what pixels have ``drawn``."""
     new, rows = drawn, frame.pixels
     if last is not None and frame.settings.temporal:
         new = partial(_temporal, frame, last, drawn)
@@ -112,20 +64,7 @@ def area_reused(
 
 
 def area_drawn(frame: FrameContext[AreaSettings], rows: slice) -> Reservoirs:
-    """Paths that the areas of pixels draw anew.
-
-    Parameters
-    ----------
-    frame : FrameContext
-        This frame.
-    rows : slice
-        K pixels.
-
-    Returns
-    -------
-    Reservoirs
-        Of `AreaPaths`, K rows; M = 1.
-    """
+    """Paths that the areas of K pixels draw anew; M = 1."""
     shift, number = path_shift(frame), frame.numbers(rows)
     tree = draw_area_paths(
         frame.world,

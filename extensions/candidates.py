@@ -39,18 +39,15 @@ def draw_paths(
 ) -> Candidates:
     """Draw a tree of paths from each visible point, and keep one by its light.
 
+    Paths of other lengths, or that end otherwise, are other integrals: each is drawn
+    once, so that w = p̂(u), the luminance of f / p, without a weight.
+
     Parameters
     ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        N visible points x_1.
+    points : SurfacePoints; N visible points x_1
     bounces : int
         Of indirect light, at least 1: surface points after x_1 that a path may visit.
-    criterion : Criterion
-        When points may be joined.
-    number : (N,) int64
-        Keys of the paths.
+    number : (N,) int64; keys of the paths
     uniforms : Uniforms
         N rows, made from these keys.  Vertex v takes dimension 2 (v - 1) for its
         direction and 2 (v - 1) + 1 for its light; lanes 3 choose within the tree.
@@ -59,11 +56,6 @@ def draw_paths(
     -------
     Candidates
         Of `Paths`; w is the light of the whole tree, M = 1 for trees without light.
-
-    Notes
-    -----
-    Paths of other lengths, or that end otherwise, are other integrals: each is drawn
-    once, so that w = p̂(u), the luminance of f / p, without a weight.
     """
     step, trunk = start(points), _Trunk(no_paths(points, number))
     kept: Candidates | None = None
@@ -123,20 +115,7 @@ class _Trunk:
 
 
 def no_paths(points: SurfacePoints, number: Indices) -> Paths:
-    """Paths without a light.
-
-    Parameters
-    ----------
-    points : SurfacePoints
-        N points, in place of those of the paths.
-    number : (N,) int64
-        Keys.
-
-    Returns
-    -------
-    Paths
-        N rows.
-    """
+    """Paths without a light, of keys ``number``, (N,), and any points."""
     size = len(number)
     none = np.zeros(size, np.int8)
     return Paths(
@@ -159,18 +138,14 @@ class Lights:
 
     Attributes
     ----------
-    technique : (N,) int8
-        How they were found.
-    joins : (N,) bool
-        The last point may be a reconnection vertex.
-    wi : (N, 3) float64
-        Unit directions to them.
+    technique : (N,) int8; how they were found
+    joins : (N,) bool; the last point may be a reconnection vertex
+    wi : (N, 3) float64; unit directions to them
     radiance : (N, 3) float64
         Radiance, over the density of the choice where they were chosen.
     reflected : (N, 3) float64, W/(m² sr)
         By the last point, over its density, and weighted.
-    pdf_light : (N,) float64, 1/sr
-        With which next-event estimation chooses them.
+    pdf_light : (N,) float64, 1/sr; with which next-event estimation chooses them
     pdf : (N,) float64, 1/sr
         With which the path chose its direction to the light, 1 where the light itself
         was chosen.
@@ -192,10 +167,6 @@ def find_lights(
 
     Parameters
     ----------
-    world : World
-        The scene.
-    step : Step
-        N paths at x_v.
     vertex : int
         v, of all of them.
     uniforms : Uniforms
@@ -247,20 +218,9 @@ def ended(step: Step, paths: Paths, vertex: int, lights: Lights) -> Paths:
 
     Parameters
     ----------
-    step : Step
-        N paths at x_v.
     paths : Paths
         What is known of them, ``incoming`` being the product of weights beyond the
         reconnection vertex.
-    vertex : int
-        v, of all of them.
-    lights : Lights
-        N rows.
-
-    Returns
-    -------
-    Paths
-        N rows.
     """
     size = len(step.points)
     end, value = np.full(size, vertex, np.int8), step.throughput * lights.reflected
@@ -300,15 +260,12 @@ def density_at(step: Step, pdf: Scalars) -> Scalars:
 
     Parameters
     ----------
-    step : Step
-        N paths at x_v, that came from x_(v-1).
-    pdf : (N,) float64, 1/sr
-        With which x_v is left; 1 where the light was chosen.
+    step : Step; N paths at x_v, that came from x_(v-1)
+    pdf : (N,) float64, 1/sr; with which x_v is left; 1 where the light was chosen
 
     Returns
     -------
-    (N,) float64
-        p(ω_(v-1)) cos φ_v / d² p(ω_v).
+    (N,) float64; p(ω_(v-1)) cos φ_v / d² p(ω_v)
     """
     assert step.came is not None
     density: Scalars = step.pdf * step.came.spread * pdf

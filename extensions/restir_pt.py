@@ -31,50 +31,24 @@ def render_path_frames(
     schedule: Schedule,
     animation: Animation | None = None,
 ) -> Iterator[PathFrame]:
-    """Frames of indirect light by ReSTIR PT, without end.
+    """Frames of indirect light by ReSTIR PT, without end [Lin22, section 6].
 
     Parameters
     ----------
-    world : World
-        The scene in frame 0.
-    settings : PathSettings
-        The algorithm.
-    bounces : int
-        Bounces of indirect light, 1 to 30.
-    seed : int
-        Runs of different seeds are independent.
-    schedule : Schedule
-        Bands and threads; no influence on the result.
-    animation : Animation, optional
-        As of `path_frames`.
+    world : World; the scene in frame 0
+    bounces : int; bounces of indirect light, 1 to 30
+    seed : int; runs of different seeds are independent
+    schedule : Schedule; bands and threads; no influence on the result
 
     Returns
     -------
-    iterator of PathFrame
-        Each pixel's path begins at what its centre sees.
-
-    Notes
-    -----
-    [Lin22, section 6].
+    iterator of PathFrame; each pixel's path begins at what its centre sees
     """
     return path_frames(next_frame, world, settings, bounces, seed, schedule, animation)
 
 
 def next_frame(frame: FrameContext[PathSettings], last: PathFrame | None) -> PathFrame:
-    """One frame: new paths, temporal and spatial reuse, and the picture.
-
-    Parameters
-    ----------
-    frame : FrameContext
-        This frame.
-    last : PathFrame or None
-        The one before, if there is one.
-
-    Returns
-    -------
-    PathFrame
-        With the next number.
-    """
+    """One frame: new paths, temporal and spatial reuse, and the picture."""
     kept = reused(frame, last, partial(_drawn, frame))
     color = kept.y.value * kept.W[:, None]
     return PathFrame(frame.number, frame.world, frame.visible, kept, color)
@@ -85,22 +59,7 @@ def reused(
     last: PathFrame | None,
     drawn: Callable[[slice], Reservoirs],
 ) -> Reservoirs:
-    """Temporal and spatial reuse of whole paths, as the settings say.
-
-    Parameters
-    ----------
-    frame : FrameContext
-        This frame.
-    last : PathFrame or None
-        The one before, if there is one.
-    drawn : callable
-        From some pixels to the paths that they draw anew.
-
-    Returns
-    -------
-    Reservoirs
-        Of `extensions.shifting.Paths`, a pixel each.
-    """
+    """Temporal and spatial reuse of whole paths that pixels have ``drawn``."""
     new, rows = drawn, frame.pixels
     if last is not None and frame.settings.temporal:
         new = partial(_temporal, frame, last, _reprojected(frame, last), drawn)

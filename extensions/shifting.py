@@ -117,15 +117,12 @@ class Paths:
 
         Parameters
         ----------
-        value : (N, 3) float64
-            There.
-        jacobian : (N,) float64, sr/sr
-            Of the shift.
+        value : (N, 3) float64; there
+        jacobian : (N,) float64, sr/sr; of the shift
 
         Returns
         -------
-        Paths
-            Densities at the joint change as the Jacobian says.
+        Paths; densities at the joint change as the Jacobian says
         """
         joined = self.joint > 0
         density = np.where(joined, self.density * jacobian, self.density)
@@ -144,10 +141,8 @@ class Criterion:
     roughness : float
         Least perceptual roughness of both, the root of the GGX width; ``inf`` for
         never.
-    distance : float
-        Least distance of both, in half extents of the scene.
-    last_joint : int
-        Largest index of a reconnection vertex.
+    distance : float; least distance of both, in half extents of the scene
+    last_joint : int; largest index of a reconnection vertex
     replays : bool
         Whether what cannot be joined at x_2 is replayed; else it is not shifted.
     """
@@ -161,12 +156,7 @@ class Criterion:
 def roughness(table: MaterialTable, points: SurfacePoints) -> Scalars:
     """Perceptual roughness of all lobes that are no delta lobes.
 
-    Parameters
-    ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points.
+    The thresholds of the literature are in this unit; alpha is its square.
 
     Returns
     -------
@@ -174,10 +164,6 @@ def roughness(table: MaterialTable, points: SurfacePoints) -> Scalars:
         1 for paint and for the base under a smooth coat, √alpha for microfacets, −1 for
         what scatters into single directions alone, for rough dielectrics, which see
         both sides, and for misses.
-
-    Notes
-    -----
-    The thresholds of the literature are in this unit; alpha is its square.
     """
     kind = table.kind
     painted = (kind == Kind.LAMBERTIAN) | (kind == Kind.SMOOTH_COATED)
@@ -192,8 +178,7 @@ class Segment:
 
     Attributes
     ----------
-    distance : (N,) float64, m
-        Between them.
+    distance : (N,) float64, m; between them
     spread : (N,) float64, 1/m²
         cos φ / d² at the second: solid angle that its area fills.
     joinable : (N,) bool
@@ -213,20 +198,11 @@ def segment(
 ) -> tuple[SurfacePoints, Segment]:
     """The segment from one point to another, as the first point sees it.
 
-    Parameters
-    ----------
-    criterion : Criterion
-        When points may be joined.
-    geometry : Geometry
-        The scene.
-    x_from, x_to : SurfacePoints
-        N points.
-
     Returns
     -------
     SurfacePoints
-        The second, as the first sees it: ``wo`` looks back.  The direction is that from
-        point to point; a ray's differs by the rounding of its hit.
+        The second, as the first sees it: ``wo`` points back.  The direction is that
+        from point to point; a ray's differs by the rounding of its hit.
     Segment
         The same for base path and offset path; not joinable where a point is a miss.
     """
@@ -252,14 +228,10 @@ class Step:
 
     Attributes
     ----------
-    points : SurfacePoints
-        x_v; misses where a walk has ended.
-    throughput : (N, 3) float64
-        Product of f cos θ / p of x_1 to x_(v-1).
-    weight : (N, 3) float64
-        The last of these factors.
-    came : Segment or None
-        From x_(v-1); ``None`` at x_1.
+    points : SurfacePoints; x_v; misses where a walk has ended
+    throughput : (N, 3) float64; product of f cos θ / p of x_1 to x_(v-1)
+    weight : (N, 3) float64; the last of these factors
+    came : Segment or None; from x_(v-1); ``None`` at x_1
     joinable : (N,) bool
         x_v may be a reconnection vertex, if it is left by no delta lobe.
     pdf : (N,) float64, 1/sr
@@ -276,15 +248,7 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Leaving:
-    """Directions in which N walks leave a point, and what they meet.
-
-    Attributes
-    ----------
-    bsdf : BsdfSamples
-        The directions.
-    hits : Hits
-        Of the rays.
-    """
+    """Directions in which N walks leave a point, and what they meet."""
 
     bsdf: BsdfSamples
     hits: Hits
@@ -295,13 +259,7 @@ def start(points: SurfacePoints) -> Step:
 
     Parameters
     ----------
-    points : SurfacePoints
-        N visible points x_1.
-
-    Returns
-    -------
-    Step
-        N rows.
+    points : SurfacePoints; N visible points x_1
     """
     size = len(points)
     return Step(
@@ -321,21 +279,8 @@ def leave(
 
     Parameters
     ----------
-    world : World
-        The scene.
-    step : Step
-        Where the walks are.
-    vertex : int
-        v, of all of them.
-    uniforms : Uniforms
-        N rows; dimension 2 (v - 1) draws the direction.
-    active : (N,) bool
-        Which walks go on.
-
-    Returns
-    -------
-    Leaving
-        N rows.
+    uniforms : Uniforms; N rows; dimension 2 (v - 1) draws the direction
+    active : (N,) bool; which walks go on
     """
     bsdf = sample(world.materials, step.points, uniforms.draw(2 * (vertex - 1)))
     goes_on = active & step.points.hit & (dot(bsdf.weight, bsdf.weight) > 0)
@@ -348,23 +293,7 @@ def arrive(
 ) -> Step:
     """Go on to what the rays met.
 
-    Parameters
-    ----------
-    world : World
-        The scene.
-    criterion : Criterion
-        When points may be joined.
-    step : Step
-        Where the walks were.
-    vertex : int
-        v, of all of them.
-    leaving : Leaving
-        How they went on.
-
-    Returns
-    -------
-    Step
-        x_(v+1).
+    Returns Step; x_(v+1).
     """
     bsdf = leaving.bsdf
     met = surface_points(world.geometry, leaving.hits, step.points.position, bsdf.wi)
@@ -390,12 +319,10 @@ def arrive(
 
 @dataclass(frozen=True, slots=True)
 class Shift:
-    """The shift: where paths are reconnected, and from which numbers they are replayed.
+    """Where paths are reconnected, and from which random numbers they are replayed.
 
     Attributes
     ----------
-    criterion : Criterion
-        When points may be joined.
     uniforms : callable
         Random numbers of the paths that have the given numbers.
     """
@@ -415,16 +342,10 @@ class Shift:
 
         Parameters
         ----------
-        world : World
-            The scene.
-        points : SurfacePoints
-            Visible points.
         at : (N,) int
-            Which of them the paths go to.
-        paths : Paths
-            Base paths.
+            Which of the points the paths go to.
         rows : (N,) int
-            Which of them are shifted.
+            Which of the base paths are shifted.
 
         Returns
         -------
@@ -565,14 +486,12 @@ class PathNeighbor:
 
     Attributes
     ----------
-    shift : Shift
-        Of paths.
     world, points : World, SurfacePoints
         Of the K receivers.
     world_from, points_from : World, SurfacePoints
         In which the N paths were made, and what their pixels saw.
     reservoirs : Reservoirs
-        N rows of `extensions.shifting.Paths`.
+        N rows of `Paths`.
     rows : (K,) int
         Row that each receiver resamples, or ``NONE``.
     same_domain : bool
@@ -589,35 +508,11 @@ class PathNeighbor:
     same_domain: bool = False
 
     def shifted(self, at: Indices) -> Shifted:
-        """The neighbours' paths, shifted to the receivers.
-
-        Parameters
-        ----------
-        at : (A,) int
-            Receivers, none without a neighbour.
-
-        Returns
-        -------
-        (A, 3), (A,) float64
-            Value, and Jacobian.
-        """
+        """The neighbours' paths at the receivers ``at``, which all have one, (A,)."""
         paths, rows = self.reservoirs.y, self.rows[at]
         return self.shift(self.world, self.points, at, paths, rows)
 
     def inverse(self, samples: Any, at: Indices) -> Shifted:
-        """The receivers' paths, shifted back to their neighbours.
-
-        Parameters
-        ----------
-        samples : Paths
-            K rows, at the receivers.
-        at : (A,) int
-            Which of them, none without a neighbour.
-
-        Returns
-        -------
-        (A, 3), (A,) float64
-            Value, and Jacobian.
-        """
+        """The receivers' paths ``at`` back at their neighbours, (A,)."""
         rows = self.rows[at]
         return self.shift(self.world_from, self.points_from, rows, samples, at)

@@ -21,10 +21,8 @@ class Window:
 
     Attributes
     ----------
-    rows : (K,) int
-        Of the last frame, or ``NONE``.
-    dx, dy : (K,) float64, pixels
-        How far places have moved since.
+    rows : (K,) int; of the last frame, or ``NONE``
+    dx, dy : (K,) float64, pixels; how far places have moved since
     share : (K,) float64
         Of the pixel's area, 0 without a past; of all windows together at most 1.
     """
@@ -42,10 +40,6 @@ def windows(
 
     Parameters
     ----------
-    frame : FrameContext
-        This frame.
-    last : PathFrame
-        The one before.
     pixel : (K,) int
         Rows of the image.
 
@@ -93,21 +87,10 @@ def resample_past(
     ----------
     own : Neighbor
         The new samples, in their own domain.
-    before : list of Neighbor
-        Of the last frame.
     shares : list of (K,)
-        Of the area, one for each of them.
+        Of the area, one for each neighbour of the last frame.
     decisions : list of (K,)
         One number in [0, 1) for each of them, and for the new samples at last.
-    settings : PathSettings
-        Weights, and the limit of M.
-    target : callable
-        p̂ of values.
-
-    Returns
-    -------
-    Reservoirs
-        K rows.
     """
     M = own.reservoirs.M
     for q_n, share in zip(before, shares, strict=True):

@@ -79,21 +79,12 @@ class Lattice:
 def lattice_of(camera: Camera, facings: int = 1) -> Lattice:
     """Lattice whose cells are some 16 pixels wide.
 
+    Its base is tan(fov_y · 16 · max(1 / h, h / w²)): [Boisse21], with the numbers of
+    the author's later renderer.
+
     Parameters
     ----------
-    camera : Camera
-        Of the frame.
-    facings : int
-        Parts of each component of the normal.
-
-    Returns
-    -------
-    Lattice
-        With base = tan(fov_y · 16 · max(1 / h, h / w²)).
-
-    Notes
-    -----
-    [Boisse21], with the numbers of the author's later renderer.
+    facings : int; parts of each component of the normal
     """
     w, h = camera.width, camera.height
     fov_y = 2 * np.arctan(camera.half_width * h / w)
@@ -106,15 +97,11 @@ def levels(lattice: Lattice, position: Vec3s) -> Indices:
 
     Parameters
     ----------
-    lattice : Lattice
-        With the eye.
-    position : (N, 3) float64, m
-        The points.
+    position : (N, 3) float64, m; the points
 
     Returns
     -------
-    (N,) int64
-        floor(log2(1000 · distance · base)), at least 0.
+    (N,) int64; floor(log2(1000 · distance · base)), at least 0
     """
     offset = np.clip(position - np.asarray(lattice.eye), -FARTHEST, FARTHEST)
     distance = length(offset)
@@ -125,17 +112,11 @@ def levels(lattice: Lattice, position: Vec3s) -> Indices:
 
 
 def edges(level: Indices) -> Scalars:
-    """Edges of cells.
+    """Edges of cells, (N,) float64, m; 1e-3 · 2^level.
 
     Parameters
     ----------
-    level : (N,) int64
-        From 0.
-
-    Returns
-    -------
-    (N,) float64, m
-        1e-3 · 2^level.
+    level : (N,) int64; from 0
     """
     size: Scalars = np.ldexp(SMALLEST, level.astype(np.int32))
     return size
@@ -146,17 +127,12 @@ def jittered(lattice: Lattice, position: Vec3s, normal: Vec3s, u: Draw) -> Vec3s
 
     Parameters
     ----------
-    lattice : Lattice
-        How space is divided.
-    position, normal : (N, 3) float64, m and 1
-        The points, and unit normals.
-    u : four (N,) float64
-        Lanes 0 and 1.
+    position, normal : (N, 3) float64, m and 1; the points, and unit normals
+    u : four (N,) float64; lanes 0 and 1
 
     Returns
     -------
-    (N, 3) float64, m
-        What hides the borders of the cells, at insertion and look-up.
+    (N, 3) float64, m; what hides the borders of the cells, at insertion and look-up
     """
     across, along = normal_frames(normal)
     reach = np.sqrt(2.0) * edges(levels(lattice, position))
@@ -171,10 +147,8 @@ class Keys:
 
     Attributes
     ----------
-    level : (N,) int16
-        Edge 1e-3 · 2^level m.
-    x, y, z : (N,) int64
-        Position in units of the edge, rounded down.
+    level : (N,) int16; edge 1e-3 · 2^level m
+    x, y, z : (N,) int64; position in units of the edge, rounded down
     facing : (N,) int16
         Part of the normal's sphere; 0 where the lattice does not look at it.
     """
@@ -205,18 +179,7 @@ class Keys:
         return both
 
     def same(self, other: "Keys") -> Masks:
-        """Row by row, whether two cells are one.
-
-        Parameters
-        ----------
-        other : Keys
-            N rows.
-
-        Returns
-        -------
-        (N,) bool
-            All fields are compared: cells of equal hashes are not mixed up.
-        """
+        """Row by row, (N,): whether all fields agree; equal hashes do not say so."""
         fields = ("level", "x", "y", "z", "facing")
         equal = [getattr(self, f) == getattr(other, f) for f in fields]
         found: Masks = np.all(equal, axis=0)
@@ -228,17 +191,8 @@ def keys_of(lattice: Lattice, position: Vec3s, normal: Vec3s) -> Keys:
 
     Parameters
     ----------
-    lattice : Lattice
-        How space is divided.
-    position : (N, 3) float64, m
-        The points.
-    normal : (N, 3) float64
-        Unit normals.
-
-    Returns
-    -------
-    Keys
-        N rows.
+    position : (N, 3) float64, m; the points
+    normal : (N, 3) float64; unit normals
     """
     level = levels(lattice, position)
     scaled = np.floor(position / edges(level)[:, None])
@@ -254,21 +208,15 @@ def keys_of(lattice: Lattice, position: Vec3s, normal: Vec3s) -> Keys:
 
 
 def pcg(x: UInts) -> UInts:
-    """PCG's output permutation as a hash of one word.
+    """PCG's output permutation as a hash of one word [Jarzynski20].
 
     Parameters
     ----------
-    x : (N,) uint32
-        The word.
+    x : (N,) uint32; the word
 
     Returns
     -------
-    (N,) uint32
-        Arithmetic is modulo 2^32.
-
-    Notes
-    -----
-    [Jarzynski20].
+    (N,) uint32; arithmetic is modulo 2^32
     """
     state = x * np.uint32(747796405) + np.uint32(2891336453)
     word = ((state >> ((state >> np.uint32(28)) + np.uint32(4))) ^ state) * np.uint32(
@@ -279,21 +227,11 @@ def pcg(x: UInts) -> UInts:
 
 
 def xxhash(x: UInts) -> UInts:
-    """XxHash32 of one word.
+    """XxHash32 of one word [Jarzynski20], (N,) uint32; arithmetic is modulo 2^32.
 
     Parameters
     ----------
-    x : (N,) uint32
-        The word.
-
-    Returns
-    -------
-    (N,) uint32
-        Arithmetic is modulo 2^32.
-
-    Notes
-    -----
-    [Jarzynski20].
+    x : (N,) uint32; the word
     """
     h = x + np.uint32(374761393)
     h = ((h << np.uint32(17)) | (h >> np.uint32(15))) * np.uint32(668265263)
@@ -312,8 +250,6 @@ class Grid:
 
     Attributes
     ----------
-    buckets : int
-        How many.
     cells : Keys
         C rows, no two alike.
     slot : (C,) int32
@@ -413,13 +349,6 @@ def build_grid(keys: Keys, active: Masks, buckets: int = BUCKETS) -> Grid:
 def find_or_insert(keys: Keys, buckets: int) -> tuple[Indices, Indices, Indices]:
     """Cells of vertices that come one after the other, and the slots that they find.
 
-    Parameters
-    ----------
-    keys : Keys
-        Cells of N vertices.
-    buckets : int
-        How many of 16 slots each.
-
     Returns
     -------
     order : (N,) int
@@ -467,10 +396,8 @@ class Cache:
         In which they were made.
     lattice : Lattice
         By whose cells they are found.
-    grid : Grid
-        Of V vertices.
     points : SurfacePoints
-        The vertices.
+        The V vertices.
     reservoirs : Reservoirs
         V rows: Paths[v] of line 3, to which the cells point.
     """
@@ -490,27 +417,16 @@ def insert(
     active: Masks,
     uniforms: Uniforms,
 ) -> Cache:
-    """Build the grid of a frame's vertices, each jittered.
+    """Build the grid of a frame's vertices, each jittered, for the next frame.
 
     Parameters
     ----------
-    world : World
-        The scene.
     lattice : Lattice
         Of this frame's eye.
-    points : SurfacePoints
+    points, reservoirs : SurfacePoints, Reservoirs
         V vertices.
-    reservoirs : Reservoirs
-        Theirs.
     active : (V,) bool
         Which are inserted.  If a sample decides that, what is found is biased.
-    uniforms : Uniforms
-        V rows, for the jitter.
-
-    Returns
-    -------
-    Cache
-        For the next frame.
     """
     u = uniforms.draw(INSERTION)
     moved = jittered(lattice, points.position, points.normal, u)
@@ -528,12 +444,8 @@ def look_up(
 
     Parameters
     ----------
-    cache : Cache
-        Of the frame before.
     points : SurfacePoints
         K points.
-    uniforms : Uniforms
-        K rows.
     cells : int
         How many cells each looks into: each look-up has a jitter of its own, and leads
         to another cell as a rule.
@@ -565,19 +477,12 @@ def look_up(
 
 
 def find_cells(grid: Grid, keys: Keys) -> Indices:
-    """Cells that points lie in.
+    """Cells that points lie in, (Q,) int64; row of the cell, or ``NOWHERE``.
 
     Parameters
     ----------
-    grid : Grid
-        Built before.
-    keys : Keys
-        Of Q points, by the grid's own lattice.
-
-    Returns
-    -------
-    (Q,) int64
-        Row of the cell, or ``NOWHERE``.
+    grid : Grid; built before
+    keys : Keys; of Q points, by the grid's own lattice
     """
     wanted = keys.hashes
     found, at = np.full(len(wanted), NOWHERE), np.searchsorted(grid.hashes, wanted)
@@ -597,27 +502,19 @@ def find_cells(grid: Grid, keys: Keys) -> Indices:
 def visits(grid: Grid, cells: Indices, u: Scalars, most: int) -> list[Indices]:
     """Draw some of the vertices of cells, no one twice.
 
+    Strides of n / most, rounded down, from a place that is drawn evenly: places differ
+    as long as there are enough of them, and all have the same chance.
+
     Parameters
     ----------
-    grid : Grid
-        Built.
-    cells : (Q,) int64
-        Rows of the grid, or ``NOWHERE``.
-    u : (Q,) float64
-        In [0, 1): where the walk begins.
-    most : int
-        How many.
+    cells : (Q,) int64; rows of the grid, or ``NOWHERE``
+    u : (Q,) float64; in [0, 1): where the walk begins
 
     Returns
     -------
     list of (Q,) int64
         Rows of the frame, or ``NONE`` where there is no more.  Each vertex of a cell is
         taken with the same probability, min(most / n, 1).
-
-    Notes
-    -----
-    Strides of n / most, rounded down, from a place that is drawn evenly: places differ
-    as long as there are enough of them, and all have the same chance.
     """
     if len(grid.cell_storage) == 0:
         return [np.full(len(cells), NONE)] * most
@@ -652,13 +549,6 @@ def vertex_uniforms(
         Whose paths.
     vertex : int or (K,) int64
         v, of all of them or of each.
-    stream : Stream
-        Who draws.
-
-    Returns
-    -------
-    KeyedUniforms
-        K rows.
     """
     key = frame.number * VERTICES + vertex
     return KeyedUniforms(pixel.astype(np.uint32), key, frame.seed, stream)

@@ -63,15 +63,8 @@ class LightPoints:
 
         Parameters
         ----------
-        value : (N, 3) float64
-            There.
-        jacobian : (N,) float64, sr/sr
-            Of the shift: 1.
-
-        Returns
-        -------
-        LightPoints
-            N rows.
+        value : (N, 3) float64; there
+        jacobian : (N,) float64, sr/sr; of the shift: 1
         """
         return replace(self, value=value)
 
@@ -81,17 +74,12 @@ def draw_lights(emitters: Emitters | None, u: Draw) -> tuple[LightPoints, Scalar
 
     Parameters
     ----------
-    emitters : Emitters or None
-        The lights.
-    u : four (N,) float64
-        Lane 0 chooses the light, 1 and 2 the place on it.
+    u : four (N,) float64; lane 0 chooses the light, 1 and 2 the place on it
 
     Returns
     -------
-    LightPoints
-        N rows, of value 0.
-    (N,) float64
-        Density; 1 where there is no light at all, and the points are ``GONE``.
+    LightPoints; N rows, of value 0
+    (N,) float64; density; 1 where there is no light at all, and the points are ``GONE``
     """
     size = len(u[0])
     light, density = np.full(size, GONE), np.ones(size)
@@ -109,12 +97,6 @@ def reflected(
 
     Parameters
     ----------
-    world : World
-        The scene, with the lights.
-    points : SurfacePoints
-        N points.
-    lights : LightPoints
-        N points on lights.
     chance : 'delta-lobes' or 'balance'
         What is left to rays that hit lights.
 
@@ -140,22 +122,7 @@ def reflected(
 def light_samples(
     world: World, points: SurfacePoints, lights: LightPoints
 ) -> LightSamples:
-    """Points on lights, as surface points see them.
-
-    Parameters
-    ----------
-    world : World
-        The scene, with the lights.
-    points : SurfacePoints
-        N points.
-    lights : LightPoints
-        N points on lights, none of them gone.
-
-    Returns
-    -------
-    LightSamples
-        N rows.
-    """
+    """Points on lights, none of them gone, as surface points see them."""
     assert world.emitters is not None
     u = lights.s, lights.s, lights.t, lights.t
     x = points.position
@@ -169,14 +136,6 @@ def emitter_hits(
 
     Parameters
     ----------
-    world : World
-        The scene, with the lights.
-    points : SurfacePoints
-        N points.
-    bsdf : BsdfSamples
-        The rays.
-    hits : Hits
-        What they hit.
     chance : 'delta-lobes' or 'balance'
         What of it counts: the rest of what `reflected` holds.
 
@@ -195,22 +154,7 @@ def emitter_hits(
 
 
 def hits_count(world: World, bsdf: BsdfSamples, chance: Chance) -> Masks:
-    """Whose `emitter_hits` may be above 0.
-
-    Parameters
-    ----------
-    world : World
-        The scene, with the lights.
-    bsdf : BsdfSamples
-        N rays.
-    chance : 'delta-lobes' or 'balance'
-        What of them counts.
-
-    Returns
-    -------
-    (N,) bool
-        Nobody's where no light can be hit.
-    """
+    """Whose `emitter_hits` may be above 0, (N,); nobody's where no light can be hit."""
     able = world.emitters is not None and world.emitters.can_be_hit
     return (bsdf.delta | (chance == "balance")) & able
 
@@ -218,32 +162,14 @@ def hits_count(world: World, bsdf: BsdfSamples, chance: Chance) -> Masks:
 def renumbered(
     lights: LightPoints, before: Emitters | None, now: Emitters | None
 ) -> LightPoints:
-    """Points on lights by the list of another frame.
-
-    Parameters
-    ----------
-    lights : LightPoints
-        N rows.
-    before, now : Emitters or None
-        Lights of two frames of one animation.
-
-    Returns
-    -------
-    LightPoints
-        N rows; `GONE` where the other frame has no such light.
-    """
+    """Points on lights by the list of another frame; `GONE` where it has none such."""
     # One entry more than there are lights: a light that is gone stays gone.
     row = np.append(same_lights(before, now), GONE)[lights.light]
     return replace(lights, light=row)
 
 
 def same_lights(before: Emitters | None, now: Emitters | None) -> Indices:
-    """Where the lights of one frame are in the list of another.
-
-    Parameters
-    ----------
-    before, now : Emitters or None
-        Lights of two frames of one animation.
+    """Where the lights of one frame are in the list of another of its animation.
 
     Returns
     -------

@@ -64,64 +64,20 @@ class CellSettings(PathSettings):
                 )
 
     def looks_up(self, vertex: int) -> bool:
-        """Whether paths at x_v look into a cell.
-
-        Parameters
-        ----------
-        vertex : int
-            v.
-
-        Returns
-        -------
-        bool
-            Nothing is left to find for their last points.
-        """
+        """Whether paths at x_v look into a cell."""
         return self.cells > 0 and self.query in (0, vertex)
 
     def stores(self, vertex: int) -> bool:
-        """Whether reservoirs of x_v are put into cells.
-
-        Parameters
-        ----------
-        vertex : int
-            v.
-
-        Returns
-        -------
-        bool
-            Where nobody looks, nothing is stored.
-        """
+        """Whether reservoirs of x_v are put into cells, for vertices that look up."""
         every = self.cells > 0 and self.writers == "every-bounce"
         return self.looks_up(vertex) or every
 
     def grids(self, vertices: tuple[int, ...]) -> list[tuple[int, ...]]:
-        """Which vertices share a grid.
-
-        Parameters
-        ----------
-        vertices : tuple of int
-            Those that store.
-
-        Returns
-        -------
-        list of tuple of int
-            A grid each.
-        """
+        """Which of the vertices that store share a grid."""
         if self.writers == "every-bounce":
             return [vertices] if vertices else []
         return [(v,) for v in vertices]
 
     def inserts(self, W: Scalars) -> Masks:
-        """Which reservoirs are put into cells.
-
-        Parameters
-        ----------
-        W : (N,) float64
-            Their weights, 0 for nulls.
-
-        Returns
-        -------
-        (N,) bool
-            All, or all but nulls.
-        """
+        """Which reservoirs are put into cells, by their weights, (N,)."""
         return (W > 0) | (self.nulls == "counted")

@@ -85,50 +85,20 @@ def render_cell_frames(
     schedule: Schedule,
     animation: Animation | None = None,
 ) -> Iterator[CellFrame]:
-    """Frames of indirect light by ReGIR GI, without end.
+    """Frames of indirect light by ReGIR GI, without end [ZyanideND].
 
     Parameters
     ----------
-    world : World
-        The scene in frame 0.
-    settings : CellSettings
-        The algorithm.
-    bounces : int
-        Bounces of indirect light, 1 to 30.
-    seed : int
-        Runs of different seeds are independent.
-    schedule : Schedule
-        Bands and threads; no influence on the result.
-    animation : Animation, optional
-        As of `extensions.frame_loop.path_frames`.
-
-    Returns
-    -------
-    iterator of CellFrame
-        Frame after frame.
-
-    Notes
-    -----
-    [ZyanideND].
+    world : World; the scene in frame 0
+    bounces : int; bounces of indirect light, 1 to 30
+    seed : int; runs of different seeds are independent
+    schedule : Schedule; bands and threads; no influence on the result
     """
     return path_frames(next_frame, world, settings, bounces, seed, schedule, animation)
 
 
 def next_frame(frame: FrameContext[CellSettings], last: CellFrame | None) -> CellFrame:
-    """One frame: paths that look into cells, cells for the next frame, ReSTIR PT.
-
-    Parameters
-    ----------
-    frame : FrameContext
-        This frame.
-    last : CellFrame or None
-        The one before, if there is one.
-
-    Returns
-    -------
-    CellFrame
-        With its own cells.
-    """
+    """One frame: paths that look into cells, cells for the next frame, ReSTIR PT."""
     caches = last.caches if last else {}
 
     def drawn(rows: slice) -> Suffixes:
@@ -202,8 +172,6 @@ class Suffixes:
         Of paths whose first point is x_v.
     first : FirstDirections
         How they leave it.
-    records : CacheRecords or None
-        For cells.
     """
 
     kept: Reservoirs
@@ -223,8 +191,6 @@ def draw_suffixes(
 
     Parameters
     ----------
-    frame : FrameContext
-        This frame.
     caches : mapping of int to PathCache
         Of the last frame, by the number of the vertex that looks into them.
     number : (K,) int64
@@ -234,12 +200,7 @@ def draw_suffixes(
     leaving : Leaving
         Rays that left x_v.
     v : int
-        Number of the vertices, from 1.
-
-    Returns
-    -------
-    Suffixes
-        K rows.
+        From 1.
     """
     world, criterion, s = frame.world, path_shift(frame).criterion, frame.settings
     uniforms = frame.uniforms_of(Stream.PATH, number)
@@ -324,20 +285,7 @@ def prepend(step: Step, suffix: Paths, first: FirstDirections) -> Paths:
 def store(
     frame: FrameContext[CellSettings], records: CacheRecords | None
 ) -> dict[int, PathCache]:
-    """Put what the paths have stored into grids, for the next frame.
-
-    Parameters
-    ----------
-    frame : FrameContext
-        This frame.
-    records : CacheRecords or None
-        Of all pixels, at the vertices that store.
-
-    Returns
-    -------
-    dict of int to PathCache
-        By the number of the vertex that will look into them.
-    """
+    """Grids of what all pixels have stored, by the vertices that look into them."""
     s, stored = frame.settings, dict[int, CacheRecords]()
     for v in filter(s.stores, range(1, frame.bounces + 1)):
         if records is not None:
@@ -362,20 +310,7 @@ def store(
 
 
 def reconnectable(frame: FrameContext[CellSettings], points: SurfacePoints) -> Masks:
-    """Whether a vertex may be connected to what follows it, as far as it decides.
-
-    Parameters
-    ----------
-    frame : FrameContext
-        This frame.
-    points : SurfacePoints
-        K vertices.
-
-    Returns
-    -------
-    (K,) bool
-        Rough enough: no sample is looked at.
-    """
+    """Whether vertices are rough enough, (K,): no sample is looked at."""
     least = max(path_shift(frame).criterion.roughness, 0.0)
     rough: Masks = roughness(frame.world.materials, points) >= least
     return rough
@@ -392,27 +327,18 @@ def resample_bounce(
     v: int,
     own: Reservoirs,
 ) -> Reservoirs:
-    """Resample suffixes: what a vertex drew, and what its cell holds.
+    """Bounce reservoirs: what vertices x_v drew, and what their cells hold.
 
     Parameters
     ----------
-    frame : FrameContext
-        This frame.
     lookup : PathCache
         Of the last frame, for these vertices.
     number : (K,) int64
         Keys of the paths.
     points : SurfacePoints
         x_v.
-    v : int
-        Number of the vertices.
     own : Reservoirs
-        What they drew.
-
-    Returns
-    -------
-    Reservoirs
-        K rows: the bounce reservoirs.
+        What they drew, K rows.
     """
     s, cache, here = frame.settings, lookup.cache, np.arange(len(points))
     uniforms = vertex_uniforms(frame, number % frame.pixels, v, Stream.CELLS)
@@ -466,37 +392,13 @@ class CellNeighbor(PathNeighbor):
     reach_from: Indices = field(kw_only=True)
 
     def shifted(self, at: Indices) -> Shifted:
-        """The neighbours' suffixes at the receivers.
-
-        Parameters
-        ----------
-        at : (A,) int
-            Receivers, none without a neighbour.
-
-        Returns
-        -------
-        (A, 3), (A,) float64
-            Value, and Jacobian; 0 for paths that are too long.
-        """
+        """The neighbours' suffixes at the receivers, (A,); 0 if they are too long."""
         fits = self.reservoirs.y.end[self.rows[at]] <= self.reach
         value, jacobian = PathNeighbor.shifted(self, at)
         return np.where(fits[:, None], value, 0.0), np.where(fits, jacobian, 0.0)
 
     def inverse(self, samples: Paths, at: Indices) -> Shifted:
-        """The receivers' suffixes at their neighbours.
-
-        Parameters
-        ----------
-        samples : Paths
-            K rows, at the receivers.
-        at : (A,) int
-            Which of them, none without a neighbour.
-
-        Returns
-        -------
-        (A, 3), (A,) float64
-            Value, and Jacobian; 0 for paths that are too long.
-        """
+        """The receivers' suffixes at their neighbours, (A,); 0 if they are too long."""
         fits = samples.end[at] <= self.reach_from[self.rows[at]]
         value, jacobian = PathNeighbor.inverse(self, samples, at)
         return np.where(fits[:, None], value, 0.0), np.where(fits, jacobian, 0.0)
@@ -511,24 +413,7 @@ def reconnect(
     kept: Reservoirs,
     first: FirstDirections,
 ) -> FirstDirections:
-    """How paths leave x_v, which a cell may have sent elsewhere.
-
-    Parameters
-    ----------
-    frame : FrameContext
-        This frame.
-    points : SurfacePoints
-        x_v.
-    kept : Reservoirs
-        Of the suffixes that were kept.
-    first : FirstDirections
-        As they were drawn.
-
-    Returns
-    -------
-    FirstDirections
-        To the second point of the suffix, where it can be joined.
-    """
+    """How paths leave x_v: to the second point of the suffix that was kept."""
     rows = np.flatnonzero(kept.y.joint == 2)
     if not len(rows):
         return first

@@ -16,7 +16,7 @@ class Occupancy:
     cells : int
         That have a vertex.
     vertices : int
-        In them.
+        In these cells.
     lost : int
         Vertices whose bucket was full.
     buckets : tuple of int
@@ -40,18 +40,7 @@ class Occupancy:
 
 
 def occupancy(grid: Grid) -> Occupancy:
-    """Count.
-
-    Parameters
-    ----------
-    grid : Grid
-        Built.
-
-    Returns
-    -------
-    Occupancy
-        Of it.
-    """
+    """Count."""
     counts, bucket = grid.counters, grid.slot // BUCKET
     _, full = np.unique(bucket, return_counts=True)
     histogram = np.bincount(full, minlength=BUCKET + 1)

@@ -52,18 +52,14 @@ class LightFrame:
 
     Attributes
     ----------
-    number : int
-        From 0.
-    world : World
-        The scene as it was.
-    visible : VisiblePoints
-        G-buffer, through the centres of the pixels.
+    number : int; from 0
+    world : World; the scene as it was
+    visible : VisiblePoints; G-buffer, through the centres of the pixels
     pixel, vertex : (V,) int64
         Whose path each vertex of the cache is of, and its number on it.
     cache : Cache
         Vertices x_2 of all pixels, then x_3, ...; before them x_1, if they are kept.
-    color : (N, 3) float64, W/(m² sr)
-        Indirect light.
+    color : (N, 3) float64, W/(m² sr); indirect light
     """
 
     number: int
@@ -85,25 +81,7 @@ def render_light_frames(
 ) -> Iterator[LightFrame]:
     """Frames of indirect light by world-space reservoirs, without end.
 
-    Parameters
-    ----------
-    world : World
-        The scene in frame 0.
-    settings : LightSettings
-        The algorithm.
-    bounces : int
-        Bounces of indirect light, 1 to 30.
-    seed : int
-        Runs of different seeds are independent.
-    schedule : Schedule
-        Bands and threads; no influence on the result.
-    animation : Animation, optional
-        As of `reference.frame.frames`.  Camera, shapes and lights may move.
-
-    Returns
-    -------
-    iterator of LightFrame
-        Frame after frame, each looking into the cells of the last one.
+    Camera, shapes and lights may move.
     """
     return frames(next_frame, world, settings, bounces, seed, schedule, animation)
 
@@ -113,17 +91,7 @@ def next_frame(
 ) -> LightFrame:
     """One frame: eye paths, vertex by vertex, and the grid for the next one.
 
-    Parameters
-    ----------
-    frame : FrameContext
-        This frame.
-    last : LightFrame or None
-        The one before, if there is one.
-
-    Returns
-    -------
-    LightFrame
-        Indirect light alone: what x_1 receives straight from a light is left out.
+    Light that x_1 receives straight from a light is not indirect, and left out.
 
     Notes
     -----
@@ -211,8 +179,6 @@ def visit(
 
     Parameters
     ----------
-    frame : FrameContext
-        This frame.
     history : Cache or None
         Of the last frame.
     v : int
@@ -221,11 +187,6 @@ def visit(
         All of them.
     rows : slice
         Which K are visited.
-
-    Returns
-    -------
-    Visited
-        K rows.
     """
     world, s, here = frame.world, frame.settings, cut(vertices, rows)
     x, light, r = here.points, zero_vectors(len(here.pixel)), None
@@ -262,21 +223,7 @@ def visit(
 
 
 def ris(frame: FrameContext[LightSettings], v: int, vertices: Vertices) -> Reservoirs:
-    """Resampled importance sampling of the lights that vertices may see.
-
-    Parameters
-    ----------
-    frame : FrameContext
-        This frame.
-    v : int
-        Number of the vertices.
-    vertices : Vertices
-        K rows.
-
-    Returns
-    -------
-    Reservoirs
-        Of `LightPoints`; M is the number of candidates.
+    """Initial reservoirs of vertices x_v: one point on a light each, and M candidates.
 
     Notes
     -----
@@ -306,24 +253,6 @@ def reuse(
     r: Reservoirs,
 ) -> Reservoirs:
     """Resample reservoirs with those of the cells around, of the frame before.
-
-    Parameters
-    ----------
-    frame : FrameContext
-        This frame.
-    history : Cache
-        Of the last frame.
-    v : int
-        Number of the vertices.
-    vertices : Vertices
-        K rows.
-    r : Reservoirs
-        What they drew.
-
-    Returns
-    -------
-    Reservoirs
-        K rows.
 
     Notes
     -----
@@ -368,8 +297,6 @@ class LightNeighbor:
         N rows of `LightPoints`, in the receivers' list of lights.
     rows : (K,) int
         Row that each receiver resamples, or ``NONE``.
-    chance : 'delta-lobes' or 'balance'
-        As of `hashgrid.lights.reflected`.
     same_domain : bool
         Neighbour and receiver are one point.
     """
@@ -384,37 +311,13 @@ class LightNeighbor:
     same_domain: bool = False
 
     def shifted(self, at: Indices) -> Shifted:
-        """Values of the neighbours' points at the receivers.
-
-        Parameters
-        ----------
-        at : (A,) int
-            Receivers, none without a neighbour.
-
-        Returns
-        -------
-        (A, 3), (A,) float64
-            Value, and Jacobian 1.
-        """
+        """The neighbours' points at the receivers ``at``, which all have one, (A,)."""
         lights = take(self.reservoirs.y, self.rows[at])
         value = reflected(self.world, take(self.points, at), lights, self.chance)
         return value, np.ones(len(at))
 
     def inverse(self, samples: LightPoints, at: Indices) -> Shifted:
-        """Values of the receivers' points at their neighbours.
-
-        Parameters
-        ----------
-        samples : LightPoints
-            K rows, at the receivers.
-        at : (A,) int
-            Which of them, none without a neighbour.
-
-        Returns
-        -------
-        (A, 3), (A,) float64
-            Value in the neighbours' scene, and Jacobian 1.
-        """
+        """The receivers' points ``at`` in their neighbours' scene, (A,)."""
         points = take(self.points_from, self.rows[at])
         now, then = self.world.emitters, self.world_from.emitters
         lights = renumbered(take(samples, at), now, then)
@@ -425,17 +328,7 @@ class LightNeighbor:
 def carried(cache: Cache, world: World) -> Cache:
     """A cache for the frame after it, in which lights have come and gone.
 
-    Parameters
-    ----------
-    cache : Cache
-        Of the frame before.
-    world : World
-        The scene as it is.
-
-    Returns
-    -------
-    Cache
-        Samples by this frame's list of lights; they know their cells.
+    Samples are by the new list of lights, and know their cells.
     """
     grid, r = cache.grid, cache.reservoirs
     cell = np.zeros(len(r.M), np.int64)
