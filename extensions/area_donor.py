@@ -28,10 +28,8 @@ class AreaShift:
 
     Attributes
     ----------
-    shift : Shift
-        Of all beyond x_1.
-    primary : 'move' or 'keep'
-        What becomes of x_1.
+    shift : Shift; of all beyond x_1
+    primary : 'move' or 'keep'; what becomes of x_1
     world_from, world_to : World
         In which the paths were made, and that to which they go.
     """
@@ -53,12 +51,8 @@ class AreaShift:
 
         Parameters
         ----------
-        samples : AreaPaths
-            N rows.
-        pixel : (N,) int
-            Rows of the image to which they go.
-        dx, dy : (N,) float64, pixels
-            How far places move, if x_1 moves.
+        pixel : (N,) int; rows of the image to which they go
+        dx, dy : (N,) float64, pixels; how far places move, if x_1 moves
 
         Returns
         -------
@@ -86,23 +80,23 @@ class AreaShift:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class AreaDonor:
-    """Donors and receivers that are pixels with an area.
+class AreaNeighbor:
+    """Pixels with an area, whose reservoirs others resample.
 
     Attributes
     ----------
     shift : AreaShift
-        From the donors to the K receivers.
+        From the neighbours to the K receivers.
     pixel : (K,) int
         Rows of the image that the receivers are.
     reservoirs : Reservoirs
         N rows of `AreaPaths`, a pixel each.
     rows : (K,) int
-        Row that is offered to each pixel, or ``NONE``.
+        Row that each receiver resamples, or ``NONE``.
     dx, dy : (K,) float64, pixels
-        How far places move from the donor to the receiver, if x_1 moves.
+        How far places move from the neighbour to the receiver, if x_1 moves.
     same_domain : bool
-        Donor and receiver are one pixel of one image, and nothing is shifted.
+        Neighbour and receiver are one pixel of one image: nothing is shifted.
     """
 
     shift: AreaShift
@@ -114,36 +108,12 @@ class AreaDonor:
     same_domain: bool = False
 
     def shifted(self, at: Indices) -> tuple[Placed, Scalars]:
-        """Values of the donors' paths at the receivers.
-
-        Parameters
-        ----------
-        at : (A,) int
-            Receivers, none without a donor.
-
-        Returns
-        -------
-        Placed, (A,) float64
-            As of `AreaShift`.
-        """
+        """The neighbours' paths at the receivers ``at``, which all have one, (A,)."""
         samples = take(self.reservoirs.y, self.rows[at])
         return self.shift(samples, self.pixel[at], self.dx[at], self.dy[at])
 
     def inverse(self, samples: Any, at: Indices) -> tuple[Placed, Scalars]:
-        """Values of the receivers' paths at their donors.
-
-        Parameters
-        ----------
-        samples : AreaPaths
-            K rows, at the receivers.
-        at : (A,) int
-            Which of them, none without a donor.
-
-        Returns
-        -------
-        Placed, (A,) float64
-            As of `AreaShift`.
-        """
+        """The receivers' paths ``at`` back at their neighbours, (A,)."""
         some = take(samples, at)
         return self.shift.back(some, self.rows[at], -self.dx[at], -self.dy[at])
 
@@ -155,15 +125,12 @@ def kept_in_place(
 
     Parameters
     ----------
-    world_from, world_to : World
-        Of the two cameras; nothing else has moved.
-    seen : SurfacePoints
-        N points that the first sees.
+    world_from, world_to : World; of the two cameras; nothing else has moved
+    seen : SurfacePoints; N points that the first sees
 
     Returns
     -------
-    x, y : (N,) float64, pixels
-        In the image of the second; NaN behind it.
+    x, y : (N,) float64, pixels; in the image of the second; NaN behind it
     jacobian : (N,) float64
         |∂(x, y)_to / ∂(x, y)_from|: both images' pixels per area at the point; 0
         behind the second.

@@ -1,16 +1,19 @@
 """Area ReSTIR: reservoirs of whole paths over the area of each pixel."""
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
-from extensions.area_donor import AreaDonor, AreaShift
+from extensions.area_donor import AreaNeighbor, AreaShift
 from extensions.area_paths import draw_area_paths, target
 from extensions.area_settings import AreaSettings
-from extensions.frame_loop import Moment, PathFrame, path_frames
+from extensions.frame_loop import PathFrame, path_frames, path_shift
 from extensions.windows import resample_past, windows
+from reference.arrays import Indices
+from reference.frame import FrameContext
 from reference.passes.neighbors import find_neighbors
-from reference.records import cut
 from reference.resampling.generalized import resample
 from reference.resampling.reservoir import Reservoirs, finalize
 from reference.rng import Stream
@@ -29,144 +32,115 @@ def render_area_frames(
 ) -> Iterator[PathFrame]:
     """Frames of indirect light by ReSTIR over the area of each pixel, without end.
 
-    Parameters
-    ----------
-    world : World
-        The scene in frame 0.
-    settings : AreaSettings
-        The algorithm.
-    bounces : int
-        Bounces of indirect light, 1 to 30.
-    seed : int
-        Runs of different seeds are independent.
-    schedule : Schedule
-        Bands and threads; no influence on the result.
-    animation : Animation, optional
-        As of `path_frames`.
-
-    Returns
-    -------
-    iterator of PathFrame
-        Means over the areas of the pixels; samples are `AreaPaths`.
-
     Notes
     -----
-    [Zhang24].  Which pixels lend, and how far they are trusted, is decided by what
+    [Zhang24].  Which pixels are reused, and with what confidence, is decided by what
     their centres see: never by a sample.
     """
-    return path_frames(_frame, world, settings, bounces, seed, schedule, animation)
+    return path_frames(next_frame, world, settings, bounces, seed, schedule, animation)
 
 
-def _frame(moment: Moment, last: PathFrame | None, schedule: Schedule) -> PathFrame:
-    kept = area_reused(moment, last, lambda r: area_drawn(moment, r), schedule)
+def next_frame(frame: FrameContext[AreaSettings], last: PathFrame | None) -> PathFrame:
+    """One frame: new paths, temporal and spatial reuse, and the picture."""
+    kept = area_reused(frame, last, partial(area_drawn, frame))
     color = kept.y.paths.value * kept.W[:, None]
-    return PathFrame(moment.number, moment.world, moment.visible, kept, color)
+    return PathFrame(frame.number, frame.world, frame.visible, kept, color)
 
 
 def area_reused(
-    moment: Moment,
+    frame: FrameContext[AreaSettings],
     last: PathFrame | None,
     drawn: Callable[[slice], Reservoirs],
-    schedule: Schedule,
 ) -> Reservoirs:
-    """Temporal and spatial reuse over areas, as the settings say.
-
-    Parameters
-    ----------
-    moment : Moment
-        The frame.
-    last : PathFrame or None
-        The one before, if there is one.
-    drawn : callable
-        From some pixels to the paths that they draw anew.
-    schedule : Schedule
-        Bands and threads.
-
-    Returns
-    -------
-    Reservoirs
-        Of `AreaPaths`, a pixel each.
-    """
-    rows, settings = moment.pixels, moment.settings
-    if last is None or not settings.temporal:
-        fresh = in_bands(schedule, rows, drawn)
-    else:
-        fresh = in_bands(schedule, rows, lambda r: _temporal(moment, last, drawn(r), r))
-    if not settings.spatial:
+    """Temporal and spatial reuse over areas of what pixels have ``drawn``."""
+    new, rows = drawn, frame.pixels
+    if last is not None and frame.settings.temporal:
+        new = partial(_temporal, frame, last, drawn)
+    fresh = in_bands(frame.schedule, rows, new)
+    if not frame.settings.spatial:
         return fresh
     # Every pixel's reservoir is complete before a neighbour reads it.
-    return in_bands(schedule, rows, lambda r: _spatial(moment, fresh, r))
+    return in_bands(frame.schedule, rows, partial(_spatial, frame, fresh))
 
 
-def area_drawn(moment: Moment, rows: slice) -> Reservoirs:
-    """Paths that the areas of pixels draw anew.
-
-    Parameters
-    ----------
-    moment : Moment
-        The frame.
-    rows : slice
-        K pixels.
-
-    Returns
-    -------
-    Reservoirs
-        Of `AreaPaths`, K rows; M = 1.
-    """
-    number = moment.numbers(rows)
+def area_drawn(frame: FrameContext[AreaSettings], rows: slice) -> Reservoirs:
+    """Paths that the areas of K pixels draw anew; M = 1."""
+    shift, number = path_shift(frame), frame.numbers(rows)
     tree = draw_area_paths(
-        moment.world,
+        frame.world,
         np.arange(rows.start, rows.stop),
-        moment.uniforms(rows, Stream.PIXEL).draw(0),
-        moment.bounces,
-        moment.shift.criterion,
+        frame.uniforms(Stream.PIXEL, rows).draw(0),
+        frame.bounces,
+        shift.criterion,
         number,
-        moment.shift.uniforms(number),
+        shift.uniforms(number),
     )
     return finalize(tree, tree.M)
 
 
 def _temporal(
-    moment: Moment, last: PathFrame, new: Reservoirs, rows: slice
+    frame: FrameContext[AreaSettings],
+    last: PathFrame,
+    drawn: Callable[[slice], Reservoirs],
+    rows: slice,
 ) -> Reservoirs:
-    s, here = moment.settings, np.arange(rows.start, rows.stop)
-    assert isinstance(s, AreaSettings)
-    shift = AreaShift(moment.shift, s.primary, last.world, moment.world)
-    stands = last.world is moment.world
-    past = windows(last, moment, here)
-    before = [
-        AreaDonor(shift, here, last.reservoirs, part.rows, part.dx, part.dy, stands)
-        for part in past
+    """The history of each area, window by window, and what it draws anew."""
+    s, new = frame.settings, drawn(rows)
+    own = _canonical(frame, new, np.arange(len(new.M)), rows)
+    past = windows(frame, last, own.pixel)
+    shift = AreaShift(path_shift(frame), s.primary, last.world, frame.world)
+    history = [
+        AreaNeighbor(
+            shift=shift,
+            pixel=own.pixel,
+            reservoirs=last.reservoirs,
+            rows=window.rows,
+            dx=window.dx,
+            dy=window.dy,
+            same_domain=last.world is frame.world,
+        )
+        for window in past
     ]
-    shares = [part.share for part in past]
-    u = moment.uniforms(rows, Stream.TEMPORAL)
-    decisions = [*u.draw(0)[: len(before)], u.draw(1)[0]]
-    own = _own(moment, new, rows)
-    return resample_past(own, before, shares, decisions, s, target)
+    shares = [window.share for window in past]
+    u = frame.uniforms(Stream.TEMPORAL, rows)
+    choices = [*u.draw(0)[: len(history)], u.draw(1)[0]]
+    return resample_past(own, history, shares, choices, s, target)
 
 
-def _spatial(moment: Moment, fresh: Reservoirs, rows: slice) -> Reservoirs:
-    s, width = moment.settings, moment.world.camera.width
+def _spatial(
+    frame: FrameContext[AreaSettings], fresh: Reservoirs, rows: slice
+) -> Reservoirs:
+    """The reservoir of each area, and those of its neighbours."""
+    s, width = frame.settings, frame.world.camera.width
     here = np.arange(rows.start, rows.stop)
-    uniforms = moment.uniforms(rows, Stream.SPATIAL)
-    draws = [uniforms.draw(k) for k in range(s.neighbors)]
-    donors = [_own(moment, cut(fresh, rows), rows)]
-    for row in find_neighbors(here, moment.visible, width, s, draws):
-        dx, dy = here % width - row % width, here // width - row // width
-        way = _within(moment), here, fresh, row, dx.astype(float), dy.astype(float)
-        donors.append(AreaDonor(*way))
-    decisions = [np.zeros(len(here)), *(draw[2] for draw in draws)]
-    return resample(donors, decisions, s.mis, s.spatial_cap, target)
+    uniforms = frame.uniforms(Stream.SPATIAL, rows)
+    u = [uniforms.draw(k) for k in range(s.neighbors)]
+    own = _canonical(frame, fresh, here, rows)
+    neighbors = [
+        replace(
+            own,
+            rows=row,
+            dx=(here % width - row % width).astype(float),
+            dy=(here // width - row // width).astype(float),
+            same_domain=False,
+        )
+        for row in find_neighbors(here, frame.visible, width, s, u)
+    ]
+    choices = [np.zeros(len(here)), *(u_n[2] for u_n in u)]
+    return resample([own, *neighbors], choices, s.mis, s.spatial_cap, target)
 
 
-def _within(moment: Moment) -> AreaShift:
-    """Between pixels of this frame: x_1 moves with its place."""
-    return AreaShift(moment.shift, "move", moment.world, moment.world)
-
-
-def _own(moment: Moment, reservoirs: Reservoirs, rows: slice) -> AreaDonor:
-    here, none = np.arange(rows.start, rows.stop), np.zeros(len(reservoirs.M))
-    at = np.arange(len(here))
-    return AreaDonor(
-        _within(moment), here, reservoirs, at, none, none, same_domain=True
+def _canonical(
+    frame: FrameContext[AreaSettings], r: Reservoirs, at: Indices, rows: slice
+) -> AreaNeighbor:
+    """The pixels' own reservoirs; within a frame x_1 moves with its place."""
+    none = np.zeros(rows.stop - rows.start)
+    return AreaNeighbor(
+        shift=AreaShift(path_shift(frame), "move", frame.world, frame.world),
+        pixel=np.arange(rows.start, rows.stop),
+        reservoirs=r,
+        rows=at,
+        dx=none,
+        dy=none,
+        same_domain=True,
     )

@@ -1,16 +1,29 @@
-"""Initial candidates: a tree of paths a pixel, of which one is kept."""
+"""Initial candidates: a tree of paths a pixel, of which one is kept.
+
+Every vertex may end a path, with a light that is chosen by next-event estimation or hit
+by the ray that goes on.  A path and its reconnection vertex are recorded on the way.
+"""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from extensions.connection import Criterion
-from extensions.ends import density_at, ended, find_lights
-from extensions.paths import Paths, no_paths
-from extensions.walking import Leaving, Step, arrive, leave, start
-from reference.arrays import Indices
-from reference.records import where
+from extensions.shifting import (
+    Criterion,
+    Leaving,
+    Paths,
+    Step,
+    Technique,
+    arrive,
+    leave,
+    start,
+)
+from reference.arrays import Indices, Masks, Scalars, Vec3s, zero_vectors
+from reference.direct_light import choose_light, met_lights
+from reference.light_shares import share_of_chance
+from reference.records import scatter, where
 from reference.resampling.reservoir import Candidates, merge
+from reference.resampling.target import luminance
 from reference.rng import Uniforms
 from reference.scene.surface import SurfacePoints
 from reference.world import World
@@ -26,18 +39,15 @@ def draw_paths(
 ) -> Candidates:
     """Draw a tree of paths from each visible point, and keep one by its light.
 
+    Paths of other lengths, or that end otherwise, are other integrals: each is drawn
+    once, so that w = p̂(u), the luminance of f / p, without a weight.
+
     Parameters
     ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        N visible points x_1.
+    points : SurfacePoints; N visible points x_1
     bounces : int
         Of indirect light, at least 1: surface points after x_1 that a path may visit.
-    criterion : Criterion
-        When points may be joined.
-    number : (N,) int64
-        Keys of the paths.
+    number : (N,) int64; keys of the paths
     uniforms : Uniforms
         N rows, made from these keys.  Vertex v takes dimension 2 (v - 1) for its
         direction and 2 (v - 1) + 1 for its light; lanes 3 choose within the tree.
@@ -46,11 +56,6 @@ def draw_paths(
     -------
     Candidates
         Of `Paths`; w is the light of the whole tree, M = 1 for trees without light.
-
-    Notes
-    -----
-    Paths of other lengths, or that end otherwise, are other integrals: each is drawn
-    once, so that w = p̂(u), the luminance of f / p, without a weight.
     """
     step, trunk = start(points), _Trunk(no_paths(points, number))
     kept: Candidates | None = None
@@ -60,6 +65,7 @@ def draw_paths(
         active = step.points.hit & by_chance
         leaving = leave(world, step, vertex, uniforms, active)
         if vertex > 1:
+            # Paths that end at x_v.
             met = leaving if by_chance else None
             lights = find_lights(world, step, vertex, uniforms, met)
             found = replace(lights, y=ended(step, trunk.paths, vertex, lights.y))
@@ -67,6 +73,7 @@ def draw_paths(
             kept = found if kept is None else merge(kept, found, u)
         if is_last:
             break
+        # On to x_(v+1).
         before, step = step, arrive(world, criterion, step, vertex, leaving)
         if vertex > 1:
             trunk = trunk.grown(before, vertex, leaving, step)
@@ -105,3 +112,161 @@ class _Trunk:
             density=density,
         )
         return _Trunk(where(begins, here, grown))
+
+
+def no_paths(points: SurfacePoints, number: Indices) -> Paths:
+    """Paths without a light, of keys ``number``, (N,), and any points."""
+    size = len(number)
+    none = np.zeros(size, np.int8)
+    return Paths(
+        number=number,
+        end=none,
+        technique=none,
+        joint=none,
+        surface=points,
+        wi=zero_vectors(size),
+        incoming=zero_vectors(size),
+        pdf_light=np.zeros(size),
+        density=np.zeros(size),
+        value=zero_vectors(size),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Lights:
+    """Lights that end N paths, as their last points receive them.
+
+    Attributes
+    ----------
+    technique : (N,) int8; how they were found
+    joins : (N,) bool; the last point may be a reconnection vertex
+    wi : (N, 3) float64; unit directions to them
+    radiance : (N, 3) float64
+        Radiance, over the density of the choice where they were chosen.
+    reflected : (N, 3) float64, W/(m² sr)
+        By the last point, over its density, and weighted.
+    pdf_light : (N,) float64, 1/sr; with which next-event estimation chooses them
+    pdf : (N,) float64, 1/sr
+        With which the path chose its direction to the light, 1 where the light itself
+        was chosen.
+    """
+
+    technique: Indices
+    joins: Masks
+    wi: Vec3s
+    radiance: Vec3s
+    reflected: Vec3s
+    pdf_light: Scalars
+    pdf: Scalars
+
+
+def find_lights(
+    world: World, step: Step, vertex: int, uniforms: Uniforms, leaving: Leaving | None
+) -> Candidates:
+    """One light for each path at x_v, chosen or hit.
+
+    Parameters
+    ----------
+    vertex : int
+        v, of all of them.
+    uniforms : Uniforms
+        N rows; dimension 2 (v - 1) + 1 chooses the light, lane 3 of the one before
+        between the two.
+    leaving : Leaving or None
+        Rays that left x_v; ``None`` where none may hit a light.
+
+    Returns
+    -------
+    Candidates
+        Of `Lights`; the two are other integrals, so that w = p̂, and M counts none.
+    """
+    size, none = len(step.points), np.zeros(len(step.points))
+    light = choose_light(world, step.points, uniforms.draw(2 * vertex - 1))
+    chosen = Lights(
+        technique=np.full(size, Technique.NEXT_EVENT, np.int8),
+        joins=step.joinable,
+        wi=light.wi,
+        radiance=np.where(light.seen[:, None], light.weight, 0.0),
+        reflected=light.value,
+        pdf_light=light.pdf,
+        pdf=np.ones(size),
+    )
+    p_hat = luminance(step.throughput * chosen.reflected)
+    lights = Candidates(chosen, p_hat, p_hat, none)
+    if leaving is None:
+        return lights
+    bsdf = leaving.bsdf
+    rows, some, by_choice = met_lights(world, step.points, bsdf, leaving.hits)
+    radiance, pdf_light = scatter(rows, some, size), scatter(rows, by_choice, size)
+    share = share_of_chance(bsdf.pdf, bsdf.delta, pdf_light)
+    hit = Lights(
+        technique=np.full(size, Technique.CHANCE, np.int8),
+        joins=step.joinable & ~bsdf.delta,
+        wi=bsdf.wi,
+        radiance=radiance,
+        reflected=bsdf.weight * radiance * share[:, None],
+        pdf_light=pdf_light,
+        pdf=bsdf.pdf,
+    )
+    p_hat = luminance(step.throughput * hit.reflected)
+    u = uniforms.draw(2 * (vertex - 1))[3]
+    return merge(lights, Candidates(hit, p_hat, p_hat, none), u)
+
+
+def ended(step: Step, paths: Paths, vertex: int, lights: Lights) -> Paths:
+    """Paths with a light after x_v, which is the reconnection vertex if it can be.
+
+    Parameters
+    ----------
+    paths : Paths
+        What is known of them, ``incoming`` being the product of weights beyond the
+        reconnection vertex.
+    """
+    size = len(step.points)
+    end, value = np.full(size, vertex, np.int8), step.throughput * lights.reflected
+    known = paths.joint > 0
+    here = lights.joins & ~known
+    surface, wi, pdf_light = paths.surface, paths.wi, paths.pdf_light
+    joint, density = paths.joint, paths.density
+    incoming = paths.incoming * lights.reflected
+    if here.any():
+        surface = where(known, surface, step.points)
+        joint = np.where(here, end, joint)
+        wi, incoming, pdf_light, density = (
+            where(here, a, b)
+            for a, b in (
+                (lights.wi, wi),
+                (lights.radiance, incoming),
+                (lights.pdf_light, pdf_light),
+                (density_at(step, lights.pdf), density),
+            )
+        )
+    return replace(
+        paths,
+        end=end,
+        technique=lights.technique,
+        joint=joint,
+        surface=surface,
+        wi=wi,
+        incoming=incoming,
+        pdf_light=pdf_light,
+        density=density,
+        value=value,
+    )
+
+
+def density_at(step: Step, pdf: Scalars) -> Scalars:
+    """Density of both ends of a joint at x_v.
+
+    Parameters
+    ----------
+    step : Step; N paths at x_v, that came from x_(v-1)
+    pdf : (N,) float64, 1/sr; with which x_v is left; 1 where the light was chosen
+
+    Returns
+    -------
+    (N,) float64; p(ω_(v-1)) cos φ_v / d² p(ω_v)
+    """
+    assert step.came is not None
+    density: Scalars = step.pdf * step.came.spread * pdf
+    return density

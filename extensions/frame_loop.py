@@ -2,15 +2,15 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import TypeVar
 
-from extensions.connection import CRITERIA
-from extensions.pt_settings import PathSettings
+from extensions.pt_settings import CRITERIA, PathSettings
 from extensions.shifting import Shift
-from reference.arrays import Indices, Vec3s
+from reference.arrays import Vec3s
 from reference.frame import FrameContext, frames
 from reference.resampling.reservoir import Reservoirs
-from reference.rng import Stream, Uniforms
+from reference.rng import Stream
 from reference.scene.animation import Animation
 from reference.scene.surface import VisiblePoints
 from reference.schedule import Schedule
@@ -44,10 +44,7 @@ class PathFrame:
 
 def path_shift(frame: FrameContext[PathSettings]) -> Shift:
     """How paths are shifted between points, in this frame or another."""
-
-    def uniforms(numbers: Indices) -> Uniforms:
-        return frame.uniforms_of(Stream.PATH, numbers)
-
+    uniforms = partial(frame.uniforms_of, Stream.PATH)
     return Shift(CRITERIA[frame.settings.shift], uniforms)
 
 
@@ -66,13 +63,17 @@ def path_frames(
 ) -> Iterator[OfPaths]:
     """Frames of whole paths, without end; arguments as of `reference.frame.frames`.
 
-    A frame before which shapes or lights have moved begins anew: the paths of the last
-    one are of another scene.
+    Where shapes or lights have moved, a frame has no history: the paths of the last one
+    are of another scene.
     """
 
-    def anew_if_moved(frame: FrameContext[Settings], last: OfPaths | None) -> OfPaths:
+    def without_history_if_moved(
+        frame: FrameContext[Settings], last: OfPaths | None
+    ) -> OfPaths:
         if last and not same_but_for_the_camera(last.world.scene, frame.world.scene):
             last = None
         return next_frame(frame, last)
 
-    return frames(anew_if_moved, world, settings, bounces, seed, schedule, animation)
+    return frames(
+        without_history_if_moved, world, settings, bounces, seed, schedule, animation
+    )

@@ -2,11 +2,21 @@
 
 from dataclasses import dataclass
 from math import inf
+from typing import Literal
 
-from extensions.connection import ShiftKind
+from extensions.shifting import Criterion
 from reference.methods.framed import Image
 from reference.resampling.generalized import Mis
 from reference.settings import Search
+
+ShiftKind = Literal["reconnection", "replay", "hybrid"]
+
+CRITERIA: dict[ShiftKind, Criterion] = {
+    "reconnection": Criterion(0.0, 0.0, last_joint=2, replays=False),
+    "replay": Criterion(roughness=inf),
+    "hybrid": Criterion(),
+}
+"""The three shifts are one: they differ in where paths may be joined."""
 
 LEAST_AND_MOST = {
     "temporal_cap": (1, inf),
@@ -28,13 +38,13 @@ class PathSettings(Search):
     shift : 'reconnection', 'replay' or 'hybrid'
         How paths are shifted between pixels.
     mis : '1/M', '1/Z', 'balance', 'pairwise' or 'defensive'
-        How those share a sample that could have made it; the first is biased.
+        MIS weights; the first is biased.
     temporal, spatial : bool
         Which passes run.
     temporal_cap, spatial_cap : float
         Limits of M.
     neighbors : int
-        Whose paths the spatial pass takes over.
+        Whose paths the spatial pass resamples.
     image : 'last' or 'mean'
         The last frame, as a renderer shows it, or the mean of all.
     """

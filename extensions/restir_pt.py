@@ -1,14 +1,17 @@
 """ReSTIR PT: the frame loop of ReSTIR GI, on whole paths."""
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from extensions.candidates import draw_paths
-from extensions.donors import PointDonor
-from extensions.frame_loop import Moment, PathFrame, path_frames
+from extensions.frame_loop import PathFrame, path_frames, path_shift
 from extensions.pt_settings import PathSettings
+from extensions.shifting import PathNeighbor
 from reference.arrays import Indices
+from reference.frame import FrameContext
 from reference.options.reprojection import reproject
 from reference.passes.neighbors import find_neighbors
 from reference.records import cut
@@ -28,82 +31,51 @@ def render_path_frames(
     schedule: Schedule,
     animation: Animation | None = None,
 ) -> Iterator[PathFrame]:
-    """Frames of indirect light by ReSTIR PT, without end.
+    """Frames of indirect light by ReSTIR PT, without end [Lin22, section 6].
 
     Parameters
     ----------
-    world : World
-        The scene in frame 0.
-    settings : PathSettings
-        The algorithm.
-    bounces : int
-        Bounces of indirect light, 1 to 30.
-    seed : int
-        Runs of different seeds are independent.
-    schedule : Schedule
-        Bands and threads; no influence on the result.
-    animation : Animation, optional
-        As of `path_frames`.
+    world : World; the scene in frame 0
+    bounces : int; bounces of indirect light, 1 to 30
+    seed : int; runs of different seeds are independent
+    schedule : Schedule; bands and threads; no influence on the result
 
     Returns
     -------
-    iterator of PathFrame
-        Each pixel's path begins at what its centre sees.
-
-    Notes
-    -----
-    [Lin22, section 6].
+    iterator of PathFrame; each pixel's path begins at what its centre sees
     """
-    return path_frames(_frame, world, settings, bounces, seed, schedule, animation)
+    return path_frames(next_frame, world, settings, bounces, seed, schedule, animation)
 
 
-def _frame(moment: Moment, last: PathFrame | None, schedule: Schedule) -> PathFrame:
-    kept = reused(moment, last, lambda rows: _drawn(moment, rows), schedule)
+def next_frame(frame: FrameContext[PathSettings], last: PathFrame | None) -> PathFrame:
+    """One frame: new paths, temporal and spatial reuse, and the picture."""
+    kept = reused(frame, last, partial(_drawn, frame))
     color = kept.y.value * kept.W[:, None]
-    return PathFrame(moment.number, moment.world, moment.visible, kept, color)
+    return PathFrame(frame.number, frame.world, frame.visible, kept, color)
 
 
 def reused(
-    moment: Moment,
+    frame: FrameContext[PathSettings],
     last: PathFrame | None,
     drawn: Callable[[slice], Reservoirs],
-    schedule: Schedule,
 ) -> Reservoirs:
-    """Temporal and spatial reuse of whole paths, as the settings say.
-
-    Parameters
-    ----------
-    moment : Moment
-        The frame.
-    last : PathFrame or None
-        The one before, if there is one.
-    drawn : callable
-        From some pixels to the paths that they draw anew.
-    schedule : Schedule
-        Bands and threads.
-
-    Returns
-    -------
-    Reservoirs
-        Of `extensions.paths.Paths`, a pixel each.
-    """
-    rows = moment.pixels
-    past = _rows_before(moment, last)
-    fresh = in_bands(
-        schedule, rows, lambda r: _temporal(moment, last, past, r, drawn(r))
-    )
-    if not moment.settings.spatial:
+    """Temporal and spatial reuse of whole paths that pixels have ``drawn``."""
+    new, rows = drawn, frame.pixels
+    if last is not None and frame.settings.temporal:
+        new = partial(_temporal, frame, last, _reprojected(frame, last), drawn)
+    fresh = in_bands(frame.schedule, rows, new)
+    if not frame.settings.spatial:
         return fresh
     # Every pixel's reservoir is complete before a neighbour reads it.
-    return in_bands(schedule, rows, lambda r: _spatial(moment, fresh, r))
+    return in_bands(frame.schedule, rows, partial(_spatial, frame, fresh))
 
 
-def _drawn(moment: Moment, rows: slice) -> Reservoirs:
-    shift, number = moment.shift, moment.numbers(rows)
+def _drawn(frame: FrameContext[PathSettings], rows: slice) -> Reservoirs:
+    shift, number = path_shift(frame), frame.numbers(rows)
     tree = draw_paths(
-        moment.world,
-        cut(moment.visible.surface, rows),
-        moment.bounces,
+        frame.world,
+        cut(frame.visible.surface, rows),
+        frame.bounces,
         shift.criterion,
         number,
         shift.uniforms(number),
@@ -111,57 +83,65 @@ def _drawn(moment: Moment, rows: slice) -> Reservoirs:
     return finalize(tree, tree.M)
 
 
-def _rows_before(moment: Moment, last: PathFrame | None) -> Indices | None:
-    """Where each pixel finds its past; ``None`` where all are at their own place."""
-    if last is None or last.world is moment.world:
+def _reprojected(frame: FrameContext[PathSettings], last: PathFrame) -> Indices | None:
+    """Row of each pixel in the last frame; ``None`` where all are in their place."""
+    if last.world is frame.world:
         return None
     return reproject(
-        last.world, last.visible, moment.world, moment.visible, None, moment.settings
+        last.world, last.visible, frame.world, frame.visible, None, frame.settings
     )
 
 
 def _temporal(
-    moment: Moment,
-    last: PathFrame | None,
-    past: Indices | None,
+    frame: FrameContext[PathSettings],
+    last: PathFrame,
+    reprojected: Indices | None,
+    drawn: Callable[[slice], Reservoirs],
     rows: slice,
-    new: Reservoirs,
 ) -> Reservoirs:
-    if last is None or not moment.settings.temporal:
-        return new
-    points = cut(moment.visible.surface, rows)
-    here = np.arange(len(points))
-    now = moment.shift, moment.world, points
-    own = PointDonor(*now, moment.world, points, new, here, same_domain=True)
-    rows_before = np.arange(rows.start, rows.stop) if past is None else past[rows]
-    before = PointDonor(
-        *now,
-        last.world,
-        last.visible.surface,
-        last.reservoirs,
-        rows_before,
-        same_domain=past is None,
+    """The history of each pixel first, and what it draws anew."""
+    points, here = cut(frame.visible.surface, rows), np.arange(rows.start, rows.stop)
+    new = PathNeighbor(
+        shift=path_shift(frame),
+        world=frame.world,
+        points=points,
+        world_from=frame.world,
+        points_from=points,
+        reservoirs=drawn(rows),
+        rows=here - rows.start,
+        same_domain=True,
     )
-    u = moment.uniforms(rows, Stream.TEMPORAL).draw(0)[0]
-    s = moment.settings
-    return resample([before, own], [u, u], s.mis, s.temporal_cap)
+    history = replace(
+        new,
+        world_from=last.world,
+        points_from=last.visible.surface,
+        reservoirs=last.reservoirs,
+        rows=here if reprojected is None else reprojected[rows],
+        same_domain=reprojected is None,
+    )
+    u = frame.uniforms(Stream.TEMPORAL, rows).draw(0)[0]
+    s = frame.settings
+    return resample([history, new], [u, u], s.mis, s.temporal_cap)
 
 
-def _spatial(moment: Moment, fresh: Reservoirs, rows: slice) -> Reservoirs:
-    s, surface = moment.settings, moment.visible.surface
-    here = np.arange(rows.start, rows.stop)
-    uniforms = moment.uniforms(rows, Stream.SPATIAL)
-    draws = [uniforms.draw(k) for k in range(s.neighbors)]
-    width = moment.world.camera.width
-    around = find_neighbors(here, moment.visible, width, s, draws)
-    now = moment.shift, moment.world, cut(surface, rows)
-
-    def lent(row: Indices, same_domain: bool) -> PointDonor:
-        return PointDonor(*now, moment.world, surface, fresh, row, same_domain)
-
-    donors = [
-        lent(here, same_domain=True),
-        *(lent(row, same_domain=False) for row in around),
-    ]
-    decisions = [np.zeros(len(here)), *(draw[2] for draw in draws)]
-    return resample(donors, decisions, s.mis, s.spatial_cap)
+def _spatial(
+    frame: FrameContext[PathSettings], fresh: Reservoirs, rows: slice
+) -> Reservoirs:
+    """The reservoir of each pixel first, and those of its neighbours."""
+    s, here = frame.settings, np.arange(rows.start, rows.stop)
+    uniforms = frame.uniforms(Stream.SPATIAL, rows)
+    u = [uniforms.draw(k) for k in range(s.neighbors)]
+    around = find_neighbors(here, frame.visible, frame.world.camera.width, s, u)
+    own = PathNeighbor(
+        shift=path_shift(frame),
+        world=frame.world,
+        points=cut(frame.visible.surface, rows),
+        world_from=frame.world,
+        points_from=frame.visible.surface,
+        reservoirs=fresh,
+        rows=here,
+        same_domain=True,
+    )
+    neighbors = [replace(own, rows=row, same_domain=False) for row in around]
+    choices = [np.zeros(len(here)), *(u_n[2] for u_n in u)]
+    return resample([own, *neighbors], choices, s.mis, s.spatial_cap)

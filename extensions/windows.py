@@ -5,9 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from extensions.frame_loop import Moment, PathFrame
+from extensions.frame_loop import PathFrame
 from extensions.pt_settings import PathSettings
 from reference.arrays import Indices, Scalars
+from reference.frame import FrameContext
 from reference.options.reprojection import alike_before, places_before, row_at
 from reference.records import NONE, take
 from reference.resampling.generalized import Neighbor, Target, resample
@@ -20,10 +21,8 @@ class Window:
 
     Attributes
     ----------
-    rows : (K,) int
-        Of the last frame, or ``NONE``.
-    dx, dy : (K,) float64, pixels
-        How far places have moved since.
+    rows : (K,) int; of the last frame, or ``NONE``
+    dx, dy : (K,) float64, pixels; how far places have moved since
     share : (K,) float64
         Of the pixel's area, 0 without a past; of all windows together at most 1.
     """
@@ -34,15 +33,13 @@ class Window:
     share: Scalars
 
 
-def windows(last: PathFrame, moment: Moment, pixel: Indices) -> list[Window]:
+def windows(
+    frame: FrameContext[PathSettings], last: PathFrame, pixel: Indices
+) -> list[Window]:
     """Where the areas of pixels were a frame ago.
 
     Parameters
     ----------
-    last : PathFrame
-        The frame before.
-    moment : Moment
-        This one.
     pixel : (K,) int
         Rows of the image.
 
@@ -56,19 +53,19 @@ def windows(last: PathFrame, moment: Moment, pixel: Indices) -> list[Window]:
     -----
     [Zhang24].  What the centres see decides, never a sample.
     """
-    if last.world is moment.world:
+    if last.world is frame.world:
         none = np.zeros(len(pixel))
         return [Window(pixel, none, none, none + 1.0)]
-    visible, width = take(moment.visible, pixel), moment.world.camera.width
+    visible, width = take(frame.visible, pixel), frame.world.camera.width
     x_now, y_now = pixel % width + 0.5, pixel // width + 0.5
-    x, y = places_before(last.world, moment.world, visible, None)
+    x, y = places_before(last.world, frame.world, visible, None)
     left, top = np.floor(x - 0.5), np.floor(y - 0.5)
     found = []
     for i, j in ((0, 0), (1, 0), (0, 1), (1, 1)):
         column, line = left + i, top + j
         rows = row_at(column + 0.5, line + 0.5, last.world)
-        seen = last.world, last.visible, moment.world, visible
-        usable = alike_before(*seen, None, rows, moment.settings)
+        seen = last.world, last.visible, frame.world, visible
+        usable = alike_before(*seen, None, rows, frame.settings)
         overlap = (1.0 - np.abs(column + 0.5 - x)) * (1.0 - np.abs(line + 0.5 - y))
         rows = np.where(usable & (overlap > 0), rows, NONE)
         share = np.where(rows != NONE, overlap, 0.0)
@@ -84,31 +81,20 @@ def resample_past(
     settings: PathSettings,
     target: Target,
 ) -> Reservoirs:
-    """Choose among the windows of each area's past, and what is new.
+    """Resample the windows of each area's history, and what is new.
 
     Parameters
     ----------
     own : Neighbor
-        The new samples; stands.
-    before : list of Neighbor
-        Of the last frame.
+        The new samples, in their own domain.
     shares : list of (K,)
-        Of the area, one for each of them.
+        Of the area, one for each neighbour of the last frame.
     decisions : list of (K,)
         One number in [0, 1) for each of them, and for the new samples at last.
-    settings : PathSettings
-        Weights, and the limit of M.
-    target : callable
-        p̂ of values.
-
-    Returns
-    -------
-    Reservoirs
-        K rows.
     """
-    trust = own.reservoirs.M
-    for donor, share in zip(before, shares, strict=True):
+    M = own.reservoirs.M
+    for q_n, share in zip(before, shares, strict=True):
         # Windows are parts of one area: what they know of it are means, not sums.
-        trust = trust + donor.reservoirs.M[np.maximum(donor.rows, 0)] * share
+        M = M + q_n.reservoirs.M[np.maximum(q_n.rows, 0)] * share
     kept = resample([*before, own], decisions, settings.mis, np.inf, target)
-    return cap_confidence(replace(kept, M=trust), settings.temporal_cap)
+    return cap_confidence(replace(kept, M=M), settings.temporal_cap)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from extensions.area_settings import AreaSettings
-from extensions.connection import ShiftKind
+from extensions.pt_settings import ShiftKind
 from gradient_domain.images import Reconstruction
 from reference.methods.framed import Image
 

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from hashgrid.keys import FARTHEST, LEAST, Lattice, levels
+from hashgrid.grid import FARTHEST, SMALLEST, Lattice, levels
 from reference.arrays import Indices
 from reference.exactness.draws import Draws
 from reference.exactness.kernel import Inputs, Kernel, Row
@@ -28,7 +28,7 @@ def _level(row: Row) -> Exact:
     """floor(log2(|x − eye| · base / edge)), at least 0."""
     x, y, z = (_clipped(component) for component in row["position"])
     base = exact(_LATTICE.base, x.type)
-    size = inner((x, y, z), (x, y, z)).sqrt() * base / literal(LEAST, x.type)
+    size = inner((x, y, z), (x, y, z)).sqrt() * base / literal(SMALLEST, x.type)
     if size <= 1:
         return x * 0
     low, high = (EXACT.frexp(size.value + k * size.error)[1] for k in (-1, 1))

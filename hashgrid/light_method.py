@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from hashgrid.keys import levels
+from hashgrid.grid import levels
 from hashgrid.light_settings import LightSettings
 from hashgrid.world_reservoirs import LightFrame, render_light_frames
 from reference.arrays import Scalars
@@ -45,18 +45,7 @@ def _layers(frame: LightFrame, names: tuple[str, ...]) -> Mapping[str, Scalars]:
 
 
 def named_biases(job: Job) -> tuple[str, ...]:
-    """What biases the indirect light of a picture.
-
-    Parameters
-    ----------
-    job : Job
-        What is rendered.
-
-    Returns
-    -------
-    tuple of str
-        A line each.
-    """
+    """What biases the indirect light of a picture."""
     if job.light == "direct" or job.bounces == 0 or job.settings.cells == 0:
         return ()
     if job.settings.mis == "1/M":

@@ -25,21 +25,21 @@ class LightSettings:
     candidates : int
         Points on lights that each vertex draws by power.
     mis : '1/M', '1/Z', 'balance', 'pairwise' or 'defensive'
-        How those share a sample that could have made it; the first is biased, and the
-        article's.
+        MIS weights of the neighbours; the first is biased, and the article's.
     cells : int
         How many cells of the last frame each vertex looks into; 0 for no reuse.
     reuse : int
-        How many reservoirs it takes from each.
+        How many neighbours it takes from each.
     cap : float
         Limit of M.
     visible : bool
         Whether visible points have reservoirs, too: their own light is direct, and
-        needs none, but others may take them over.
+        needs none, but others may reuse them.
     facings : int
         Parts of each component of the normal that cells tell apart.
     chance : 'delta-lobes' or 'balance'
-        Which light is left to rays that meet lights by chance.
+        What rays that hit lights contribute: those of delta lobes alone, or their share
+        of the balance heuristic.
     image : 'last' or 'mean'
         The last frame, as a renderer shows it, or the mean of all.
     """

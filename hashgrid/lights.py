@@ -1,8 +1,8 @@
 """Points on lights as samples: any surface point can take one over as it is.
 
 A sample is a light and a place on it, and its measure is that of the unit square of
-places, light by light.  Neither knows who looks: the shift from one surface point to
-another is the identity, and its Jacobian 1, where lights move, too.
+places, light by light.  Neither depends on the viewer: the shift from one surface point
+to another is the identity, and its Jacobian 1, where lights move, too.
 """
 
 from dataclasses import dataclass, replace
@@ -10,14 +10,15 @@ from typing import Literal
 
 import numpy as np
 
-from extensions.connection import roughness
 from reference.arrays import Indices, Masks, Scalars, Vec3s, zero_vectors
-from reference.direct_light import sees_light
-from reference.light_shares import share_of_choice
+from reference.direct_light import met_lights
+from reference.light_shares import share_of_chance, share_of_choice
 from reference.records import take
 from reference.rng import Draw
 from reference.scene.emitters import Emitters
+from reference.scene.hits import Hits
 from reference.scene.light_sampling import LightSamples, points_on_lights
+from reference.scene.materials.bsdf_sampling import BsdfSamples
 from reference.scene.materials.table import scattering
 from reference.scene.surface import SurfacePoints
 from reference.tables import index_in_table
@@ -27,6 +28,7 @@ GONE = -1
 """In place of a light that the scene has no more."""
 
 Chance = Literal["delta-lobes", "balance"]
+"""What rays that hit lights contribute: delta lobes alone, or the balance heuristic."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +42,7 @@ class LightPoints:
     s, t : (N,) float64
         Place on the light, in the unit square.
     cell : (N,) int64
-        Mark of the cell in which the sample was taken over last, 0 if it never was.
+        Slot of the cell in which the sample was taken over last, plus 1; 0 if never.
     value : (N, 3) float64, W/(m² sr)
         f L_e cos θ over the density of the place: what a surface point reflects of it,
         shadows left out.
@@ -61,15 +63,8 @@ class LightPoints:
 
         Parameters
         ----------
-        value : (N, 3) float64
-            There.
-        jacobian : (N,) float64, sr/sr
-            Of the shift: 1.
-
-        Returns
-        -------
-        LightPoints
-            N rows.
+        value : (N, 3) float64; there
+        jacobian : (N,) float64, sr/sr; of the shift: 1
         """
         return replace(self, value=value)
 
@@ -79,17 +74,12 @@ def draw_lights(emitters: Emitters | None, u: Draw) -> tuple[LightPoints, Scalar
 
     Parameters
     ----------
-    emitters : Emitters or None
-        The lights.
-    u : four (N,) float64
-        Lane 0 chooses the light, 1 and 2 the place on it.
+    u : four (N,) float64; lane 0 chooses the light, 1 and 2 the place on it
 
     Returns
     -------
-    LightPoints
-        N rows, of value 0.
-    (N,) float64
-        Density; 1 where there is no light at all, and the points are ``GONE``.
+    LightPoints; N rows, of value 0
+    (N,) float64; density; 1 where there is no light at all, and the points are ``GONE``
     """
     size = len(u[0])
     light, density = np.full(size, GONE), np.ones(size)
@@ -107,15 +97,8 @@ def reflected(
 
     Parameters
     ----------
-    world : World
-        The scene, with the lights.
-    points : SurfacePoints
-        N points.
-    lights : LightPoints
-        N points on lights.
     chance : 'delta-lobes' or 'balance'
-        Which part of the light is left to rays that meet lights by chance: what delta
-        lobes reflect, or the share of the balance heuristic against drawing by power.
+        What is left to rays that hit lights.
 
     Returns
     -------
@@ -123,74 +106,70 @@ def reflected(
         f L_e cos θ over the density of the place on the light, that of choosing the
         light not among it; 0 for lights that are gone.
     """
-    able = (lights.light != GONE) & points.hit
-    if able.all() and len(able):
-        return _reflected(world, points, lights, chance)
-    value, rows = zero_vectors(len(points)), np.flatnonzero(able)
-    if len(rows):
-        some, here = take(points, rows), take(lights, rows)
-        value[rows] = _reflected(world, some, here, chance)
+    value = zero_vectors(len(points))
+    rows = np.flatnonzero((lights.light != GONE) & points.hit)
+    if world.emitters is None or len(rows) == 0:
+        return value
+    x, some = take(points, rows), take(lights, rows)
+    light = light_samples(world, x, some)
+    found = scattering(world.materials, x, light.wi) * light.weight
+    if chance == "balance":
+        found *= share_of_choice(world, x, light.wi, light.pdf)[:, None]
+    value[rows] = found * world.emitters.probability[some.light][:, None]
     return value
 
 
-def _reflected(
-    world: World, points: SurfacePoints, lights: LightPoints, chance: Chance
-) -> Vec3s:
-    assert world.emitters is not None
-    light = _seen_from(world, points, lights)
-    value = scattering(world.materials, points, light.wi) * light.weight
-    if chance == "balance":
-        value *= share_of_choice(world, points, light.wi, light.pdf)[:, None]
-    scaled: Vec3s = value * world.emitters.probability[lights.light][:, None]
-    return scaled
-
-
-def _seen_from(
+def light_samples(
     world: World, points: SurfacePoints, lights: LightPoints
 ) -> LightSamples:
+    """Points on lights, none of them gone, as surface points see them."""
     assert world.emitters is not None
     u = lights.s, lights.s, lights.t, lights.t
     x = points.position
     return points_on_lights(world.emitters, world.geometry, x, lights.light, u)
 
 
-def in_sight(
-    world: World, points: SurfacePoints, lights: LightPoints, active: Masks
-) -> Masks:
-    """Whether surface points see points on lights.
+def emitter_hits(
+    world: World, points: SurfacePoints, bsdf: BsdfSamples, hits: Hits, chance: Chance
+) -> Vec3s:
+    """What surface points reflect of the lights that their rays hit.
 
     Parameters
     ----------
-    world : World
-        The scene, with the lights.
-    points : SurfacePoints
-        N points.
-    lights : LightPoints
-        N points on lights.
-    active : (N,) bool
-        Who asks; nobody for a light that is gone.
+    chance : 'delta-lobes' or 'balance'
+        What of it counts: the rest of what `reflected` holds.
 
     Returns
     -------
-    (N,) bool
-        One ray each; false for those who do not ask.
+    (N, 3) float64, W/(m² sr)
+        0 for rays that hit no light.
     """
-    seen = np.zeros(len(points), bool)
-    rows = np.flatnonzero(active)
-    if len(rows):
-        some = take(points, rows)
-        light = _seen_from(world, some, take(lights, rows))
-        seen[rows] = sees_light(world, some, light, np.ones(len(rows), bool))
-    return seen
+    rows, radiance, pdf_light = met_lights(world, points, bsdf, hits)
+    share = bsdf.delta[rows].astype(float)
+    if chance == "balance":
+        share = share_of_chance(bsdf.pdf[rows], bsdf.delta[rows], pdf_light)
+    found = zero_vectors(len(points))
+    found[rows] = bsdf.weight[rows] * (radiance * share[:, None])
+    return found
+
+
+def hits_count(world: World, bsdf: BsdfSamples, chance: Chance) -> Masks:
+    """Whose `emitter_hits` may be above 0, (N,); nobody's where no light can be hit."""
+    able = world.emitters is not None and world.emitters.can_be_hit
+    return (bsdf.delta | (chance == "balance")) & able
+
+
+def renumbered(
+    lights: LightPoints, before: Emitters | None, now: Emitters | None
+) -> LightPoints:
+    """Points on lights by the list of another frame; `GONE` where it has none such."""
+    # One entry more than there are lights: a light that is gone stays gone.
+    row = np.append(same_lights(before, now), GONE)[lights.light]
+    return replace(lights, light=row)
 
 
 def same_lights(before: Emitters | None, now: Emitters | None) -> Indices:
-    """Where the lights of one frame stand in the list of another.
-
-    Parameters
-    ----------
-    before, now : Emitters or None
-        Lights of two frames of one animation.
+    """Where the lights of one frame are in the list of another of its animation.
 
     Returns
     -------
@@ -220,23 +199,3 @@ def same_lights(before: Emitters | None, now: Emitters | None) -> Indices:
 def _others(emitters: Emitters) -> tuple[int, int, int]:
     sky = emitters.environment is not None
     return len(emitters.position), len(emitters.direction), int(sky)
-
-
-def lends(world: World, points: SurfacePoints) -> Masks:
-    """Whether a vertex can receive light from chosen points that others may take.
-
-    Parameters
-    ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        K points.
-
-    Returns
-    -------
-    (K,) bool
-        False for misses, for what scatters into single directions alone, and for rough
-        dielectrics, whose light is not reused.
-    """
-    able: Masks = roughness(world.materials, points) >= 0
-    return able

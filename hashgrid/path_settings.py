@@ -5,6 +5,7 @@ from math import inf
 from typing import Literal
 
 from extensions.pt_settings import PathSettings
+from reference.arrays import Masks, Scalars
 from reference.resampling.generalized import Mis
 
 CELL_LIMITS = {
@@ -23,23 +24,22 @@ class CellSettings(PathSettings):
     Attributes
     ----------
     query : int
-        Bounce at which a path asks a cell how to go on: 1 at the visible point, 2 at
-        the next one; 0 for every bounce.
+        Bounce at which a path looks into a cell: 1 at the visible point, 2 at the next
+        one; 0 for every bounce.
     cells : int
         How many cells of the last frame it looks into; 0 for none.
     cell_reuse : int
-        How many reservoirs it takes from each.
+        How many neighbours it takes from each.
     cell_cap : float
         Limit of M in cells.
     cell_mis : '1/M', '1/Z', 'balance', 'pairwise' or 'defensive'
-        How those of a cell share a path that could have made it; 1/M is biased, and the
-        article's.
+        MIS weights in cells; 1/M is biased, and the article's.
     nulls : 'counted' or 'dropped'
         Vertices whose paths found no light, or cannot be joined: they are in the cells,
         too, without a sample, or not at all, which is biased, and the article's.
     writers : 'same-bounce' or 'every-bounce'
-        Whose reservoirs a cell holds: vertices of the bounce that asks, or of all
-        bounces, which is biased, and the article's.
+        Whose reservoirs a cell holds: vertices of the bounce that looks into it, or of
+        all bounces, which is biased, and the article's.
     facings : int
         Parts of each component of the normal that cells tell apart.
     """
@@ -63,32 +63,21 @@ class CellSettings(PathSettings):
                     f"{name}={getattr(self, name)} is out of range: {least} to {most}"
                 )
 
-    def asks(self, vertex: int) -> bool:
-        """Whether paths at x_v ask a cell.
-
-        Parameters
-        ----------
-        vertex : int
-            v.
-
-        Returns
-        -------
-        bool
-            For their last points nothing is left to ask.
-        """
+    def looks_up(self, vertex: int) -> bool:
+        """Whether paths at x_v look into a cell."""
         return self.cells > 0 and self.query in (0, vertex)
 
-    def writes(self, vertex: int) -> bool:
-        """Whether reservoirs of x_v are put into cells.
+    def stores(self, vertex: int) -> bool:
+        """Whether reservoirs of x_v are put into cells, for vertices that look up."""
+        every = self.cells > 0 and self.writers == "every-bounce"
+        return self.looks_up(vertex) or every
 
-        Parameters
-        ----------
-        vertex : int
-            v.
+    def grids(self, vertices: tuple[int, ...]) -> list[tuple[int, ...]]:
+        """Which of the vertices that store share a grid."""
+        if self.writers == "every-bounce":
+            return [vertices] if vertices else []
+        return [(v,) for v in vertices]
 
-        Returns
-        -------
-        bool
-            Where nobody asks, nobody writes.
-        """
-        return self.asks(vertex) or (self.cells > 0 and self.writers == "every-bounce")
+    def inserts(self, W: Scalars) -> Masks:
+        """Which reservoirs are put into cells, by their weights, (N,)."""
+        return (W > 0) | (self.nulls == "counted")

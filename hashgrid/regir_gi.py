@@ -1,25 +1,67 @@
-"""ReGIR GI: whole paths in the cells of a grid, and ReSTIR PT on what they lead to."""
+"""ReGIR GI: whole paths in the cells of a hash grid, and ReSTIR PT on top.
+
+[ZyanideND] has three steps, which have their numbers here:
+
+1. What a path holds from each of its vertices on, its suffix, is stored in a cell.
+2. While a path is drawn, a vertex looks into its cell, and resamples the suffixes of
+   the frame before along with its own.
+3. It is reconnected to the one that is kept.
+
+Paths are drawn from the end.  All light that reaches x_v by way of further vertices is
+an integral of its own, and the suffix that begins at x_v a sample of it, with a
+reservoir; with the prefix from x_(v-1) to x_v it is a sample of x_(v-1).  What reaches
+x_1 is a new path of the pixel, which ReSTIR PT reuses over the screen.
+"""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from extensions.frame_loop import Moment, PathFrame, path_frames
+from extensions.candidates import density_at, ended, find_lights, no_paths
+from extensions.frame_loop import PathFrame, path_frames, path_shift
 from extensions.restir_pt import reused
-from hashgrid.bounce import Bounces, Tail
-from hashgrid.cache import fill
-from hashgrid.keys import lattice_of
-from hashgrid.path_cache import PathCache, Written, joins
+from extensions.shifting import (
+    Leaving,
+    PathNeighbor,
+    Paths,
+    Step,
+    arrive,
+    leave,
+    roughness,
+    segment,
+    start,
+)
+from hashgrid.grid import Cache, insert, lattice_of, look_up, vertex_uniforms
 from hashgrid.path_settings import CellSettings
-from hashgrid.vertex_numbers import of_vertices
-from reference.arrays import Indices
-from reference.records import concatenate, cut
-from reference.resampling.reservoir import Reservoirs
+from reference.arrays import Indices, Masks, Scalars, Vec3s, divide_or_zero
+from reference.frame import FrameContext
+from reference.records import NONE, concatenate, cut, take, where
+from reference.resampling.generalized import Shifted, resample
+from reference.resampling.reservoir import Candidates, Reservoirs, finalize, merge
+from reference.resampling.target import luminance
 from reference.rng import Stream
 from reference.scene.animation import Animation
+from reference.scene.materials.table import pdf, scattering
+from reference.scene.surface import SurfacePoints
 from reference.schedule import Schedule, in_bands
 from reference.world import World
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PathCache:
+    """Suffixes in the cells of a grid.
+
+    Attributes
+    ----------
+    cache : Cache
+        Of V vertices, with reservoirs of `extensions.shifting.Paths` from them on.
+    reach : (V,) int8
+        Largest index of a last surface point that each could have drawn.
+    """
+
+    cache: Cache
+    reach: Indices
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,7 +71,7 @@ class CellFrame(PathFrame):
     Attributes
     ----------
     caches : mapping of int to PathCache
-        By the number of the vertex that asks them.
+        By the number of the vertex that looks into them.
     """
 
     caches: Mapping[int, PathCache]
@@ -43,83 +85,345 @@ def render_cell_frames(
     schedule: Schedule,
     animation: Animation | None = None,
 ) -> Iterator[CellFrame]:
-    """Frames of indirect light by ReGIR GI, without end.
+    """Frames of indirect light by ReGIR GI, without end [ZyanideND].
 
     Parameters
     ----------
-    world : World
-        The scene in frame 0.
-    settings : CellSettings
-        The algorithm.
-    bounces : int
-        Bounces of indirect light, 1 to 30.
-    seed : int
-        Runs of different seeds are independent.
-    schedule : Schedule
-        Bands and threads; no influence on the result.
-    animation : Animation, optional
-        As of `extensions.frame_loop.path_frames`.
-
-    Returns
-    -------
-    iterator of CellFrame
-        Frame after frame.
-
-    Notes
-    -----
-    [ZyanideND].
+    world : World; the scene in frame 0
+    bounces : int; bounces of indirect light, 1 to 30
+    seed : int; runs of different seeds are independent
+    schedule : Schedule; bands and threads; no influence on the result
     """
-    return path_frames(_frame, world, settings, bounces, seed, schedule, animation)
+    return path_frames(next_frame, world, settings, bounces, seed, schedule, animation)
 
 
-def _frame(moment: Moment, last: CellFrame | None, schedule: Schedule) -> CellFrame:
+def next_frame(frame: FrameContext[CellSettings], last: CellFrame | None) -> CellFrame:
+    """One frame: paths that look into cells, cells for the next frame, ReSTIR PT."""
     caches = last.caches if last else {}
 
-    def drawn(rows: slice) -> Tail:
-        points = cut(moment.visible.surface, rows)
-        return Bounces(moment, caches, moment.numbers(rows)).draw(points)
+    def drawn(rows: slice) -> Suffixes:
+        x_1, number = cut(frame.visible.surface, rows), frame.numbers(rows)
+        uniforms = frame.uniforms_of(Stream.PATH, number)
+        leaving = leave(frame.world, start(x_1), 1, uniforms, x_1.hit)
+        return draw_suffixes(frame, caches, number, x_1, leaving, 1)
 
-    tails = in_bands(schedule, moment.pixels, drawn)
+    paths = in_bands(frame.schedule, frame.pixels, drawn)
     # Whatever a cell knew, it is one new path of the pixel.
-    new = Reservoirs(tails.kept.y, tails.kept.W, np.ones(moment.pixels))
-    kept = reused(moment, last, lambda rows: cut(new, rows), schedule)
-    color = kept.y.value * kept.W[:, None]
+    new = Reservoirs(paths.kept.y, paths.kept.W, np.ones(frame.pixels))
+    kept = reused(frame, last, lambda rows: cut(new, rows))
     return CellFrame(
-        moment.number,
-        moment.world,
-        moment.visible,
-        kept,
-        color,
-        _filled(moment, tails.written),
+        number=frame.number,
+        world=frame.world,
+        visible=frame.visible,
+        reservoirs=kept,
+        color=kept.y.value * kept.W[:, None],
+        caches=store(frame, paths.records),
     )
 
 
-def _filled(moment: Moment, written: Written | None) -> dict[int, PathCache]:
-    """Grids of what the paths have written, by the vertices that will ask them."""
-    settings, levels = moment.settings, []
-    assert isinstance(settings, CellSettings)
-    for v in range(1, moment.bounces + 1):
-        if settings.writes(v) and written is not None:
-            levels.append((v, written))
-            written = written.rest
-    if settings.writers == "every-bounce" and levels:
-        one = _cache(moment, levels)
-        return {v: one for v, _ in levels if settings.asks(v)}
-    return {v: _cache(moment, [(v, level)]) for v, level in levels}
+@dataclass(frozen=True, slots=True)
+class FirstDirections:
+    """How N suffixes leave their first point.
+
+    Attributes
+    ----------
+    wi : (N, 3) float64
+        Unit directions.
+    weight : (N, 3) float64
+        f cos θ / p.
+    pdf : (N,) float64, 1/sr
+        p.
+    delta : (N,) bool
+        By a delta lobe.
+    """
+
+    wi: Vec3s
+    weight: Vec3s
+    pdf: Scalars
+    delta: Masks
 
 
-def _cache(moment: Moment, levels: list[tuple[int, Written]]) -> PathCache:
-    settings = moment.settings
-    assert isinstance(settings, CellSettings)
-    points = concatenate([level.points for _, level in levels])
-    reservoirs = concatenate([level.reservoirs for _, level in levels])
-    number = np.repeat([v for v, _ in levels], moment.pixels)
-    active = joins(moment.world, points, moment.shift.criterion.roughness)
-    if settings.nulls == "dropped":
-        active = active & (reservoirs.W > 0)
-    lattice = lattice_of(moment.world.camera, settings.facings)
-    pixel = np.tile(np.arange(moment.pixels), len(levels))
-    jitter = of_vertices(pixel, moment.number, number, moment.seed, Stream.CELLS)
-    cache = fill(moment.world, lattice, points, reservoirs, active, jitter)
-    reach: Indices = (moment.bounces + 2 - number).astype(np.int8)
-    return PathCache(cache, reach)
+@dataclass(frozen=True, slots=True)
+class CacheRecords:
+    """What K paths store at x_v, and at later vertices.
+
+    Attributes
+    ----------
+    points : SurfacePoints
+        x_v.
+    reservoirs : Reservoirs
+        Of the suffixes from there on; without a sample where it cannot be joined.
+    later : CacheRecords or None
+        At the next vertex that stores.
+    """
+
+    points: SurfacePoints
+    reservoirs: Reservoirs
+    later: "CacheRecords | None"
+
+
+@dataclass(frozen=True, slots=True)
+class Suffixes:
+    """What K paths hold from x_v on.
+
+    Attributes
+    ----------
+    kept : Reservoirs
+        Of paths whose first point is x_v.
+    first : FirstDirections
+        How they leave it.
+    """
+
+    kept: Reservoirs
+    first: FirstDirections
+    records: CacheRecords | None
+
+
+def draw_suffixes(
+    frame: FrameContext[CellSettings],
+    caches: Mapping[int, PathCache],
+    number: Indices,
+    points: SurfacePoints,
+    leaving: Leaving,
+    v: int,
+) -> Suffixes:
+    """Draw all that follows x_v, from the end, and let cells improve it.
+
+    Parameters
+    ----------
+    caches : mapping of int to PathCache
+        Of the last frame, by the number of the vertex that looks into them.
+    number : (K,) int64
+        Keys of the paths.
+    points : SurfacePoints
+        x_v.
+    leaving : Leaving
+        Rays that left x_v.
+    v : int
+        From 1.
+    """
+    world, criterion, s = frame.world, path_shift(frame).criterion, frame.settings
+    uniforms = frame.uniforms_of(Stream.PATH, number)
+    # On to x_(v+1), the second point of suffixes that begin at x_v.
+    step = arrive(world, criterion, start(points), 1, leaving)
+    is_last = v == frame.bounces
+    onward: Leaving | None = None
+    if not is_last or world.seeks_lights:
+        onward = leave(world, step, v + 1, uniforms, step.points.hit)
+    # Suffixes that end there ...
+    lights = find_lights(world, step, v + 1, uniforms, onward)
+    found = replace(lights, y=ended(step, no_paths(points, number), 2, lights.y))
+    records: CacheRecords | None = None
+    if not is_last and onward is not None:
+        # ... and those that go on: with the suffix of x_(v+1).
+        rest = draw_suffixes(frame, caches, number, step.points, onward, v + 1)
+        y = prepend(step, rest.kept.y, rest.first)
+        p_hat = luminance(y.value)
+        longer = Candidates(y, p_hat, p_hat * rest.kept.W, 0 * p_hat)
+        found = merge(found, longer, uniforms.draw(2 * v + 1)[3])
+        records = rest.records
+    ones = np.ones(len(points))
+    kept = finalize(replace(found, M=ones), ones)
+    bsdf = leaving.bsdf
+    wi = np.where(step.joinable[:, None], -step.points.wo, bsdf.wi)
+    first = FirstDirections(wi, step.weight, step.pdf, bsdf.delta)
+    if s.looks_up(v) and v in caches:
+        kept = resample_bounce(frame, caches[v], number, points, v, kept)  # step 2
+        first = reconnect(frame, points, kept, first)  # step 3
+    if s.stores(v):
+        # Step 1, of paths that can be reconnected; the others count as nulls.
+        W = np.where(kept.y.joint == 2, kept.W, 0.0)
+        records = CacheRecords(points, replace(kept, W=W), records)
+    return Suffixes(kept, first, records)
+
+
+def prepend(step: Step, suffix: Paths, first: FirstDirections) -> Paths:
+    """Paths that go from x_(v-1) to x_v, and then as the suffixes of x_v do.
+
+    Parameters
+    ----------
+    step : Step
+        N prefixes, from x_(v-1) to x_v; ``weight`` is theirs.
+    suffix : Paths
+        N paths from x_v on, which is the first point of theirs.
+    first : FirstDirections
+        How they leave x_v.
+
+    Returns
+    -------
+    Paths
+        N paths from x_(v-1) on.  The random numbers of the suffix are taken for the
+        next ones of the path itself: where they are others, the suffix is joined, and
+        not replayed.
+    """
+    there = suffix.there
+    later = np.where(suffix.joint > 0, suffix.joint + 1, 0).astype(np.int8)
+    grown = replace(
+        suffix,
+        end=np.where(there, suffix.end + 1, 0).astype(np.int8),
+        joint=np.where(there, later, 0).astype(np.int8),
+        value=step.weight * suffix.value,
+    )
+    # The first point that may be joined is the one that is.
+    joins = there & step.joinable & ~first.delta
+    if not joins.any():
+        return grown
+    here = replace(
+        grown,
+        joint=np.full(len(suffix), 2, np.int8),
+        surface=step.points,
+        wi=first.wi,
+        incoming=divide_or_zero(suffix.value, first.weight),
+        density=density_at(step, first.pdf),
+    )
+    return where(joins, here, grown)
+
+
+# ------------------------------------------------- step 1: store suffixes in the grid
+
+
+def store(
+    frame: FrameContext[CellSettings], records: CacheRecords | None
+) -> dict[int, PathCache]:
+    """Grids of what all pixels have stored, by the vertices that look into them."""
+    s, stored = frame.settings, dict[int, CacheRecords]()
+    for v in filter(s.stores, range(1, frame.bounces + 1)):
+        if records is not None:
+            stored[v], records = records, records.later
+    caches: dict[int, PathCache] = {}
+    for group in s.grids(tuple(stored)):
+        points = concatenate([stored[v].points for v in group])
+        reservoirs = concatenate([stored[v].reservoirs for v in group])
+        vertex = np.repeat(group, frame.pixels)
+        pixel = np.tile(np.arange(frame.pixels), len(group))
+        cache = insert(
+            frame.world,
+            lattice_of(frame.world.camera, s.facings),
+            points,
+            reservoirs,
+            reconnectable(frame, points) & s.inserts(reservoirs.W),
+            vertex_uniforms(frame, pixel, vertex, Stream.CELLS),
+        )
+        found = PathCache(cache, (frame.bounces + 2 - vertex).astype(np.int8))
+        caches |= {v: found for v in group if s.looks_up(v)}
+    return caches
+
+
+def reconnectable(frame: FrameContext[CellSettings], points: SurfacePoints) -> Masks:
+    """Whether vertices are rough enough, (K,): no sample is looked at."""
+    least = max(path_shift(frame).criterion.roughness, 0.0)
+    rough: Masks = roughness(frame.world.materials, points) >= least
+    return rough
+
+
+# ------------------------------------- step 2: resample a bounce with those of its cell
+
+
+def resample_bounce(
+    frame: FrameContext[CellSettings],
+    lookup: PathCache,
+    number: Indices,
+    points: SurfacePoints,
+    v: int,
+    own: Reservoirs,
+) -> Reservoirs:
+    """Bounce reservoirs: what vertices x_v drew, and what their cells hold.
+
+    Parameters
+    ----------
+    lookup : PathCache
+        Of the last frame, for these vertices.
+    number : (K,) int64
+        Keys of the paths.
+    points : SurfacePoints
+        x_v.
+    own : Reservoirs
+        What they drew, K rows.
+    """
+    s, cache, here = frame.settings, lookup.cache, np.arange(len(points))
+    uniforms = vertex_uniforms(frame, number % frame.pixels, v, Stream.CELLS)
+    found = look_up(cache, points, uniforms, s.cells, s.cell_reuse)
+    able = reconnectable(frame, points)
+    shift = path_shift(frame)
+    canonical = PathNeighbor(
+        shift=shift,
+        world=frame.world,
+        points=points,
+        world_from=frame.world,
+        points_from=points,
+        reservoirs=own,
+        rows=here,
+        same_domain=True,
+    )
+    # The numbers of a suffix are those of another pixel's path: it is connected at its
+    # second point, or not at all.
+    joined = replace(shift.criterion, last_joint=2, replays=False)
+    in_cells = CellNeighbor(
+        shift=replace(shift, criterion=joined),
+        world=frame.world,
+        points=points,
+        world_from=cache.world,
+        points_from=cache.points,
+        reservoirs=cache.reservoirs,
+        rows=here,
+        reach=frame.bounces + 2 - v,
+        reach_from=lookup.reach,
+    )
+    neighbors = [replace(in_cells, rows=np.where(able, row, NONE)) for row, _ in found]
+    u = [np.zeros(len(here)), *(u_n for _, u_n in found)]
+    kept = resample([canonical, *neighbors], u, s.cell_mis, s.cell_cap)
+    # The prefix is replayed from this path's numbers, not from the neighbour's.
+    return replace(kept, y=replace(kept.y, number=number))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CellNeighbor(PathNeighbor):
+    """Vertices whose suffixes others resample; not all of them are as long.
+
+    Attributes
+    ----------
+    reach : int
+        Largest index of a last surface point of the receivers' paths.
+    reach_from : (N,) int8
+        The same of the neighbours'.
+    """
+
+    reach: int = field(kw_only=True)
+    reach_from: Indices = field(kw_only=True)
+
+    def shifted(self, at: Indices) -> Shifted:
+        """The neighbours' suffixes at the receivers, (A,); 0 if they are too long."""
+        fits = self.reservoirs.y.end[self.rows[at]] <= self.reach
+        value, jacobian = PathNeighbor.shifted(self, at)
+        return np.where(fits[:, None], value, 0.0), np.where(fits, jacobian, 0.0)
+
+    def inverse(self, samples: Paths, at: Indices) -> Shifted:
+        """The receivers' suffixes at their neighbours, (A,); 0 if they are too long."""
+        fits = samples.end[at] <= self.reach_from[self.rows[at]]
+        value, jacobian = PathNeighbor.inverse(self, samples, at)
+        return np.where(fits[:, None], value, 0.0), np.where(fits, jacobian, 0.0)
+
+
+# -------------------------------------------- step 3: reconnect to the one that is kept
+
+
+def reconnect(
+    frame: FrameContext[CellSettings],
+    points: SurfacePoints,
+    kept: Reservoirs,
+    first: FirstDirections,
+) -> FirstDirections:
+    """How paths leave x_v: to the second point of the suffix that was kept."""
+    rows = np.flatnonzero(kept.y.joint == 2)
+    if not len(rows):
+        return first
+    world, criterion = frame.world, path_shift(frame).criterion
+    x, to = take(points, rows), take(kept.y.surface, rows)
+    seen, _ = segment(criterion, world.geometry, x, to)
+    wi, delta = first.wi.copy(), first.delta.copy()
+    weight, density = first.weight.copy(), first.pdf.copy()
+    wi[rows], delta[rows] = -seen.wo, False
+    density[rows] = pdf(world.materials, x, -seen.wo)
+    value = scattering(world.materials, x, -seen.wo)
+    weight[rows] = divide_or_zero(value, density[rows, None])
+    return FirstDirections(wi, weight, density, delta)

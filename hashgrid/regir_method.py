@@ -22,32 +22,25 @@ def _layers(frame: CellFrame, names: tuple[str, ...]) -> Mapping[str, Scalars]:
 
 
 def named_biases(job: Job) -> tuple[str, ...]:
-    """What biases the indirect light of a picture.
-
-    Parameters
-    ----------
-    job : Job
-        What is rendered.
-
-    Returns
-    -------
-    tuple of str
-        A line each.
-    """
+    """What biases the indirect light of a picture."""
     s = job.settings
     if job.light == "direct" or job.bounces == 0:
         return ()
-    asks = any(s.asks(v) for v in range(1, job.bounces + 1))
+    looks_up = any(s.looks_up(v) for v in range(1, job.bounces + 1))
     reuses = s.spatial or (job.animation and s.temporal)
     found = {
-        "mis=1/M counts those who could not have made the sample: too dark": reuses
-        and s.mis == "1/M",
-        "cell_mis=1/M counts vertices that could not have made the path: too dark": asks
-        and s.cell_mis == "1/M",
-        "nulls=dropped forgets the paths that found nothing: too bright": asks
-        and s.nulls == "dropped",
-        "writers=every-bounce lets the end of a path decide who lends it": asks
-        and s.writers == "every-bounce",
+        "mis=1/M counts those who could not have made the sample: too dark": (
+            reuses and s.mis == "1/M"
+        ),
+        "cell_mis=1/M counts vertices that could not have made the path: too dark": (
+            looks_up and s.cell_mis == "1/M"
+        ),
+        "nulls=dropped forgets the paths that found nothing: too bright": (
+            looks_up and s.nulls == "dropped"
+        ),
+        "writers=every-bounce lets the end of a path decide who reuses it": (
+            looks_up and s.writers == "every-bounce"
+        ),
     }
     return tuple(line for line, holds in found.items() if holds)
 

@@ -1,4 +1,4 @@
-"""What became of a grid: how full it is, and how far one has to look."""
+"""Statistics of a grid: how full it is, and how many slots a look-up reads."""
 
 from dataclasses import dataclass
 
@@ -16,13 +16,13 @@ class Occupancy:
     cells : int
         That have a vertex.
     vertices : int
-        In them.
+        In these cells.
     lost : int
         Vertices whose bucket was full.
     buckets : tuple of int
         How many buckets have 0, 1, ... 16 cells.
     probes : float
-        Places that are looked at to find a cell, in the mean over the vertices.
+        Slots that are read to find a cell, in the mean over the vertices.
     longest : int
         The most vertices of a cell.
     shared : int
@@ -40,25 +40,15 @@ class Occupancy:
 
 
 def occupancy(grid: Grid) -> Occupancy:
-    """Count.
-
-    Parameters
-    ----------
-    grid : Grid
-        Built.
-
-    Returns
-    -------
-    Occupancy
-        Of it.
-    """
-    counts, bucket = grid.counts, grid.place // BUCKET
+    """Count."""
+    counts, bucket = grid.counters, grid.slot // BUCKET
     _, full = np.unique(bucket, return_counts=True)
     histogram = np.bincount(full, minlength=BUCKET + 1)
     histogram[0] = grid.buckets - len(full)
-    marks = np.stack([bucket, grid.checksum.astype(np.int64)])
-    alike = len(grid) - np.unique(marks, axis=1).shape[1]
-    probes = (grid.place % BUCKET + 1) * counts
+    checksum = grid.cells.hashes.astype(np.uint32).astype(np.int64)
+    distinct = np.unique(np.stack([bucket, checksum]), axis=1)
+    alike = len(grid) - distinct.shape[1]
+    probes = (grid.slot % BUCKET + 1) * counts
     vertices = int(counts.sum())
     return Occupancy(
         cells=len(grid),

@@ -2,12 +2,12 @@ r"""
 7. The hash grid: reuse in the world
 ====================================
 
-Pixels are neighbours only where the camera looks. The second and third points of a path
-lie anywhere, and whoever wants to reuse samples *there* needs to find points nearby in
-the world. A grid does it: space is cut into cells, and the cell's coordinates are
-hashed to a place in a table of fixed size.
+Pixels are neighbours only where the camera looks. The second and third vertices of a
+path lie anywhere. To reuse samples *there*, their neighbours in the world have to be
+found. A grid does it: space is cut into cells, and the cell's coordinates are hashed to
+a slot in a table of fixed size.
 
-How wide a cell is hangs on its distance to the eye, so that it covers some 16 pixels:
+The width of a cell depends on its distance to the eye, so that it covers some 16 pixels:
 
 .. math:: \mathrm{level} = \left\lfloor \log_2 \frac{d \cdot b}{\ell} \right\rfloor,
           \qquad \text{edge} = \ell\, 2^{\mathrm{level}},
@@ -15,10 +15,10 @@ How wide a cell is hangs on its distance to the eye, so that it covers some 16 p
 with the angle :math:`b` of 16 pixels and the least edge :math:`\ell` of a millimetre.
 The level is part of the key, beside the three coordinates:
 
-.. literalinclude:: /../hashgrid/keys.py
+.. literalinclude:: /../hashgrid/grid.py
    :pyobject: levels
 
-.. literalinclude:: /../hashgrid/keys.py
+.. literalinclude:: /../hashgrid/grid.py
    :pyobject: keys_of
 """
 
@@ -27,8 +27,7 @@ from dataclasses import replace
 import matplotlib.pyplot as plt
 import numpy as np
 
-from hashgrid.grid import build_grid
-from hashgrid.keys import jittered, keys_of, lattice_of
+from hashgrid.grid import build_grid, jittered, keys_of, lattice_of
 from reference.passes.gbuffer import visible_points
 from reference.scene.camera import pixel_centers
 from reference.scene.catalogue.registry import find_scene
@@ -51,7 +50,7 @@ lattice = lattice_of(world.camera)
 
 def colors_of(keys):
     """A colour for each cell, by its hash; white where nothing is seen."""
-    bits = keys.place
+    bits = keys.hashes.astype(np.uint32)
     rgb = np.stack([(bits >> s) & 0xFF for s in (0, 8, 16)], axis=1) / 255
     return np.where(seen.hit[:, None], rgb, 1.0).reshape(SIDE, SIDE, 3)
 
@@ -72,12 +71,19 @@ for one in axes:
 plt.show()
 
 # %%
-# The table has buckets of 16 places. A cell takes the first free place of its bucket,
-# and what finds none is lost, and counted. Within a cell the vertices stand in a list,
-# found by a prefix sum over the counts:
+# The table has buckets of 16 slots. A cell takes the first free slot of its bucket; if
+# there is none, its vertices are lost, and counted. The vertices of all cells are one
+# list, into which a prefix sum over the counters points. These are the lines of
+# Algorithm 2 [Boisse21], counted from its first loop; vertices that a GPU would take in
+# the order of a race are taken in the order of their numbers:
 #
 # .. literalinclude:: /../hashgrid/grid.py
 #    :pyobject: build_grid
+#
+# The look-up finds the cell of a point, and walks through its list with strides:
+#
+# .. literalinclude:: /../hashgrid/grid.py
+#    :pyobject: look_up
 #
 # How full do buckets get? Some thousand cells in tables of 2, 8 and 512 buckets:
 
@@ -90,8 +96,9 @@ for buckets in (2, 8, 64, 512):
 
 # %%
 # Two cells of one bucket *and* one checksum would be mixed up by a backend that
-# compares no more. In the papers' cells of light that costs a sample of another place;
-# whoever counts on it being rare should know how rare. Here cells are compared whole.
+# compares no more. In the paper's cells of lights that costs a sample from another
+# place; if one relies on its being rare, one should know how rare. Here cells are
+# compared whole.
 #
 # .. admonition:: Exercise
 #

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from extensions.connection import CRITERIA
 from extensions.method import METHOD
+from extensions.pt_settings import CRITERIA
 from reference.arrays import Masks
 from reference.demo.score import relative_bias
 from reference.figures.bootstrap import mean_interval, ratio_interval
@@ -30,16 +30,8 @@ PURE = "reconnection"
 def specular_floor(work: Work) -> PaperFigure:
     """Error of ReSTIR PT by each of its shifts, of as many samples.
 
-    Parameters
-    ----------
-    work : Work
-        Size, runs and schedule.
-
-    Returns
-    -------
-    PaperFigure
-        A row a shift and region; the number that counts is "times smaller" than that
-        of pure reconnection.
+    A row a shift and region; the number that counts is "times smaller" than that of
+    pure reconnection.
     """
     contenders = [
         Contender(

@@ -1,14 +1,12 @@
-"""Cells of the grid: how large, how full, and whose samples pixels take."""
+"""Cells of the grid: how large, how full, and whose samples pixels reuse."""
 
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hashgrid.grid import BUCKET, Grid
-from hashgrid.keys import edges, jittered, keys_of, levels
+from hashgrid.grid import BUCKET, Grid, edges, jittered, keys_of, levels
 from hashgrid.light_method import METHOD
 from hashgrid.report import occupancy
-from hashgrid.vertex_numbers import of_vertices
 from hashgrid.world_reservoirs import LightFrame, render_light_frames
 from reference.arrays import Indices, Masks, Vec3s
 from reference.display import Bytes
@@ -25,7 +23,7 @@ from reference.figures.paths import sized_world
 from reference.figures.record import PaperFigure, Row, Work
 from reference.figures.registry import Entry
 from reference.images import to_image
-from reference.rng import Stream, pcg4d, to_unit_interval
+from reference.rng import KeyedUniforms, Stream, pcg4d, to_unit_interval
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.axes import Axes
@@ -35,26 +33,22 @@ NAME = "cells"
 SCENES = ("many-lights", "night-market", "cornell-box")
 BOUNCES = 2
 FRAMES = 6
-"""Until the cells have something to lend."""
+"""Until the cells are filled."""
 
 
 def cells(work: Work) -> PaperFigure:
     """Cells that visible points lie in, and whose samples their paths take over.
 
+    A row a scene, with the counts of its grid.
+
     Parameters
     ----------
-    work : Work
-        Size, seed of the last run, and schedule.
-
-    Returns
-    -------
-    PaperFigure
-        A row a scene, with the counts of its grid.
+    work : Work; size, seed of the last run, and schedule
     """
     found = {name: _last(name, work) for name in SCENES}
     return PaperFigure(
         NAME,
-        "Cells of the grid: sizes, borders, and whose samples pixels take",
+        "Cells of the grid: sizes, borders, and whose samples pixels reuse",
         _picture(found, work),
         tuple(_row(name, frame) for name, frame in found.items()),
         (
@@ -62,10 +56,10 @@ def cells(work: Work) -> PaperFigure:
             f" {BOUNCES} bounces: the grid holds the second and later points of all"
             " paths. A cell is some 16 pixels wide, rounded down to a power of two of"
             " a millimetre.",
-            "The last picture has the colour of the cell whose vertices lent the light"
+            "The last picture has the colour of the cell whose vertex held the light"
             " sample at the path's second point; black where the vertex kept what it"
             " drew itself, or nothing.",
-            f"Buckets have {BUCKET} places; 'probes' is how many of them a look-up"
+            f"Buckets have {BUCKET} slots; 'probes' is how many of them a look-up"
             " reads in the mean, 'shared' how many cells a grid would mix up that"
             " compares checksums alone.",
         ),
@@ -117,10 +111,11 @@ def _tiles(frame: LightFrame, work: Work, first: bool) -> list[Tile]:
     lattice, visible = frame.cache.lattice, frame.visible
     level = levels(lattice, visible.surface.position)
     seen = visible.surface.hit
-    u = of_vertices(np.arange(len(seen)), 0, 1, 0, Stream.CELLS).draw(0)
+    pixel = np.arange(len(seen), dtype=np.uint32)
+    u = KeyedUniforms(pixel, 1, 0, Stream.CELLS).draw(0)
     x, n = visible.surface.position, visible.surface.normal
-    own = keys_of(lattice, x, n).checksum
-    moved = keys_of(lattice, jittered(lattice, x, n, u), n).checksum
+    own = keys_of(lattice, x, n).hashes
+    moved = keys_of(lattice, jittered(lattice, x, n, u), n).hashes
     source = _source(frame)
     least, most = edges(np.array([level[seen].min(), level[seen].max()]))
     pictures = [
@@ -159,7 +154,7 @@ def _levels(level: Indices, seen: Masks) -> Vec3s:
 
 def _by_name(name: Indices, there: Masks) -> Vec3s:
     """A colour that hangs on a number alone."""
-    key = np.asarray(name, np.int64).astype(np.uint32)
+    key = np.asarray(name).astype(np.uint32)
     zero = np.zeros_like(key)
     r, g, b, _ = (to_unit_interval(word) for word in pcg4d(key, zero, zero, zero))
     colors: Vec3s = 0.15 + 0.8 * np.stack([r, g, b], axis=1)
@@ -172,7 +167,7 @@ def _image(rows: Vec3s, size: int) -> Bytes:
 
 
 def _histograms(left: "Axes", right: "Axes", name: str, color: str, grid: Grid) -> None:
-    counts = grid.counts
+    counts = grid.counters
     bins = 2.0 ** np.arange(np.ceil(np.log2(counts.max() + 1)) + 1)
     sizes, _ = np.histogram(counts, bins)
     left.step(bins[:-1], np.maximum(sizes, 0), where="post", color=color, label=name)

@@ -19,8 +19,7 @@ import numpy as np
 
 from extensions.area_restir import render_area_frames
 from extensions.area_settings import AreaSettings
-from extensions.connection import CRITERIA
-from extensions.pt_settings import PathSettings
+from extensions.pt_settings import CRITERIA, PathSettings
 from extensions.restir_pt import render_path_frames
 from reference.frame import FrameContext
 from reference.passes.gbuffer import visible_points

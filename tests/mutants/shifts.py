@@ -5,10 +5,7 @@ In the manner of :mod:`tests.mutants.catalogue`.
 
 from tests.mutants.catalogue import Mutant
 
-CONNECTION = "extensions.connection"
 SHIFTING = "extensions.shifting"
-WALKING = "extensions.walking"
-DONORS = "extensions.donors"
 
 ROUGH = "np.minimum(roughness(table, x_from), roughness(table, x_to))"
 SINGLE = "np.where(single, -1.0, np.sqrt(table.alpha))"
@@ -56,7 +53,7 @@ CRITERION = [
     Mutant(
         "alpha is taken for the perceptual roughness",
         ("HS-03",),
-        CONNECTION,
+        SHIFTING,
         SINGLE,
         "np.where(single, -1.0, table.alpha)",
         ("alpha-for-roughness",),
@@ -64,7 +61,7 @@ CRITERION = [
     Mutant(
         "only the point that is left has to be rough",
         (),
-        CONNECTION,
+        SHIFTING,
         ROUGH,
         "roughness(table, x_from)",
         ("first-end-rough",),
@@ -72,7 +69,7 @@ CRITERION = [
     Mutant(
         "only the point that is reached has to be rough",
         (),
-        CONNECTION,
+        SHIFTING,
         ROUGH,
         "roughness(table, x_to)",
         ("second-end-rough",),
@@ -80,7 +77,7 @@ CRITERION = [
     Mutant(
         "the rougher of two points decides",
         (),
-        CONNECTION,
+        SHIFTING,
         ROUGH,
         ROUGH.replace("minimum", "maximum"),
         ("one-rough-end-is-enough",),
@@ -88,7 +85,7 @@ CRITERION = [
     Mutant(
         "single directions are lobes of no width",
         (),
-        CONNECTION,
+        SHIFTING,
         SINGLE,
         SINGLE.replace("-1.0", "0.0"),
         ("single-directions-joined",),
@@ -96,14 +93,14 @@ CRITERION = [
     Mutant(
         "what lies under a smooth coat is smooth",
         (),
-        CONNECTION,
+        SHIFTING,
         PAINTED,
         "kind == Kind.LAMBERTIAN",
     ),
     Mutant(
         "the least distance is in metres",
         (),
-        CONNECTION,
+        SHIFTING,
         FAR,
         "far = distance > criterion.distance",
         ("least-distance-in-metres",),
@@ -111,7 +108,7 @@ CRITERION = [
     Mutant(
         "points may be as near as they like",
         (),
-        CONNECTION,
+        SHIFTING,
         JOINABLE,
         JOINABLE.replace("far & ", ""),
         ("least-distance-not-asked",),
@@ -119,7 +116,7 @@ CRITERION = [
     Mutant(
         "points that are far apart are not joined",
         (),
-        CONNECTION,
+        SHIFTING,
         FAR,
         FAR.replace(">", "<"),
     ),
@@ -129,7 +126,7 @@ JACOBIANS = [
     Mutant(
         "no cosine at the joint",
         (),
-        CONNECTION,
+        SHIFTING,
         SPREAD,
         "spread = divide_or_zero(np.ones_like(cosine), distance**2)",
         ("path-jacobian-without-cosine", "offset-without-cosine"),
@@ -137,7 +134,7 @@ JACOBIANS = [
     Mutant(
         "the distance to the joint is not squared",
         (),
-        CONNECTION,
+        SHIFTING,
         SPREAD,
         "spread = divide_or_zero(cosine, distance)",
         ("path-jacobian-distance-once", "offset-distance-once"),
@@ -145,7 +142,7 @@ JACOBIANS = [
     Mutant(
         "no distance to the joint",
         (),
-        CONNECTION,
+        SHIFTING,
         SPREAD,
         "spread = cosine",
         ("path-jacobian-without-distance", "offset-without-distance"),
@@ -153,7 +150,7 @@ JACOBIANS = [
     Mutant(
         "the cosine at the joint is that at the point before",
         (),
-        CONNECTION,
+        SHIFTING,
         COSINE,
         "cosine = np.abs(dot(x_from.normal, omega))",
     ),
@@ -265,7 +262,7 @@ DOMAINS = [
     Mutant(
         "points that are reached by a delta lobe are joints",
         (),
-        WALKING,
+        SHIFTING,
         CAME,
         CAME.replace("~bsdf.delta & ", ""),
         ("delta-came-is-a-joint",),
@@ -369,7 +366,7 @@ VALUES = [
     Mutant(
         "the throughput is the last weight",
         (),
-        WALKING,
+        SHIFTING,
         STEP,
         STEP.replace("step.throughput * weight", "weight"),
         ("throughput-is-the-last-weight",),
@@ -377,28 +374,28 @@ VALUES = [
     Mutant(
         "directions are replayed with the numbers of the next vertex",
         (),
-        WALKING,
+        SHIFTING,
         DRAWN,
         "uniforms.draw(2 * vertex)",
     ),
     Mutant(
-        "a donor's paths are shifted to the donor",
+        "a neighbour's paths are shifted to the neighbour",
         (),
-        DONORS,
+        SHIFTING,
         FORTH,
         "self.shift(self.world_from, self.points_from, rows, paths, rows)",
     ),
     Mutant(
         "a receiver's paths are shifted to the receiver",
         (),
-        DONORS,
+        SHIFTING,
         BACK,
         "self.shift(self.world, self.points, at, samples, at)",
     ),
     Mutant(
-        "the receiver's number is taken for the donor's",
+        "the receiver's number is taken for the neighbour's",
         (),
-        DONORS,
+        SHIFTING,
         OFFERED,
         "paths, rows = self.reservoirs.y, at",
     ),
@@ -424,7 +421,7 @@ EQUIVALENT = [
     Mutant(
         "points as rough as the threshold are not joined",
         (),
-        CONNECTION,
+        SHIFTING,
         JOINABLE,
         JOINABLE.replace(">=", ">"),
         kind="equivalent",

@@ -6,8 +6,8 @@ from functools import partial
 import numpy as np
 import pytest
 
-import hashgrid.cache
-from hashgrid.keys import Keys
+import hashgrid.grid
+from hashgrid.grid import Keys
 from hashgrid.light_settings import LightSettings
 from hashgrid.path_settings import CellSettings
 from reference.schedule import Schedule
@@ -15,7 +15,7 @@ from tests.mutants.grid import GRID_MUTANTS, LIGHT_MUTANTS, PATH_MUTANTS
 from tests.mutants.plant import planted
 from tests.properties import test_hash_grid as grids
 from tests.properties import test_light_points as lights
-from tests.properties import test_tails as tails
+from tests.properties import test_suffixes as suffixes
 from tests.statistics import test_regir_gi as regir
 from tests.statistics import test_world_reservoirs as world_reservoirs
 from tests.statistics.path_runs import BOUND
@@ -24,22 +24,21 @@ from tests.statistics.path_runs import BOUND
 def collisions():
     """Cells of one bucket and one checksum."""
     with pytest.MonkeyPatch.context() as patch:
-        for name, value in (("place", 5), ("checksum", 77)):
-            same = property(lambda keys, v=value: np.full(len(keys), v, np.uint32))
-            patch.setattr(Keys, name, same)
+        one = np.uint64((5 << 32) | 77)
+        patch.setattr(Keys, "hashes", property(lambda k: np.full(len(k), one)))
         grids.test_cells_of_one_bucket_and_checksum_are_not_mixed_up()
 
 
 def lattices():
     """Frame by frame, the cells that are looked up are those of the grid."""
-    asked, keys_of = [], hashgrid.cache.keys_of
+    asked, keys_of = [], hashgrid.grid.keys_of
 
     def spied(lattice, *rest):
         asked.append(lattice)
         return keys_of(lattice, *rest)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(hashgrid.cache, "keys_of", spied)
+        patch.setattr(hashgrid.grid, "keys_of", spied)
         lights.colors("moving-camera", Schedule(), LightSettings(), frames=2)
     # The first frame's grid; look-ups at two vertices; the second frame's grid.
     first, *looked_up, second = asked
@@ -59,6 +58,7 @@ GRID_EVIDENCE = [
     lights.test_those_found_are_near_and_face_alike,
     lights.test_lights_keep_their_shapes_when_others_go_out,
     lights.test_light_that_went_out_leaves_nothing,
+    lights.test_samples_are_carried_into_the_list_of_the_next_frame,
     lattices,
 ]
 
@@ -81,13 +81,13 @@ def no_bias(*plan):
 
 PATH_EVIDENCE = [
     partial(
-        tails.test_a_path_that_a_cell_has_ended_is_shifted_to_itself, "paint", 2, 2
+        suffixes.test_a_path_that_a_cell_has_ended_is_shifted_to_itself, "paint", 2, 2
     ),
     partial(
-        tails.test_a_path_that_a_cell_has_ended_is_shifted_to_itself, "glass", 4, 0
+        suffixes.test_a_path_that_a_cell_has_ended_is_shifted_to_itself, "glass", 4, 0
     ),
-    partial(tails.test_cells_hold_paths_that_can_be_joined_or_none, "glass"),
-    partial(tails.test_no_path_is_longer_than_asked, "every-bounce"),
+    partial(suffixes.test_cells_hold_paths_that_can_be_joined_or_none, "glass"),
+    partial(suffixes.test_no_path_is_longer_than_asked, "every-bounce"),
     lambda: unbiased(regir.candidates("mirror")),
     partial(no_bias, "paint", CELLS, 2, 40),
     partial(no_bias, "glass", replace(CELLS, query=0), 3, 60),

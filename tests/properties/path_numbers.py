@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 
-from extensions.paths import Technique
+from extensions.shifting import Technique
 from reference.arrays import dot
 from reference.records import take
 from reference.scene.materials.parameters import Kind

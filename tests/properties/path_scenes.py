@@ -6,10 +6,8 @@ from functools import cache
 import numpy as np
 
 from extensions.candidates import draw_paths
-from extensions.connection import CRITERIA
-from extensions.paths import Technique
-from extensions.shifting import Shift
-from extensions.walking import arrive, leave, start
+from extensions.pt_settings import CRITERIA
+from extensions.shifting import Shift, Technique, arrive, leave, start
 from reference.arrays import dot
 from reference.passes.gbuffer import visible_points
 from reference.records import scatter, where

@@ -7,11 +7,12 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from extensions.area_donor import AreaDonor, AreaShift, kept_in_place
+from extensions.area_donor import AreaNeighbor, AreaShift, kept_in_place
 from extensions.area_restir import render_area_frames
 from extensions.area_settings import AreaSettings
-from extensions.frame_loop import Moment
+from extensions.frame_loop import path_shift
 from extensions.windows import windows
+from reference.frame import FrameContext
 from reference.path_tracer import first_hits
 from reference.records import NONE, take
 from reference.scene.animation import Animation
@@ -40,8 +41,16 @@ def frames():
         build_world(at(0)), AreaSettings(), 2, 3, Schedule(), path
     )
     first, second = islice(shown, 2)
-    moment = Moment(1, second.world, second.visible, AreaSettings(), 2, 3)
-    return first, moment
+    frame = FrameContext(
+        number=1,
+        world=second.world,
+        visible=second.visible,
+        settings=AreaSettings(),
+        bounces=2,
+        seed=3,
+        schedule=Schedule(),
+    )
+    return first, frame
 
 
 def random_places(seed=1):
@@ -51,9 +60,9 @@ def random_places(seed=1):
 
 def test_every_place_of_a_pixel_was_in_one_window():
     """The parts of the past are disjoint, and there is no other."""
-    last, moment = frames()
+    last, frame = frames()
     x, y = random_places()
-    found = windows(last, moment, ROWS)
+    found = windows(frame, last, ROWS)
     count = np.zeros(len(ROWS))
     for window in found:
         x_then, y_then = np.floor(x - window.dx), np.floor(y - window.dy)
@@ -69,8 +78,8 @@ def test_every_place_of_a_pixel_was_in_one_window():
 
 def test_shares_are_areas():
     """Of places drawn evenly, as many as it says fall into each window."""
-    last, moment = frames()
-    found, draws = windows(last, moment, ROWS), 400
+    last, frame = frames()
+    found, draws = windows(frame, last, ROWS), 400
     for window in found:
         inside = np.zeros(len(ROWS))
         for seed in range(draws):
@@ -89,8 +98,8 @@ def test_shares_are_areas():
 
 
 def test_a_still_camera_moves_nothing():
-    last, moment = frames()
-    (window,) = windows(last, replace(moment, world=last.world), ROWS)
+    last, frame = frames()
+    (window,) = windows(replace(frame, world=last.world), last, ROWS)
     np.testing.assert_array_equal(window.rows, ROWS)
     assert not window.dx.any()
     assert (window.share == 1).all()
@@ -98,10 +107,10 @@ def test_a_still_camera_moves_nothing():
 
 def test_the_jacobian_of_a_kept_hit_is_that_of_its_places():
     """|∂(x, y)_to / ∂(x, y)_from| by central differences of the mapping itself."""
-    last, moment = frames()
+    last, frame = frames()
     x, y = random_places()
     h = 0.01
-    _, _, stated = kept_in_place(last.world, moment.world, first_hits(last.world, x, y))
+    _, _, stated = kept_in_place(last.world, frame.world, first_hits(last.world, x, y))
     middle = first_hits(last.world, x, y)
     columns, same = [], middle.hit.copy()
     for dx, dy in ((h, 0.0), (0.0, h)):
@@ -109,7 +118,7 @@ def test_the_jacobian_of_a_kept_hit_is_that_of_its_places():
         for sign in (1, -1):
             seen = first_hits(last.world, x + sign * dx, y + sign * dy)
             same &= seen.primitive == middle.primitive
-            ends.append(kept_in_place(last.world, moment.world, seen)[:2])
+            ends.append(kept_in_place(last.world, frame.world, seen)[:2])
         columns.append([(a - b) / (2 * h) for a, b in zip(*ends, strict=True)])
     (a, c), (b, d) = columns
     found = np.abs(a * d - b * c)
@@ -127,10 +136,10 @@ def test_the_jacobian_of_a_kept_hit_is_that_of_its_places():
 
 def donor_of(primary):
     """All pixels of the last frame offered to the pixels that their hits fall into."""
-    last, moment = frames()
-    shown = windows(last, moment, ROWS)[0]
-    return last, AreaDonor(
-        AreaShift(moment.shift, primary, last.world, moment.world),
+    last, frame = frames()
+    shown = windows(frame, last, ROWS)[0]
+    return last, AreaNeighbor(
+        AreaShift(path_shift(frame), primary, last.world, frame.world),
         ROWS,
         last.reservoirs,
         shown.rows,
@@ -195,5 +204,5 @@ def test_a_kept_hit_is_the_point_that_it_was():
 
 def test_another_frame_is_another_world():
     """Else the tests of a moving camera would prove nothing."""
-    last, moment = frames()
-    assert last.world.camera != moment.world.camera
+    last, frame = frames()
+    assert last.world.camera != frame.world.camera

@@ -7,11 +7,23 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hashgrid.grid import BUCKET, NOWHERE, build_grid, find_cells
-from hashgrid.hashes import nested, pcg, xxhash
-from hashgrid.keys import Keys, Lattice, edges, jittered, keys_of, lattice_of, levels
+from hashgrid.grid import (
+    BUCKET,
+    NOWHERE,
+    Keys,
+    Lattice,
+    build_grid,
+    edges,
+    find_cells,
+    jittered,
+    keys_of,
+    lattice_of,
+    levels,
+    pcg,
+    visits,
+    xxhash,
+)
 from hashgrid.report import occupancy
-from hashgrid.visits import visits
 from reference.arrays import dot, normalize
 from reference.records import NONE, take
 from reference.scene.camera import Camera
@@ -31,6 +43,15 @@ def keys_at(position, lattice=LATTICE):
 
 def everyone(keys):
     return np.ones(len(keys), bool)
+
+
+def buckets_of(keys):
+    """Hashes whose remainders are the buckets."""
+    return (keys.hashes >> np.uint64(32)).tolist()
+
+
+def checksums(keys):
+    return keys.hashes.astype(np.uint32).tolist()
 
 
 # ------------------------------------------------------------ a slow, obvious twin
@@ -73,8 +94,7 @@ def tuples(keys):
 
 def slow_grid(keys, active, buckets):
     grid = Slow(buckets, {})
-    hashes = keys.place.tolist(), keys.checksum.tolist()
-    rows = zip(tuples(keys), *hashes, strict=True)
+    rows = zip(tuples(keys), buckets_of(keys), checksums(keys), strict=True)
     for vertex, (cell, place, checksum) in enumerate(rows):
         if active[vertex]:
             grid.insert(vertex, cell, place, checksum)
@@ -83,13 +103,14 @@ def slow_grid(keys, active, buckets):
 
 def assert_same(grid, slow):
     table = sorted(slow.table.items())
-    assert grid.place.tolist() == [at for at, _ in table]
+    assert grid.slot.tolist() == [at for at, _ in table]
     assert tuples(grid.cells) == [cell for _, (cell, _, _) in table]
-    assert grid.checksum.tolist() == [checksum for _, (_, checksum, _) in table]
+    assert checksums(grid.cells) == [checksum for _, (_, checksum, _) in table]
     lists = [v for _, (_, _, vertices) in table for v in vertices]
-    assert grid.vertices.tolist() == lists
+    assert grid.cell_storage.tolist() == lists
     counts = [len(vertices) for _, (_, _, vertices) in table]
-    assert grid.start.tolist() == [0, *np.cumsum(counts)]
+    assert grid.index_buffer.tolist() == [0, *np.cumsum(counts)]
+    assert grid.counters.tolist() == counts
     assert grid.lost == slow.lost
 
 
@@ -102,9 +123,9 @@ def test_it_is_the_slow_grid(buckets, scale):
     assert_same(grid, slow)
     asked = keys_at(np.concatenate([points(800, buckets, scale), points(400, 9)]))
     found = find_cells(grid, asked)
-    rows = zip(tuples(asked), asked.place.tolist(), strict=True)
+    rows = zip(tuples(asked), buckets_of(asked), strict=True)
     wanted = [slow.find(cell, place) for cell, place in rows]
-    assert [None if c == NOWHERE else grid.place[c] for c in found] == wanted
+    assert [None if c == NOWHERE else grid.slot[c] for c in found] == wanted
 
 
 cell = st.integers(-3, 3)
@@ -123,20 +144,20 @@ def test_it_is_the_slow_grid_for_any_cells(rows, buckets):
 def test_nobody_is_lost_or_twice_there():
     keys = keys_at(points(5000))
     grid = build_grid(keys, everyone(keys), 64)
-    assert len(set(grid.vertices.tolist())) == len(grid.vertices)
-    assert len(grid.vertices) + grid.lost == len(keys)
+    assert len(set(grid.cell_storage.tolist())) == len(grid.cell_storage)
+    assert len(grid.cell_storage) + grid.lost == len(keys)
     assert grid.lost > 0
     wide = build_grid(keys, everyone(keys), 1 << 16)
     assert wide.lost == 0
-    assert sorted(wide.vertices.tolist()) == list(range(len(keys)))
+    assert sorted(wide.cell_storage.tolist()) == list(range(len(keys)))
 
 
 @pytest.fixture
 def alike(monkeypatch):
     """All cells have one bucket, and one checksum."""
-    for name, value in (("place", 5), ("checksum", 77)):
-        same = property(lambda keys, v=value: np.full(len(keys), v, np.uint32))
-        monkeypatch.setattr(Keys, name, same)
+    one = np.uint64((5 << 32) | 77)
+    same = property(lambda keys: np.full(len(keys), one))
+    monkeypatch.setattr(Keys, "hashes", same)
 
 
 @pytest.mark.usefixtures("alike")
@@ -182,7 +203,7 @@ def test_one_cell_that_holds_everything():
     keys = keys_at(position)
     grid = build_grid(keys, everyone(keys), 4)
     assert len(grid) == 1
-    assert grid.vertices.tolist() == list(range(5000))
+    assert grid.cell_storage.tolist() == list(range(5000))
     assert occupancy(grid).longest == 5000
 
 
@@ -190,7 +211,7 @@ def test_a_table_far_too_small_counts_what_it_loses():
     keys = keys_at(points(4000, scale=30.0))
     grid = build_grid(keys, everyone(keys), 1)
     assert len(grid) == BUCKET
-    assert grid.lost == 4000 - grid.start[-1] > 3000
+    assert grid.lost == 4000 - grid.index_buffer[-1] > 3000
     assert_same(grid, slow_grid(keys, everyone(keys), 1))
 
 
@@ -293,17 +314,17 @@ def test_hashes_are_known():
     words = np.array([0, 1, 2, 12345, 2**31, 2**32 - 1], np.uint32)
     assert pcg(words).tolist() == [by_hand_pcg(int(w)) for w in words]
     assert xxhash(words).tolist() == [by_hand_xx(int(w)) for w in words]
-    a, b = words[:3], words[3:]
-    together = nested(pcg, [a, b])
-    wanted = [
-        by_hand_pcg((int(x) + by_hand_pcg(int(y))) % 2**32)
-        for x, y in zip(a, b, strict=True)
-    ]
-    assert together.tolist() == wanted
+    keys = keys_at(np.concatenate([points(50), -1e12 * points(50)]))
+    for by_hand, found in ((by_hand_pcg, buckets_of), (by_hand_xx, checksums)):
+        for cell, nested in zip(tuples(keys), found(keys), strict=True):
+            wanted = 0
+            for word in reversed(cell):
+                wanted = by_hand((word + wanted) % 2**32)
+            assert nested == wanted
 
 
-def test_no_checksum_is_that_of_a_free_place():
-    assert keys_at(points(5000)).checksum.min() >= 1
+def test_no_checksum_is_that_of_a_free_slot():
+    assert min(checksums(keys_at(points(5000)))) >= 1
 
 
 # ------------------------------------------------------------ visits
@@ -345,7 +366,7 @@ def test_a_million_vertices_take_no_more_memory_than_they_may(scale):
     keys = keys_at(points(1_000_000, scale=scale))
     grid = build_grid(keys, everyone(keys), 1 << 20)
     assert grid.lost == 0
-    held = [grid.place, grid.checksum, grid.start, grid.vertices]
-    held += [grid.marks, grid.marked]
+    held = [grid.slot, grid.index_buffer, grid.cell_storage]
+    held += [grid.hashes, grid.by_hash]
     held += [getattr(grid.cells, field.name) for field in fields(Keys)]
     assert sum(a.nbytes for a in held) <= 64 * len(keys)

@@ -56,7 +56,12 @@ def test_neighbours_are_those_that_have_reservoirs(side, seed):
     draws = as_draws(u.ravel(), 5)
     width = 12
     for found in find_neighbors(
-        np.arange(size), FLAT, width, UNBIASED, draws, partial(corner, width=width, side=side)
+        np.arange(size),
+        FLAT,
+        width,
+        UNBIASED,
+        draws,
+        partial(corner, width=width, side=side),
     ):
         there = found[found != NONE]
         assert keeps_reservoir(there, width, side).all()

@@ -6,12 +6,18 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from hashgrid.cache import fill, find, homes
-from hashgrid.keys import lattice_of
+from hashgrid.grid import insert, lattice_of, look_up
 from hashgrid.light_settings import LightSettings
-from hashgrid.lights import GONE, draw_lights, in_sight, reflected, same_lights
-from hashgrid.world_reservoirs import render_light_frames
-from reference.direct_light import choose_light
+from hashgrid.lights import (
+    GONE,
+    draw_lights,
+    light_samples,
+    reflected,
+    renumbered,
+    same_lights,
+)
+from hashgrid.world_reservoirs import carried, render_light_frames
+from reference.direct_light import choose_light, sees_light
 from reference.records import NONE, take
 from reference.resampling.reservoir import Reservoirs
 from reference.rng import KeyedUniforms, Stream
@@ -37,7 +43,7 @@ def test_a_drawn_point_over_its_density_is_next_event_estimation(name):
     u = keyed(len(x)).draw(0)
     lights, density = draw_lights(w.emitters, u)
     value = reflected(w, x, lights, "balance")
-    seen = in_sight(w, x, lights, value.any(axis=1))
+    seen = sees_light(w, x, light_samples(w, x, lights), value.any(axis=1))
     found = np.where(seen[:, None], value, 0.0) / density[:, None]
     wanted = choose_light(w, x, u)
     # Times the probability, and over it again: two roundings.
@@ -111,13 +117,14 @@ def test_points_and_suns_keep_their_places():
     assert same_lights(w.emitters, without).tolist() == [GONE] * size
 
 
-def test_lights_that_are_gone_reflect_nothing_and_nobody_looks():
+def test_lights_that_are_gone_reflect_nothing():
     w = world("paint")
     x = points(w)
     lights, _ = draw_lights(w.emitters, keyed(len(x)).draw(0))
     gone = replace(lights, light=np.full(len(x), GONE))
     assert not reflected(w, x, gone, "delta-lobes").any()
-    assert not in_sight(w, x, gone, np.zeros(len(x), bool)).any()
+    assert (renumbered(gone, w.emitters, w.emitters).light == GONE).all()
+    assert (renumbered(lights, w.emitters, None).light == GONE).all()
 
 
 def colors(name, schedule, settings, frames=3):
@@ -182,38 +189,62 @@ def test_nothing_seen_and_no_light():
 
 def cached(w, x):
     size = len(x)
-    held = Reservoirs(np.arange(size), np.ones(size), np.ones(size))
+    lights, _ = draw_lights(w.emitters, keyed(size).draw(0))
+    held = Reservoirs(lights, np.ones(size), np.ones(size))
     u = keyed(size, 3, Stream.CELLS)
-    return fill(w, lattice_of(w.camera), x, held, x.hit, u)
+    return insert(w, lattice_of(w.camera), x, held, x.hit, u)
 
 
 def test_those_found_are_near_and_face_alike():
     w = world("paint")
     x = points(w)
     cache = cached(w, x)
-    found = find(cache, x, keyed(len(x), 4, Stream.CELLS), 2, 4)
+    found = look_up(cache, x, keyed(len(x), 4, Stream.CELLS), 2, 4)
     assert len(found) == 8
-    for rows in found:
+    for rows, _ in found:
         there = rows != NONE
         a, b = take(x.normal, rows[there]), x.normal[there]
         assert (np.einsum("ij,ij->i", a, b) ** 4 >= 0.5).all()
         assert there.mean() > 0.3
 
 
-def test_homes_are_the_places_of_the_vertices():
+def test_each_choice_has_a_random_number_of_its_own():
     w = world("paint")
     x = points(w)
-    grid = cached(w, x).grid
-    home = homes(grid, len(x))
-    for cell in range(len(grid)):
-        members = grid.vertices[grid.start[cell] : grid.start[cell + 1]]
-        assert (home[members] == grid.place[cell] + 1).all()
-    assert (home == 0).sum() == len(x) - len(grid.vertices)
+    found = look_up(cached(w, x), x, keyed(len(x), 4, Stream.CELLS), 2, 4)
+    for k, (_, u) in enumerate(found):
+        assert ((u >= 0) & (u < 1)).all()
+        assert not any((u == other).all() for _, other in found[:k])
+
+
+def test_samples_know_the_cells_that_they_are_taken_from():
+    w = world("paint")
+    x = points(w)
+    cache = cached(w, x)
+    grid, cell = cache.grid, carried(cache, w).reservoirs.y.cell
+    for c in range(len(grid)):
+        start, end = grid.index_buffer[c], grid.index_buffer[c + 1]
+        assert (cell[grid.cell_storage[start:end]] == grid.slot[c] + 1).all()
+    assert (cell == 0).sum() == len(x) - len(grid.cell_storage)
+
+
+def test_samples_are_carried_into_the_list_of_the_next_frame():
+    """The lamp in the middle has gone out, and the last one has another number."""
+    w = world("paint")
+    before, now = lamps(1.0, 2.0, 3.0), lamps(1.0, 0.0, 3.0)
+    cache = cached(replace(w, emitters=before), points(w))
+    light = cache.reservoirs.y.light
+    found = carried(cache, replace(w, emitters=now)).reservoirs.y.light
+    there = found != GONE
+    assert_array_equal(before.primitive[light[there]], now.primitive[found[there]])
+    assert set(light[there]) == {0, 1, 4, 5}
+    assert set(light[~there]) == {2, 3}
 
 
 def test_misses_find_nobody():
     w = world("paint")
     x = points(w)
     lost = replace(x, primitive=np.full(len(x), -1, np.int32))
-    for rows in find(cached(w, x), lost, keyed(len(x), 4, Stream.CELLS), 1, 4):
+    u = keyed(len(x), 4, Stream.CELLS)
+    for rows, _ in look_up(cached(w, x), lost, u, 1, 4):
         assert (rows == NONE).all()

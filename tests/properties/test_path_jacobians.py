@@ -92,13 +92,13 @@ SPREAD = "divide_or_zero(cosine, distance**2)"
 def densities(base, offset):
     """Of both, so that such shifts would still lead home."""
     return [
-        ("extensions.ends", BASE, base),
+        ("extensions.candidates", BASE, base),
         ("extensions.shifting", OFFSET, offset),
     ]
 
 
 def spread(wrong):
-    return [("extensions.connection", SPREAD, wrong)]
+    return [("extensions.shifting", SPREAD, wrong)]
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from extensions.candidates import draw_paths
-from extensions.paths import Technique
+from extensions.shifting import Technique
 from reference.records import take
 from reference.rng import TabledUniforms
 from tests.mutants.plant import planted

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from extensions.connection import CRITERIA
-from extensions.paths import Technique
-from extensions.walking import arrive, leave, start
+from extensions.pt_settings import CRITERIA
+from extensions.shifting import Technique, arrive, leave, start
 from reference.arrays import cross, dot, length
 from reference.records import take
 from reference.scene.materials.table import pdf

@@ -1,8 +1,8 @@
 """ReGIR GI: cells that end paths, and screen-space reuse of them, bring no bias.
 
 Controls, each of which is the article's form or a part of it: cells weighted by 1/M;
-paths that found nothing forgotten; a Jacobian left out; tails without the weight of the
-way to them.
+paths that found nothing forgotten; a Jacobian left out; suffixes without the weight of
+their prefix.
 
 A correct method fails a test of reuse with a probability of at most 2e-4, half of it by
 its tiles, and one of candidates with 1e-4: `tests.statistics.path_runs`.
@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import hashgrid.bounce
+import hashgrid.regir_gi
 from hashgrid.path_settings import CellSettings
 from hashgrid.regir_gi import render_cell_frames
 from tests.properties.path_scenes import world
@@ -82,13 +82,13 @@ def test_control_forgetting_nulls_is_refuted():
 
 @pytest.mark.slow
 def test_control_without_a_jacobian_cells_are_biased(monkeypatch):
-    in_cells = hashgrid.bounce.in_cells
+    path_shift = hashgrid.regir_gi.path_shift
 
-    def flat(shift):
-        inner = in_cells(shift)
-        return Flat(inner.criterion, inner.uniforms)
+    def flat(frame):
+        shift = path_shift(frame)
+        return Flat(shift.criterion, shift.uniforms)
 
-    monkeypatch.setattr(hashgrid.bounce, "in_cells", flat)
+    monkeypatch.setattr(hashgrid.regir_gi, "path_shift", flat)
     assert not still("paint", replace(CELLS_ALONE, cells=4), 2, 250)
 
 
@@ -118,12 +118,12 @@ def test_paths_from_the_end_are_those_of_the_path_tracer(scene):
 
 
 @pytest.mark.slow
-def test_control_tails_without_their_weight(monkeypatch):
+def test_control_suffixes_without_the_weight_of_their_prefix(monkeypatch):
     """The way to x_v scatters light, too."""
-    behind = hashgrid.bounce.behind
+    prepend = hashgrid.regir_gi.prepend
 
-    def unweighted(step, tail, onset):
-        return behind(replace(step, weight=np.ones_like(step.weight)), tail, onset)
+    def unweighted(step, suffix, first):
+        return prepend(replace(step, weight=np.ones_like(step.weight)), suffix, first)
 
-    monkeypatch.setattr(hashgrid.bounce, "behind", unweighted)
+    monkeypatch.setattr(hashgrid.regir_gi, "prepend", unweighted)
     assert candidates("mirror") > BOUND

@@ -11,8 +11,7 @@ import pytest
 
 import extensions.frame_loop
 from extensions.candidates import draw_paths
-from extensions.connection import CRITERIA
-from extensions.pt_settings import PathSettings
+from extensions.pt_settings import CRITERIA, PathSettings
 from reference.rng import KeyedUniforms, Stream
 from tests.properties.path_scenes import world
 from tests.statistics.path_runs import (

@@ -1,7 +1,7 @@
 """Light reservoirs in world space: what is taken from cells brings no bias.
 
-Controls: 1/M; donors asked in the scene of the receivers; lights drawn by power and
-counted as if they were drawn evenly.
+Controls: 1/M; the inverse shift in the scene of the receivers; lights drawn by power
+and counted as if they were drawn evenly.
 
 A correct method fails a test of reuse with a probability of at most 2e-4, half of it by
 its tiles, and one of candidates with 1e-4: `tests.statistics.path_runs`.
@@ -12,11 +12,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import hashgrid.light_candidates
-from hashgrid.light_donor import LightDonor
+import hashgrid.world_reservoirs
 from hashgrid.light_settings import LightSettings
 from hashgrid.lights import draw_lights, reflected
-from hashgrid.world_reservoirs import render_light_frames
+from hashgrid.world_reservoirs import LightNeighbor, render_light_frames
 from reference.records import take
 from tests.properties.path_scenes import world
 from tests.statistics.path_runs import (
@@ -83,14 +82,14 @@ def test_what_moves_brings_no_bias(name, mis):
 
 
 @pytest.mark.slow
-def test_control_donors_asked_in_the_scene_of_the_receivers(monkeypatch):
+def test_control_the_inverse_shift_in_the_scene_of_the_receivers(monkeypatch):
     """What a lamp would have been worth before it moved is another number."""
 
-    def asked_now(self, samples, at):
+    def as_it_is_now(self, samples, at):
         points, lights = take(self.points_from, self.rows[at]), take(samples, at)
         return reflected(self.world, points, lights, self.chance), np.ones(len(at))
 
-    monkeypatch.setattr(LightDonor, "back", asked_now)
+    monkeypatch.setattr(LightNeighbor, "inverse", as_it_is_now)
     assert not moving("moving-light", LightSettings(mis="balance"), 120, 20)
 
 
@@ -126,5 +125,5 @@ def test_control_the_density_of_a_light_is_forgotten(monkeypatch):
         lights, density = draw_lights(emitters, u)
         return lights, np.full_like(density, 1.0 / len(emitters.probability))
 
-    monkeypatch.setattr(hashgrid.light_candidates, "draw_lights", even)
+    monkeypatch.setattr(hashgrid.world_reservoirs, "draw_lights", even)
     assert candidates("many-lights") > BOUND

@@ -6,11 +6,8 @@ from typing import Any, cast
 
 import numpy as np
 
-from extensions.connection import Criterion, segment
-from extensions.donors import PointDonor
 from extensions.oracle.shifts.stage import frame_of
-from extensions.paths import Paths
-from extensions.shifting import Shift
+from extensions.shifting import Criterion, PathNeighbor, Paths, Shift, segment
 from reference.arrays import Indices, Scalars, Vec3s, divide_or_zero
 from reference.oracle.builtin.buffers import Array, as_real
 from reference.oracle.builtin.world import surface_of
@@ -163,9 +160,9 @@ def _by_turns(
     forth, back = np.arange(0, size, 2), np.arange(1, size, 2)
     ones = np.ones(size)
     offered = Reservoirs(take(paths, rows), ones, ones)
-    donor = PointDonor(shift, world, there, world, take(here, rows), offered, rows)
+    donor = PathNeighbor(shift, world, there, world, take(here, rows), offered, rows)
     value[forth], jacobian[forth] = donor.shifted(forth)
-    donor = PointDonor(shift, world, here, world, take(there, rows), offered, rows)
+    donor = PathNeighbor(shift, world, here, world, take(there, rows), offered, rows)
     value[back], jacobian[back] = donor.inverse(paths, back)
     return value, jacobian
 

@@ -6,8 +6,7 @@ from functools import cache
 import numpy as np
 
 from extensions.candidates import draw_paths
-from extensions.connection import Criterion
-from extensions.paths import Paths
+from extensions.shifting import Criterion, Paths
 from reference.arrays import Indices
 from reference.passes.gbuffer import visible_points
 from reference.rng import KeyedUniforms, Stream, Uniforms
@@ -44,15 +43,7 @@ Of the rough metal √alpha is above the usual threshold of 0.2, and alpha is no
 
 @dataclass(frozen=True, slots=True)
 class Numbers:
-    """Random numbers of paths by their numbers: pixel, and frame times pixels.
-
-    Attributes
-    ----------
-    pixels : int
-        Of the image.
-    seed : int
-        Of the run.
-    """
+    """Random numbers of paths by their numbers: pixel, and frame times pixels."""
 
     pixels: int
     seed: int
@@ -62,13 +53,7 @@ class Numbers:
 
         Parameters
         ----------
-        number : (N,) int
-            Of the paths.
-
-        Returns
-        -------
-        Uniforms
-            N rows.
+        number : (N,) int; of the paths
         """
         pixel = (number % self.pixels).astype(np.uint32)
         return KeyedUniforms(pixel, number // self.pixels, self.seed, Stream.PATH)
@@ -80,14 +65,8 @@ class Frame:
 
     Attributes
     ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        What the pixels see.
-    numbers : Numbers
-        Random numbers.
-    paths : Paths
-        One for each pixel.
+    points : SurfacePoints; what the pixels see
+    paths : Paths; one for each pixel
     """
 
     world: World
@@ -102,15 +81,11 @@ def room(scene: str, size: int) -> tuple[World, SurfacePoints]:
 
     Parameters
     ----------
-    scene : str
-        Of `BLOCKS`.
-    size : int
-        Pixels of a side of the image.
+    size : int; pixels of a side of the image
 
     Returns
     -------
-    World, SurfacePoints
-        Of size² pixels.
+    World, SurfacePoints; of size² pixels
     """
     found = find_scene("cornell-box")
     camera = replace(found.camera, width=size, height=size)
@@ -137,21 +112,8 @@ def frame_of(
 
     Parameters
     ----------
-    scene : str
-        Of `BLOCKS`.
-    size : int
-        Pixels of a side of the image.
-    seed, frame : int
-        Of the random numbers.
-    bounces : int
-        Of indirect light.
-    criterion : Criterion
-        When points may be joined.
-
-    Returns
-    -------
-    Frame
-        Always the same.
+    size : int; pixels of a side of the image
+    seed, frame : int; of the random numbers
     """
     world, points = room(scene, size)
     numbers = Numbers(size * size, seed)

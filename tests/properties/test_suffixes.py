@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-import hashgrid.bounce
-from extensions.connection import CRITERIA
+import hashgrid.regir_gi
+from extensions.pt_settings import CRITERIA
 from extensions.shifting import Shift
-from hashgrid.bounce import Bounces
 from hashgrid.path_settings import CellSettings
 from hashgrid.regir_gi import render_cell_frames
 from reference.scene.animation import Animation
@@ -70,17 +69,15 @@ def test_a_path_that_a_cell_has_ended_is_shifted_to_itself(scene, bounces, query
     assert off.max() < ROUNDINGS
 
 
-def test_control_numbers_of_the_lender_lead_elsewhere(monkeypatch):
-    """What is replayed before the joint is this path's own way."""
-    asked = hashgrid.bounce.Bounces._asked
+def test_control_numbers_of_the_neighbour_lead_elsewhere(monkeypatch):
+    """What is replayed before the joint is this path's own prefix."""
+    resample_bounce = hashgrid.regir_gi.resample_bounce
 
-    def of_the_lender(self, x, v, own):
-        kept = asked(self, x, v, own)
-        if kept is own:
-            return kept
-        return replace(kept, y=replace(kept.y, number=np.roll(self.number, 1)))
+    def of_the_neighbour(frame, lookup, number, *rest):
+        kept = resample_bounce(frame, lookup, number, *rest)
+        return replace(kept, y=replace(kept.y, number=np.roll(number, 1)))
 
-    monkeypatch.setattr(Bounces, "_asked", of_the_lender)
+    monkeypatch.setattr(hashgrid.regir_gi, "resample_bounce", of_the_neighbour)
     _, _, _, jacobian = shifted_to_itself("glass", 4, 0)
     assert not (jacobian > 0).all()
 
@@ -94,7 +91,7 @@ def test_cells_hold_paths_that_can_be_joined_or_none(scene):
     assert (r.W > 0).any()
     # Nulls are there, and count.
     inserted = np.zeros(len(r.W), bool)
-    inserted[cache.cache.grid.vertices] = True
+    inserted[cache.cache.grid.cell_storage] = True
     assert (inserted & (r.W == 0)).any()
     assert (r.M[inserted] >= 1).all()
 
@@ -102,10 +99,10 @@ def test_cells_hold_paths_that_can_be_joined_or_none(scene):
 def test_dropped_nulls_are_in_no_cell():
     settings = replace(CELLS_ALONE, nulls="dropped")
     (cache,) = last_frame("paint", 2, settings).caches.values()
-    assert (cache.cache.reservoirs.W[cache.cache.grid.vertices] > 0).all()
+    assert (cache.cache.reservoirs.W[cache.cache.grid.cell_storage] > 0).all()
 
 
-def test_a_cell_holds_the_bounce_that_asks_or_every_bounce():
+def test_a_cell_holds_the_bounce_that_looks_up_or_every_bounce():
     few, many = (
         last_frame("paint", 3, replace(CELLS_ALONE, writers=writers)).caches
         for writers in ("same-bounce", "every-bounce")
@@ -129,7 +126,7 @@ def test_no_path_is_longer_than_asked(writers):
     assert y.end.max() == 3
 
 
-def test_without_a_bounce_to_ask_at_nothing_is_written():
+def test_without_a_bounce_that_looks_up_nothing_is_stored():
     assert last_frame("paint", 1, CELLS_ALONE).caches == {}
     assert last_frame("paint", 2, replace(CELLS_ALONE, cells=0)).caches == {}
 
@@ -165,13 +162,14 @@ def test_bands_and_threads_change_no_bit():
         for a, b in zip(whole, moving(schedule, settings), strict=True):
             assert_array_equal(a.color, b.color)
             assert_array_equal(
-                a.caches[2].cache.grid.vertices, b.caches[2].cache.grid.vertices
+                a.caches[2].cache.grid.cell_storage,
+                b.caches[2].cache.grid.cell_storage,
             )
     assert whole[-1].color.any()
 
 
 def test_the_grid_that_is_read_has_its_own_eye():
-    """A camera that moves asks the last frame's cells, by the last frame's eye."""
+    """A camera that moves looks into the last frame's cells, by that frame's eye."""
     first, second, _ = moving(ONE, CellSettings())
     assert first.caches[2].cache.lattice.eye != second.caches[2].cache.lattice.eye
     assert second.caches[2].cache.lattice.eye == second.world.camera.position

@@ -1,0 +1,174 @@
+"""What a reader has to open: files and functions that one default frame enters.
+
+    python -m tests.benchmarks.trace_frame [--list] [NAME ...]
+
+A name is a method, or a function as ``method/module:name``, for which the same is
+counted between its call and its return in a frame of that method.  By default all
+methods, and `FUNCTIONS`.
+
+The frame is the third of the Cornell box at 16 x 16 pixels, two bounces, the method's
+own settings, one band.  Three numbers of files and of functions:
+
+* ``all``: the packages of the project, whole;
+* ``without kernels``: less what lies under every method (`KERNELS`): scenes, rays,
+  materials, arrays, records, random numbers, and the shell that shows a frame;
+* ``own``: of these the files outside of ``reference``.
+
+Functions, methods and properties count, also inner ones; comprehensions, lambdas and
+what dataclasses generate do not.
+"""
+
+import sys
+from argparse import ArgumentParser
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from itertools import islice
+from types import CodeType, FrameType
+from typing import Any
+
+from reference.methods.discovery import method_named, method_names
+from reference.methods.method import Job, Method
+from reference.scene.catalogue.registry import find_scene
+from reference.scene.validation import validate
+from reference.schedule import Schedule
+from reference.world import build_world
+
+PACKAGES = ("reference", "extensions", "hashgrid", "gradient_domain")
+KERNELS = {
+    "scene", "rays", "caster", "sampling", "frames", "tables", "images",
+    "arrays", "records", "rng", "methods",
+}  # fmt: skip
+"""Names of folders and files, wherever they lie."""
+
+FUNCTIONS = (
+    "world-reservoirs/hashgrid.grid:insert",
+    "world-reservoirs/hashgrid.grid:look_up",
+    "world-reservoirs/hashgrid.world_reservoirs:visit",
+    "regir-gi/hashgrid.regir_gi:store",
+    "regir-gi/hashgrid.regir_gi:resample_bounce",
+    "regir-gi/hashgrid.regir_gi:reconnect",
+    "regir-gi/extensions.shifting:Shift.__call__",
+)
+SIZE, BEFORE = 16, 2
+
+Entered = set[tuple[str, str, int]]
+"""Module, qualified name, and first line."""
+
+
+@dataclass
+class Tracer:
+    """Follows calls, everywhere or within one function.
+
+    Attributes
+    ----------
+    within : (str, str) or None
+        Module and qualified name.
+    entered : set
+        What was entered.
+    """
+
+    within: tuple[str, str] | None = None
+    entered: Entered = field(default_factory=set)
+    _depth: int = 0
+
+    def __call__(self, frame: FrameType, event: str, arg: Any) -> None:
+        """Follow one event, for `sys.setprofile`."""
+        if event not in ("call", "return"):
+            return
+        module, code = frame.f_globals.get("__name__", ""), frame.f_code
+        here = (module, code.co_qualname) == self.within
+        if event == "call":
+            self._depth += here
+            if (self.within is None or self._depth) and counts(module, code):
+                self.entered.add((module, code.co_qualname, code.co_firstlineno))
+        else:
+            self._depth -= here
+
+
+def counts(module: str, code: CodeType) -> bool:
+    """Whether a function is one of ours, and has a name."""
+    ours = module.split(".")[0] in PACKAGES and code.co_filename[:1] != "<"
+    return ours and not code.co_name.startswith("<")
+
+
+@contextmanager
+def profiled(tracer: Tracer) -> Iterator[None]:
+    """Trace while the block runs."""
+    sys.setprofile(tracer)
+    try:
+        yield
+    finally:
+        sys.setprofile(None)
+
+
+def frames_of(method: Method) -> Iterator[Any]:
+    """Frames as they are shown, without end."""
+    scene = find_scene("cornell-box")
+    camera = replace(scene.camera, width=SIZE, height=SIZE)
+    job = Job(
+        world=build_world(validate(replace(scene, camera=camera))),
+        light="indirect",
+        bounces=2,
+        seed=0,
+        counts=dict(method.counts),
+        settings=method.settings,
+        aovs=(),
+        schedule=Schedule(),
+        animation=None,
+    )
+    assert method.frames is not None
+    return iter(method.frames(job))
+
+
+def entered(name: str) -> Entered:
+    """What one default frame of a method enters, or one function of it."""
+    method, _, function = name.partition("/")
+    module, _, qualified = function.partition(":")
+    frames = frames_of(method_named(method))
+    list(islice(frames, BEFORE))
+    tracer = Tracer((module, qualified) if function else None)
+    with profiled(tracer):
+        next(frames)
+    return tracer.entered
+
+
+def is_kernel(module: str) -> bool:
+    """Whether a module lies under every method."""
+    return not KERNELS.isdisjoint(module.split("."))
+
+
+def views(found: Entered) -> dict[str, Entered]:
+    """All, without kernels, and own."""
+    above = {entry for entry in found if not is_kernel(entry[0])}
+    own = {entry for entry in above if entry[0].split(".")[0] != "reference"}
+    return {"all": found, "without kernels": above, "own": own}
+
+
+def count(found: Entered) -> str:
+    """Functions, and the files in which they are."""
+    return f"{len(found)} in {len({module for module, _, _ in found})}"
+
+
+def main(words: list[str]) -> None:
+    """Print a line a name."""
+    parser = ArgumentParser(prog="trace_frame", description=__doc__.split("\n")[0])
+    parser.add_argument("names", nargs="*", metavar="NAME")
+    parser.add_argument("--list", action="store_true", help="name the files")
+    given = parser.parse_args(words)
+    names = given.names or [
+        *(n for n in method_names() if method_named(n).frames is not None),
+        *FUNCTIONS,
+    ]
+    print(f"{'functions in files':52}" + "".join(f"{v:>18}" for v in views(set())))
+    for name in names:
+        found = views(entered(name))
+        columns = (f"{count(part):>18}" for part in found.values())
+        print(f"{name:52}" + "".join(columns))
+        if given.list:
+            for module in sorted({module for module, _, _ in found["without kernels"]}):
+                print("   ", module)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
