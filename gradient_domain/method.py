@@ -9,14 +9,15 @@ from extensions.area_method import PLACES, area_layers
 from extensions.method import PATHS
 from gradient_domain.after_restir import render_after_frames
 from gradient_domain.differences import Differences
-from gradient_domain.frame import GradientFrame
 from gradient_domain.gradient_pt import render_gradient_paths
-from gradient_domain.gradient_restir import render_gradient_frames
-from gradient_domain.images import reconstructed
+from gradient_domain.gradient_restir import GradientFrame, render_gradient_frames
+from gradient_domain.least_absolute import least_absolute
+from gradient_domain.reconstruction import least_squares
 from gradient_domain.settings import (
     AfterSettings,
     GradientPathSettings,
     GradientSettings,
+    Reconstruction,
 )
 from reference.arrays import Scalars, Vec3s
 from reference.methods.aovs import GBUFFER
@@ -46,6 +47,36 @@ def _layers(frame: GradientFrame, names: tuple[str, ...]) -> Mapping[str, Scalar
     found = {"dx": d.x, "dy": d.y, "primal": frame.color}
     own = {name: found[name] for name in names if name in GRADIENTS}
     return {**area_layers(frame, names), **own}
+
+
+def reconstructed(
+    kind: Reconstruction, primal: Vec3s, d: Differences, width: int
+) -> Vec3s:
+    """Image from pixels and differences.
+
+    Parameters
+    ----------
+    kind : 'l2' or 'l1'
+        Norm of what is left of the differences.
+    primal : (N, 3) float64
+        Pixels.
+    d : Differences
+        N rows.
+    width : int, pixels
+        Of a row.
+
+    Returns
+    -------
+    (N, 3) float64
+        Unbiased for L2, where what is given is; L1 is not linear, and biased.
+
+    Raises
+    ------
+    ValueError
+        A pixel or difference is not finite.
+    """
+    solve = {"l2": least_squares, "l1": least_absolute}[kind]
+    return solve(primal, d, width)
 
 
 def developed(job: Job, estimates: Scalars) -> Vec3s:

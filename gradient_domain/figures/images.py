@@ -18,7 +18,8 @@ from gradient_domain.figures.variants import (
     WITH,
     scene_of,
 )
-from gradient_domain.images import Reconstruction, reconstructed
+from gradient_domain.method import reconstructed
+from gradient_domain.settings import Reconstruction
 from reference.arrays import Scalars, Vec3s
 from reference.figures.bootstrap import Numbers, mean_interval, ratio_interval
 from reference.figures.canvas import BIG, Tile, blank, draw_tiles, exposure_of, shown

@@ -17,7 +17,7 @@ from gradient_domain.after_restir import render_after_frames
 from gradient_domain.differences import Differences
 from gradient_domain.gradient_pt import render_gradient_paths
 from gradient_domain.gradient_restir import render_gradient_frames
-from gradient_domain.images import reconstructed
+from gradient_domain.method import reconstructed
 from gradient_domain.settings import (
     AfterSettings,
     GradientPathSettings,
