@@ -109,10 +109,6 @@ class PairedPaths:
     inner: Scalars
     sign: Indices
 
-    def __len__(self) -> int:
-        """Number of rows."""
-        return len(self.k)
-
     @property
     def value(self) -> PairValue:
         """N rows, in the pair that they are in."""
@@ -231,14 +227,14 @@ def estimate(reservoirs: Iterable[Reservoirs]) -> Vec3s:
 
 
 def inner_shift(
-    within: AreaShift, base: AreaPaths, k: Indices, pairs: Pairs
+    between: AreaShift, base: AreaPaths, k: Indices, pairs: Pairs
 ) -> tuple[Vec3s, Scalars]:
-    """From base paths to their offset paths, in the other pixels of their pairs.
+    """From N base paths to their offset paths, in the other pixels of their pairs.
 
     Parameters
     ----------
-    within : AreaShift
-        Within one image, where x_1 moves with its place.
+    between : AreaShift
+        To the image that holds the pairs; within it x_1 moves with its place.
     k : (N,) int8
         T_ij where it is 0, T_ji where it is 1.
 
@@ -251,59 +247,52 @@ def inner_shift(
     -----
     [Wang25, section 4.2.1].
     """
+    within = replace(between, primary="move", world_from=between.world_to)
     other = np.where(k == 0, pairs.second, pairs.first)
     dx, dy = (np.where(k == 0, step, -step) for step in (pairs.dx, pairs.dy))
     offset, jacobian = within(base, other, dx, dy)
     return offset.value, jacobian
 
 
-@dataclass(frozen=True, slots=True)
-class OuterShift:
-    """T*(x, k) = (τ(x), k), from samples of pairs to other pairs [Wang25, Eq. 21].
+def outer_shift(
+    between: AreaShift,
+    samples: PairedPaths,
+    *,
+    pairs: Pairs,
+    dx: Scalars,
+    dy: Scalars,
+    sign: int,
+) -> tuple[PairValue, Scalars]:
+    """T*(x, k) = (τ(x), k): N samples in other pairs, for reservoirs of a sign.
 
-    Attributes
+    Parameters
     ----------
     between : AreaShift
         τ, between two images or within one.
-    within : AreaShift
-        For the inner shift of the pairs to which the samples go.
+    dx, dy : (N,) float64, pixels
+        How far places move, if x_1 moves.
+
+    Returns
+    -------
+    PairValue, (N,) float64
+        Values there, and |∂T*|; both 0 where the base path has no place there.
+
+    Notes
+    -----
+    [Wang25, Eqs. 21 and 22].
     """
-
-    between: AreaShift
-    within: AreaShift
-
-    def __call__(
-        self, samples: PairedPaths, pairs: Pairs, dx: Scalars, dy: Scalars, sign: int
-    ) -> tuple[PairValue, Scalars]:
-        """Values of N samples in other pairs, for reservoirs of a sign, and |∂T*|.
-
-        Parameters
-        ----------
-        dx, dy : (N,) float64, pixels
-            How far places move, if x_1 moves.
-
-        Returns
-        -------
-        PairValue, (N,) float64
-            0 where the base path has no place there.
-
-        Notes
-        -----
-        [Wang25, Eqs. 21 and 22].
-        """
-        k, size = samples.k, len(samples)
-        # Eq. 21: k remains, and the base path goes to the pixel that has this k.
-        pixel = np.where(k == 0, pairs.first, pairs.second)
-        placed, jacobian = self.between(samples.base, pixel, dx, dy)
-        # Figure 4: the offset path is made anew there.
-        at = np.flatnonzero(jacobian > 0)
-        k, placed, pairs = k[at], take(placed, at), take(pairs, at)
-        base = take(samples.base, at).moved(placed, jacobian[at])
-        offset, inner = inner_shift(self.within, base, k, pairs)
-        signs = np.full(len(at), sign, np.int8)
-        value = PairValue(k, placed, offset, inner, signs)
-        # Eq. 22: the Jacobian is that of the base path alone.
-        return scatter(at, value, size), jacobian
+    k, size = samples.k, len(samples.k)
+    # Eq. 21: k remains, and the base path goes to the pixel that has this k.
+    pixel = np.where(k == 0, pairs.first, pairs.second)
+    placed, jacobian = between(samples.base, pixel, dx, dy)
+    # Figure 4: the offset path is made anew there.
+    at = np.flatnonzero(jacobian > 0)
+    k, placed, pairs = k[at], take(placed, at), take(pairs, at)
+    base = take(samples.base, at).moved(placed, jacobian[at])
+    offset, inner = inner_shift(between, base, k, pairs)
+    value = PairValue(k, placed, offset, inner, np.full(len(at), sign, np.int8))
+    # Eq. 22: the Jacobian is that of the base path alone.
+    return scatter(at, value, size), jacobian
 
 
 # ------------------------------------- 4.2.2: neighbours, for Equations 18 and 20
@@ -315,8 +304,8 @@ class PairNeighbor:
 
     Attributes
     ----------
-    forward, backward : OuterShift
-        From the sources to the receivers, and its inverse.
+    shift : AreaShift
+        Of base paths, from the sources to the receivers.
     pairs, pairs_from : Pairs
         K receivers, and P sources.
     reservoirs : Reservoirs
@@ -331,16 +320,15 @@ class PairNeighbor:
         Source and receiver are one pair of one image, and nothing is shifted.
     """
 
-    forward: OuterShift
-    backward: OuterShift
+    shift: AreaShift
     pairs: Pairs
     pairs_from: Pairs
     reservoirs: Reservoirs
     rows: Indices
     dx: Scalars
     dy: Scalars
-    sign: int = PLUS
-    sign_from: int = PLUS
+    sign: int
+    sign_from: int
     same_domain: bool = False
 
     def shifted(self, at: Indices) -> tuple[PairValue, Scalars]:
@@ -351,9 +339,14 @@ class PairNeighbor:
         at : (A,) int
             Receivers, none without a source.
         """
-        samples = take(self.reservoirs.y, self.rows[at])
-        there = take(self.pairs, at)
-        return self.forward(samples, there, self.dx[at], self.dy[at], self.sign)
+        return outer_shift(
+            self.shift,
+            take(self.reservoirs.y, self.rows[at]),
+            pairs=take(self.pairs, at),
+            dx=self.dx[at],
+            dy=self.dy[at],
+            sign=self.sign,
+        )
 
     def inverse(self, samples: Any, at: Indices) -> tuple[PairValue, Scalars]:
         """The same of the receivers' samples at their sources, for the sources' sign.
@@ -365,16 +358,21 @@ class PairNeighbor:
         at : (A,) int
             Which of them, none without a source.
         """
-        some, there = take(samples, at), take(self.pairs_from, self.rows[at])
-        return self.backward(some, there, -self.dx[at], -self.dy[at], self.sign_from)
+        return outer_shift(
+            self.shift.back,
+            take(samples, at),
+            pairs=take(self.pairs_from, self.rows[at]),
+            dx=-self.dx[at],
+            dy=-self.dy[at],
+            sign=self.sign_from,
+        )
 
 
-def _own(shift: OuterShift, pairs: Pairs, own: Reservoirs, sign: int) -> PairNeighbor:
-    """What pairs have already."""
+def _own(shift: AreaShift, pairs: Pairs, own: Reservoirs, sign: int) -> PairNeighbor:
+    """What pairs have already, as the canonical candidate."""
     none = np.zeros(len(pairs))
     return PairNeighbor(
-        forward=shift,
-        backward=shift,
+        shift=shift,
         pairs=pairs,
         pairs_from=pairs,
         reservoirs=own,
@@ -387,22 +385,17 @@ def _own(shift: OuterShift, pairs: Pairs, own: Reservoirs, sign: int) -> PairNei
     )
 
 
-def _within(frame: FrameContext[PathSettings], world: World) -> AreaShift:
-    """Between pixels of one image: x_1 moves with its place."""
-    return AreaShift(path_shift(frame), "move", world, world)
-
-
 # ------------------------------------- 4.4: new samples
 
 
 def paired(
-    within: AreaShift, paths: Reservoirs, pairs: Pairs, k: int, rows: slice
+    between: AreaShift, paths: Reservoirs, pairs: Pairs, k: int, rows: slice
 ) -> Reservoirs:
     """Paths of the pixels of index k as samples of some pairs.
 
     Parameters
     ----------
-    within : AreaShift
+    between : AreaShift
         As of `inner_shift`.
     paths : Reservoirs
         Of `AreaPaths`, a pixel each: a path is a sample of up to four pairs.
@@ -411,7 +404,7 @@ def paired(
     own, size = take(paths, some.first if k == 0 else some.second), len(some)
     ks, signs = np.full(size, k, np.int8), np.full(size, WHOLE, np.int8)
     at = np.flatnonzero(own.W > 0)
-    offset, inner = inner_shift(within, take(own.y, at), ks[at], take(some, at))
+    offset, inner = inner_shift(between, take(own.y, at), ks[at], take(some, at))
     offset, inner = scatter(at, offset, size), scatter(at, inner, size)
     return Reservoirs(PairedPaths(ks, own.y, offset, inner, signs), own.W, own.M)
 
@@ -420,7 +413,8 @@ def paired_both(
     frame: FrameContext[PathSettings], paths: Reservoirs, pairs: Pairs
 ) -> list[Reservoirs]:
     """Paths of pixels as samples of all pairs: those of k = 0, and of k = 1."""
-    of = partial(paired, _within(frame, frame.world), paths, pairs)
+    within = AreaShift(path_shift(frame), "move", frame.world, frame.world)
+    of = partial(paired, within, paths, pairs)
     return [in_bands(frame.schedule, len(pairs), partial(of, k)) for k in (0, 1)]
 
 
@@ -457,6 +451,12 @@ def choose_pair(
 # ------------------------------------- 4.3.1: reuse over frames
 
 
+def _numbers(uniforms: Uniforms, dimension: int, count: int) -> list[Scalars]:
+    """So many numbers in [0, 1) a row, from a dimension on."""
+    draws = (uniforms.draw(dimension + k) for k in range(-(-count // 4)))
+    return [lane for draw in draws for lane in draw][:count]
+
+
 def _temporal(
     frame: FrameContext[GradientSettings],
     last: "GradientFrame | None",
@@ -474,17 +474,14 @@ def _temporal(
     new = choose_pair([cut(r, rows) for r in both], sign, uniforms.draw(0)[slot])
     if last is None or not windows:
         return new
-    now, then = _within(frame, frame.world), _within(frame, last.world)
     between = AreaShift(path_shift(frame), s.primary, last.world, frame.world)
-    forward, backward = OuterShift(between, now), OuterShift(between.back, then)
     same = last.world is frame.world
-    own = _own(OuterShift(now, now), some, new, sign)
+    own = _own(between, some, new, sign)
     before, shares = [], []
     for sign_from, whole in reused_windows(s.signs, sign, windows, same):
         window = cut(whole, rows)
         source = PairNeighbor(
-            forward=forward,
-            backward=backward,
+            shift=between,
             pairs=some,
             pairs_from=pairs,
             reservoirs=last.pairs[sign_from],
@@ -500,12 +497,6 @@ def _temporal(
     numbers = _numbers(uniforms, 1 + 3 * slot, len(before) + 1)
     # Eqs. 18 and 20.
     return resample_past(own, before, shares, numbers, s, target)
-
-
-def _numbers(uniforms: Uniforms, dimension: int, count: int) -> list[Scalars]:
-    """So many numbers in [0, 1) a row, from a dimension on."""
-    draws = (uniforms.draw(dimension + k) for k in range(-(-count // 4)))
-    return [lane for draw in draws for lane in draw][:count]
 
 
 # ------------------------------------- 4.3.2: reuse along edges
@@ -609,13 +600,11 @@ def _spatial(
     # Interior pairs have no neighbour, and keep what they have.
     at = np.flatnonzero(neighbor[rows] != NONE)
     some, row = take(cut(pairs, rows), at), neighbor[rows][at]
-    within = _within(frame, frame.world)
-    outer, first = OuterShift(within, within), pairs.first[row]
-    neighbors = [_own(outer, some, take(own, at), sign)]
+    within = AreaShift(path_shift(frame), "move", frame.world, frame.world)
+    neighbors, first = [_own(within, some, take(own, at), sign)], pairs.first[row]
     for sign_from in reused_signs(s.signs, sign):
         source = PairNeighbor(
-            forward=outer,
-            backward=outer,
+            shift=within,
             pairs=some,
             pairs_from=pairs,
             reservoirs=fresh[sign_from],

@@ -49,34 +49,11 @@ def _layers(frame: GradientFrame, names: tuple[str, ...]) -> Mapping[str, Scalar
     return {**area_layers(frame, names), **own}
 
 
-def reconstructed(
-    kind: Reconstruction, primal: Vec3s, d: Differences, width: int
-) -> Vec3s:
-    """Image from pixels and differences.
-
-    Parameters
-    ----------
-    kind : 'l2' or 'l1'
-        Norm of what is left of the differences.
-    primal : (N, 3) float64
-        Pixels.
-    d : Differences
-        N rows.
-    width : int, pixels
-        Of a row.
-
-    Returns
-    -------
-    (N, 3) float64
-        Unbiased for L2, where what is given is; L1 is not linear, and biased.
-
-    Raises
-    ------
-    ValueError
-        A pixel or difference is not finite.
-    """
-    solve = {"l2": least_squares, "l1": least_absolute}[kind]
-    return solve(primal, d, width)
+RECONSTRUCT: Mapping[Reconstruction, Callable[[Vec3s, Differences, int], Vec3s]] = {
+    "l2": least_squares,
+    "l1": least_absolute,
+}
+"""Image from pixels and differences, by the norm of what is left of the differences."""
 
 
 def developed(job: Job, estimates: Scalars) -> Vec3s:
@@ -96,8 +73,7 @@ def developed(job: Job, estimates: Scalars) -> Vec3s:
     """
     primal, x, y = np.split(estimates, 3, axis=1)
     width = job.world.camera.width
-    kind = job.settings.reconstruction
-    return reconstructed(kind, primal, Differences(x, y), width)
+    return RECONSTRUCT[job.settings.reconstruction](primal, Differences(x, y), width)
 
 
 def named_biases(job: Job) -> tuple[str, ...]:

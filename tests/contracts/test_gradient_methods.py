@@ -14,8 +14,8 @@ from gradient_domain.method import (
     AFTER,
     METHOD,
     PATH_TRACED,
+    RECONSTRUCT,
     developed,
-    reconstructed,
 )
 from gradient_domain.settings import (
     AfterSettings,
@@ -163,7 +163,7 @@ def test_the_picture_is_made_from_its_layers(tmp_path, name, kind):
     )
     picture = found.color.reshape(-1, 3)
     d = Differences(*(layers[k].astype(float) for k in ("dx", "dy")))
-    again = reconstructed(kind, layers["primal"].astype(float), d, 24)
+    again = RECONSTRUCT[kind](layers["primal"].astype(float), d, 24)
     # Layers are rounded to float32; L1 stops within a thousandth of its minimum.
     scale = np.abs(picture).max()
     tolerance = 2.0**-22 * scale if kind == "l2" else 1e-2 * scale

@@ -25,7 +25,6 @@ from gradient_domain.gradient_restir import (
     MINUS,
     PLUS,
     WHOLE,
-    OuterShift,
     PairedPaths,
     PairNeighbor,
     choose_pair,
@@ -110,8 +109,18 @@ class Cell:
         return Cell(value.pixel, self.cell, value.value)
 
 
+@dataclass(frozen=True)
 class TableShift:
     """In place of `AreaShift`: to the same cell, where the other pixel has it."""
+
+    primary: str = "move"
+    world_from: None = None
+    world_to: None = None
+
+    @property
+    def back(self):
+        """The other way; all pixels are of one image."""
+        return self
 
     def __call__(self, samples, pixel, dx, dy):
         """Value and Jacobian."""
@@ -123,6 +132,7 @@ class TableShift:
         return Place(pixel, value), jacobian
 
 
+@dataclass(frozen=True)
 class OtherPixel(TableShift):
     """To the other pixel of the pair, where rows are outcomes in place of pixels."""
 
@@ -134,7 +144,6 @@ class OtherPixel(TableShift):
 
 
 WITHIN = TableShift()
-OUTER = OuterShift(TableShift(), WITHIN)
 
 
 def target(value):
@@ -224,8 +233,7 @@ def neighbor(p, p_from, r, sign, sign_from, same_domain=False):
     """A pair that is a source of samples to a pair, outcome by outcome."""
     size = len(r.W)
     return PairNeighbor(
-        forward=OUTER,
-        backward=OUTER,
+        shift=WITHIN,
         pairs=of_pair(p, size),
         pairs_from=of_pair(p_from, size),
         reservoirs=r,

@@ -56,8 +56,8 @@ GRADIENT_MUTANTS = [
         "samples are shifted twice",
         ("GD-11",),
         PAGE,
-        "self.between(samples.base, pixel, dx, dy)",
-        "self.between(samples.base, pixel, dx + dx, dy + dy)",
+        "between(samples.base, pixel, dx, dy)",
+        "between(samples.base, pixel, dx + dx, dy + dy)",
     ),
     Mutant(
         "the outer Jacobian is that of the offset path",
@@ -114,10 +114,16 @@ GRADIENT_MUTANTS = [
         "small Jacobians are refused on the way there alone",
         ("GD-21",),
         PAGE,
-        "return self.forward(samples, there, self.dx[at], self.dy[at], self.sign)",
-        "value, jacobian = self.forward("
-        "samples, there, self.dx[at], self.dy[at], self.sign)\n"
-        "        return value, jacobian * (jacobian >= 0.75)",
+        "return outer_shift(\n            self.shift,\n",
+        "value, jacobian = outer_shift(\n            self.shift,\n",
+        also=(
+            (
+                PAGE,
+                "            sign=self.sign,\n        )\n",
+                "            sign=self.sign,\n        )\n"
+                "        return value, jacobian * (jacobian >= 0.75)\n",
+            ),
+        ),
     ),
     Mutant(
         "pairs move with the farther pixel",
@@ -145,7 +151,7 @@ GRADIENT_MUTANTS = [
         "offset paths remain those of the other pair",
         (),
         PAGE,
-        "offset, inner = inner_shift(self.within, base, k, pairs)",
+        "offset, inner = inner_shift(between, base, k, pairs)",
         "offset, inner = samples.offset[at], samples.inner[at]",
     ),
     Mutant(
@@ -166,8 +172,8 @@ GRADIENT_MUTANTS = [
         "sources of the other sign are taken for the receiver's",
         (),
         PAGE,
-        "-self.dx[at], -self.dy[at], self.sign_from)",
-        "-self.dx[at], -self.dy[at], self.sign)",
+        "sign=self.sign_from,",
+        "sign=self.sign,",
     ),
     Mutant(
         "a pair takes over its own samples once more",

@@ -18,13 +18,13 @@ from gradient_domain.gradient_restir import (
     MINUS,
     PLUS,
     WHOLE,
-    OuterShift,
     PairValue,
     choose_pair,
     contribution,
     difference,
     inner_shift,
     integrand,
+    outer_shift,
     paired,
     part,
     render_gradient_frames,
@@ -175,7 +175,6 @@ def around(step):
 def test_the_outer_shift_is_that_of_the_base_path(name):
     """Whose Jacobian is all of it; k stays, and the offset path is made anew."""
     within, drawn = still(name)
-    outer = OuterShift(within, within)
     both = [paired(within, drawn, PAIRS, k, EVERY) for k in (0, 1)]
     u = np.random.default_rng(4).random(len(PAIRS))
     r = choose_pair(both, PLUS, u)
@@ -183,7 +182,7 @@ def test_the_outer_shift_is_that_of_the_base_path(name):
     at = np.flatnonzero((rows != NONE) & (r.W > 0))
     to, samples = take(PAIRS, rows[at]), take(r.y, at)
     dx, dy = np.full(len(at), 2.0), np.full(len(at), 1.0)
-    value, jacobian = outer(samples, to, dx, dy, MINUS)
+    value, jacobian = outer_shift(within, samples, pairs=to, dx=dx, dy=dy, sign=MINUS)
     pixel = np.where(samples.k == 0, to.first, to.second)
     placed, expected = within(samples.base, pixel, dx, dy)
     assert_array_equal(jacobian, expected)
