@@ -181,37 +181,27 @@ def integrand(value: PairValue) -> Vec3s:
 # ------------------------------------- 4.4: positivization, and the target
 
 
-def part(value: PairValue) -> Vec3s:
-    """The part of ω* G that a reservoir estimates, by channel, (N, 3).
+def contribution(value: PairValue) -> Vec3s:
+    """What N samples add to Δ_ij for the sign of their reservoir, before W, (N, 3).
 
-    [Wang25, Eqs. 19, 23, 25 and 26].
+    Those of both signs together are ω* G [Wang25, Eqs. 17, 23 and 24].
     """
     signed, sign = integrand(value), value.sign[:, None]
-    # Eqs. 23, 25 and 26: max(ω* G, 0), or max(−ω* G, 0).
-    one_sided = np.maximum(signed * sign, 0 * signed)
-    # Eq. 19: |ω* G|, in one reservoir of both signs.
-    found: Vec3s = np.where(sign == WHOLE, np.abs(signed), one_sided)
+    # Eqs. 23 to 26: p̂_+ = max(ω* G, 0), or −p̂_− = −max(−ω* G, 0).
+    one_sided = sign * np.maximum(sign * signed, 0 * signed)
+    # Eq. 17: ω* G, in one reservoir of both signs.
+    found: Vec3s = np.where(sign == WHOLE, signed, one_sided)
     return found
 
 
 def target(value: PairValue) -> Scalars:
-    """Target p̂ of N samples, (N,): the luminance of the part of their reservoir.
+    """Target p̂ of N samples, (N,): luminance of the magnitude of what they contribute.
 
-    Parts are taken by channel, so that channels of both signs do not cancel [Wang25,
-    Eqs. 19, 25 and 26].
+    Magnitudes are taken by channel, so that channels of both signs do not cancel
+    [Wang25, Eqs. 19, 25 and 26].
     """
-    return luminance(part(value))
-
-
-def contribution(value: PairValue) -> Vec3s:
-    """What samples add to Δ_ij, times their weights W, (N, 3).
-
-    Those of both signs together are ω* G [Wang25, Eqs. 17 and 24].
-    """
-    sign = value.sign[:, None]
-    # Eq. 17: ω* G; Eq. 24: the positive part less the negative one.
-    found: Vec3s = np.where(sign == WHOLE, integrand(value), sign * part(value))
-    return found
+    # Eqs. 19, 25 and 26.
+    return luminance(np.abs(contribution(value)))
 
 
 def estimate(reservoirs: Iterable[Reservoirs]) -> Vec3s:

@@ -28,10 +28,10 @@ from gradient_domain.gradient_restir import (
     PairedPaths,
     PairNeighbor,
     choose_pair,
+    contribution,
     estimate,
     inner_shift,
     paired,
-    part,
 )
 from gradient_domain.pairs import Pairs
 from reference.resampling.generalized import resample
@@ -148,7 +148,7 @@ WITHIN = TableShift()
 
 def target(value):
     """Sum of the channels' magnitudes: luminance has no rational weights."""
-    found = part(value)
+    found = np.abs(contribution(value))
     return found[:, 0] + found[:, 1]
 
 

@@ -42,14 +42,14 @@ GRADIENT_MUTANTS = [
         "the negative part is added",
         ("GD-07",),
         PAGE,
-        "integrand(value), sign * part(value)",
-        "integrand(value), sign * sign * part(value)",
+        "one_sided = sign * np.maximum(",
+        "one_sided = sign * sign * np.maximum(",
     ),
     Mutant(
         "the target is the magnitude of the luminance",
         ("GD-09",),
         PAGE,
-        "return luminance(part(value))",
+        "return luminance(np.abs(contribution(value)))",
         "return np.abs(luminance(integrand(value)))",
     ),
     Mutant(
@@ -85,8 +85,10 @@ GRADIENT_MUTANTS = [
         "shown is what has not the weight of the base path",
         ("GD-15",),
         PAGE,
-        "integrand(value), sign * part(value)",
-        "difference(value), np.where(part(value) > 0, difference(value), 0)",
+        "terms = [contribution(r.y.value) * r.W[:, None] for r in reservoirs]",
+        "terms = ["
+        "(contribution(r.y.value) != 0) * difference(r.y.value) * r.W[:, None]"
+        " for r in reservoirs]",
     ),
     Mutant(
         "new samples that are worth nothing are not counted",
