@@ -3,22 +3,22 @@
 from collections.abc import Iterator
 
 from extensions.area_restir import area_drawn, area_reused
-from extensions.frame_loop import Moment, PathFrame, path_frames
-from gradient_domain.candidates import paired
-from gradient_domain.frame import GradientFrame, gradient_frame, inner_shift
-from gradient_domain.paired_domain import (
-    WHOLE,
+from extensions.frame_loop import PathFrame, path_frames
+from gradient_domain.gradient_restir import (
+    GradientFrame,
     PairValue,
     difference,
+    gradient_frame,
+    paired_both,
     share_of_base,
 )
 from gradient_domain.pairs import pixel_pairs
 from gradient_domain.settings import AfterSettings
 from reference.arrays import Vec3s
-from reference.records import cut
+from reference.frame import FrameContext
 from reference.resampling.target import luminance
 from reference.scene.animation import Animation
-from reference.schedule import Schedule, in_bands
+from reference.schedule import Schedule
 from reference.world import World
 
 
@@ -32,64 +32,28 @@ def render_after_frames(
 ) -> Iterator[GradientFrame]:
     """Frames of Area ReSTIR, and differences estimated from their paths, without end.
 
-    Parameters
-    ----------
-    world : World
-        The scene in frame 0.
-    settings : AfterSettings
-        The algorithm.
-    bounces : int
-        Bounces of indirect light, 1 to 30.
-    seed : int
-        Runs of different seeds are independent.
-    schedule : Schedule
-        Bands and threads; no influence on the result.
-    animation : Animation, optional
-        As of `path_frames`.
-
-    Returns
-    -------
-    iterator of GradientFrame
-        Reuse knows nothing of differences.
-
-    Notes
-    -----
-    [Wang25, section 4.1].
+    Reuse knows nothing of differences.  Arguments as of `path_frames` [Wang25,
+    section 4.1].
     """
     return path_frames(_frame, world, settings, bounces, seed, schedule, animation)
 
 
-def _frame(moment: Moment, last: PathFrame | None, schedule: Schedule) -> GradientFrame:
-    camera, inner = moment.world.camera, inner_shift(moment, moment.world)
+def _frame(frame: FrameContext[AfterSettings], last: PathFrame | None) -> GradientFrame:
+    camera = frame.world.camera
     pairs = pixel_pairs(camera.width, camera.height)
-    kept = area_reused(moment, last, lambda r: area_drawn(moment, r), schedule)
-
-    def delta(rows: slice) -> Vec3s:
-        some = cut(pairs, rows)
-        both = [paired(inner, kept, some, k, WHOLE) for k in (0, 1)]
-        terms = [one_sided(r.y.value) * r.W[:, None] for r in both]
-        total: Vec3s = terms[0] + terms[1]
-        return total
-
-    return gradient_frame(moment, kept, pairs, in_bands(schedule, len(pairs), delta))
+    # Eq. 10.
+    kept = area_reused(frame, last, lambda r: area_drawn(frame, r))
+    both = paired_both(frame, kept, pairs)
+    # Eq. 12; G has the sign of the difference for k = 1, too.
+    i, j = (one_sided(r.y.value) * r.W[:, None] for r in both)
+    return gradient_frame(frame, kept, pairs, i + j)
 
 
 def one_sided(value: PairValue) -> Vec3s:
-    """What a resampled path says of a difference, times its weight W.
+    """What N resampled paths say of differences, times their weights W: ω̂ G, (N, 3).
 
-    Parameters
-    ----------
-    value : PairValue
-        N rows.
-
-    Returns
-    -------
-    (N, 3)
-        ω̂ G; densities after resampling are not known, and targets stand for them.
-
-    Notes
-    -----
-    [Wang25, Eqs. 11 to 13].
+    Densities after resampling are not known, and targets stand for them [Wang25,
+    Eqs. 11 to 13].
     """
     p_base, p_offset = luminance(value.base.value), luminance(value.offset)
     share = share_of_base(p_base, p_offset, value.inner)

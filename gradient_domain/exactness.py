@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from gradient_domain.paired_domain import share_of_base
+from gradient_domain.gradient_restir import share_of_base
 from reference.arrays import Scalars
 from reference.exactness.draws import Draws
 from reference.exactness.kernel import Inputs, Kernel, Row

@@ -4,19 +4,16 @@ from collections.abc import Iterator
 
 from extensions.area_restir import area_drawn
 from extensions.area_settings import AreaSettings
-from extensions.frame_loop import Moment, PathFrame, path_frames
-from gradient_domain.candidates import paired
-from gradient_domain.frame import (
+from extensions.frame_loop import PathFrame, path_frames
+from gradient_domain.gradient_restir import (
     GradientFrame,
     estimate,
     gradient_frame,
-    inner_shift,
+    paired_both,
 )
-from gradient_domain.paired_domain import WHOLE
 from gradient_domain.pairs import pixel_pairs
 from gradient_domain.settings import GradientPathSettings
-from reference.arrays import Vec3s
-from reference.records import cut
+from reference.frame import FrameContext
 from reference.scene.animation import Animation
 from reference.schedule import Schedule, in_bands
 from reference.world import World
@@ -32,41 +29,17 @@ def render_gradient_paths(
 ) -> Iterator[GradientFrame]:
     """Frames of one sample a pixel, without end, independent of each other.
 
-    Parameters
-    ----------
-    world : World
-        The scene in frame 0.
-    settings : GradientPathSettings
-        The algorithm.
-    bounces : int
-        Bounces of indirect light, 1 to 30.
-    seed : int
-        Runs of different seeds are independent.
-    schedule : Schedule
-        Bands and threads; no influence on the result.
-    animation : Animation, optional
-        As of `path_frames`.
-
-    Returns
-    -------
-    iterator of GradientFrame
-        Pixels and differences are of the same paths.
-
-    Notes
-    -----
-    [Kettunen15], and [Wang25, Eqs. 3 and 4].
+    Pixels and differences are of the same paths.  Arguments as of `path_frames`
+    [Kettunen15; Wang25, Eqs. 3 and 4].
     """
     drawing = AreaSettings(shift=settings.shift, temporal=False, spatial=False)
     return path_frames(_frame, world, drawing, bounces, seed, schedule, animation)
 
 
-def _frame(moment: Moment, last: PathFrame | None, schedule: Schedule) -> GradientFrame:
-    camera, inner = moment.world.camera, inner_shift(moment, moment.world)
+def _frame(frame: FrameContext[AreaSettings], last: PathFrame | None) -> GradientFrame:
+    camera = frame.world.camera
     pairs = pixel_pairs(camera.width, camera.height)
-    drawn = in_bands(schedule, moment.pixels, lambda r: area_drawn(moment, r))
-
-    def delta(rows: slice) -> Vec3s:
-        some = cut(pairs, rows)
-        return estimate([paired(inner, drawn, some, k, WHOLE) for k in (0, 1)])
-
-    return gradient_frame(moment, drawn, pairs, in_bands(schedule, len(pairs), delta))
+    paths = in_bands(frame.schedule, frame.pixels, lambda r: area_drawn(frame, r))
+    # Eqs. 3 and 4.
+    delta = estimate(paired_both(frame, paths, pairs))
+    return gradient_frame(frame, paths, pairs, delta)

@@ -9,14 +9,15 @@ from extensions.area_method import PLACES, area_layers
 from extensions.method import PATHS
 from gradient_domain.after_restir import render_after_frames
 from gradient_domain.differences import Differences
-from gradient_domain.frame import GradientFrame
 from gradient_domain.gradient_pt import render_gradient_paths
-from gradient_domain.gradient_restir import render_gradient_frames
-from gradient_domain.images import reconstructed
+from gradient_domain.gradient_restir import GradientFrame, render_gradient_frames
+from gradient_domain.least_absolute import least_absolute
+from gradient_domain.reconstruction import least_squares
 from gradient_domain.settings import (
     AfterSettings,
     GradientPathSettings,
     GradientSettings,
+    Reconstruction,
 )
 from reference.arrays import Scalars, Vec3s
 from reference.methods.aovs import GBUFFER
@@ -48,6 +49,13 @@ def _layers(frame: GradientFrame, names: tuple[str, ...]) -> Mapping[str, Scalar
     return {**area_layers(frame, names), **own}
 
 
+RECONSTRUCT: Mapping[Reconstruction, Callable[[Vec3s, Differences, int], Vec3s]] = {
+    "l2": least_squares,
+    "l1": least_absolute,
+}
+"""Image from pixels and differences, by the norm of what is left of the differences."""
+
+
 def developed(job: Job, estimates: Scalars) -> Vec3s:
     """Image of pixels and differences; emission seen directly is no part of them.
 
@@ -65,8 +73,7 @@ def developed(job: Job, estimates: Scalars) -> Vec3s:
     """
     primal, x, y = np.split(estimates, 3, axis=1)
     width = job.world.camera.width
-    kind = job.settings.reconstruction
-    return reconstructed(kind, primal, Differences(x, y), width)
+    return RECONSTRUCT[job.settings.reconstruction](primal, Differences(x, y), width)
 
 
 def named_biases(job: Job) -> tuple[str, ...]:

@@ -1,13 +1,18 @@
-"""Pairs of neighbouring pixels: each one and its right one, each and its lower one."""
+"""Pairs of neighbouring pixels: which there are, one around, and where they were."""
 
 from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
 
+from extensions.frame_loop import PathFrame
+from extensions.windows import Window, windows
 from gradient_domain.differences import Differences
+from gradient_domain.settings import GradientSettings
 from reference.arrays import Indices, Scalars, Vec3s
+from reference.frame import FrameContext
 from reference.records import NONE, scatter
+from reference.scene.surface import VisiblePoints
 
 
 class Axis(IntEnum):
@@ -112,3 +117,80 @@ def as_differences(pairs: Pairs, delta: Vec3s, pixels: int) -> Differences:
         at = np.flatnonzero(pairs.axis == axis)
         parts.append(scatter(pairs.first[at], -delta[at], pixels))
     return Differences(*parts)
+
+
+# ------------------------------------- around a pair
+
+
+def draw_around(
+    frame: FrameContext[GradientSettings], pairs: Pairs, rows: Indices, u: Scalars
+) -> Indices:
+    """A pair of the same axis in a square around each of K pairs.
+
+    Parameters
+    ----------
+    rows : (K,) int
+        Of ``pairs``, which are those of the frame.
+    u : (K,) float64
+        One number in [0, 1) each.
+
+    Returns
+    -------
+    (K,) int
+        Row of a pair, or ``NONE`` where it leads out of the image, or is the pair
+        itself.
+    """
+    s, camera = frame.settings, frame.world.camera
+    radius = int(max(s.radius * camera.width, s.min_radius))
+    side = 2 * radius + 1
+    place = np.floor(u * side**2).astype(np.int64)
+    y, x = np.divmod(pairs.first[rows], camera.width)
+    x, y = x + place % side - radius, y + place // side - radius
+    found = pair_at(pairs.axis[rows], x, y, camera.width, camera.height)
+    return np.where(found == rows, NONE, found)
+
+
+# ------------------------------------- a frame ago
+
+
+def pivots(pairs: Pairs, visible: VisiblePoints) -> Indices:
+    """The nearer pixel of each pair, with which both pixels move.
+
+    Returns
+    -------
+    (K,) int
+        Row of the pixel; one that sees nothing is the farther one, and the first is
+        taken where both are alike.
+
+    Notes
+    -----
+    [Wang25, section 4.3.1]: what is behind may have been hidden.
+    """
+    depth = np.where(visible.surface.hit, visible.depth, np.inf)
+    second = depth[pairs.second] < depth[pairs.first]
+    return np.where(second, pairs.second, pairs.first)
+
+
+def pair_windows(
+    frame: FrameContext[GradientSettings], last: PathFrame, pairs: Pairs
+) -> list[Window]:
+    """Where pairs were a frame ago: up to four pairs of the last frame for each.
+
+    Their rows are those of the pairs of the last frame that have the pivot where this
+    pair has it [Wang25, section 4.3.1].
+    """
+    camera = last.world.camera
+    pivot = pivots(pairs, frame.visible)
+    second = pivot != pairs.first
+    back_x, back_y = (
+        np.where(second, step, 0).astype(np.int64) for step in (pairs.dx, pairs.dy)
+    )
+    found = []
+    for part in windows(frame, last, pivot):
+        y, x = np.divmod(part.rows, camera.width)
+        size = camera.width, camera.height
+        rows = pair_at(pairs.axis, x - back_x, y - back_y, *size)
+        rows = np.where(part.rows != NONE, rows, NONE)
+        share = np.where(rows != NONE, part.share, 0.0)
+        found.append(Window(rows, part.dx, part.dy, share))
+    return found

@@ -5,14 +5,16 @@ from typing import Literal
 
 from extensions.area_settings import AreaSettings
 from extensions.pt_settings import ShiftKind
-from gradient_domain.images import Reconstruction
 from reference.methods.framed import Image
+
+Reconstruction = Literal["l2", "l1"]
+"""Norm of what is left of the differences: least squares, or least absolute values."""
 
 Signs = Literal["within", "across", "without"]
 """Reservoirs of both signs that reuse their own, or each other's; or one of both."""
 
 Around = Literal["edges", "random", "none"]
-"""Who reuses samples of pairs around: edge pairs, those alike; all, any; or nobody."""
+"""Neighbours: of an edge pair a similar edge pair, of every pair any other, or none."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,9 +60,9 @@ class GradientSettings(AfterSettings):
         Two reservoirs a pair, for what is positive and what is negative, that reuse
         samples of their own sign or of both; or one for the magnitude.
     around : 'edges', 'random' or 'none'
-        Whether edge pairs look for pairs alike, all pairs take any, or nobody does.
+        Neighbours: of edge pairs a similar edge pair, of all pairs any, or none.
     tries : int
-        How many pairs are looked at, at most.
+        How many pairs are compared in search of a similar one, at most.
     """
 
     signs: Signs = "within"

@@ -7,7 +7,8 @@ path lie anywhere. To reuse samples *there*, their neighbours in the world have 
 found. A grid does it: space is cut into cells, and the cell's coordinates are hashed to
 a slot in a table of fixed size.
 
-The width of a cell depends on its distance to the eye, so that it covers some 16 pixels:
+The width of a cell depends on its distance to the eye, so that it covers some 16
+pixels:
 
 .. math:: \mathrm{level} = \left\lfloor \log_2 \frac{d \cdot b}{\ell} \right\rfloor,
           \qquad \text{edge} = \ell\, 2^{\mathrm{level}},

@@ -96,9 +96,18 @@ assert after < before / 3
 #
 # Where do such differences come from? *Gradient-domain ReSTIR* resamples them: a
 # reservoir holds a base path and, by a shift mapping, its offset path at the neighbour,
-# with :math:`|f_1 - f_2|` as its target. Two functions that agree where they are large
-# show what it is worth: samples of either are wasted there, samples of the pair are
-# not.
+# with :math:`|f_1 - f_2|` as its target. What such a pair contributes is
+#
+# .. literalinclude:: /../gradient_domain/gradient_restir.py
+#    :pyobject: difference
+#
+# and of what is positive and what is negative in it a frame resamples each by itself:
+#
+# .. literalinclude:: /../gradient_domain/gradient_restir.py
+#    :pyobject: _frame
+#
+# Two functions that agree where they are large show what it is worth: samples of either
+# are wasted there, samples of the pair are not.
 
 figure = toy(Work(size=16, runs=2, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)

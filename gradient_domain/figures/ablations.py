@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from gradient_domain.edges import across_edges, looks
 from gradient_domain.figures.gradients import difference_tile, times_smaller
 from gradient_domain.figures.rounds import FRAMES, Rounds, Variant, by_rounds
 from gradient_domain.figures.scores import gradient_errors
 from gradient_domain.figures.variants import scene_of, with_restir
+from gradient_domain.gradient_restir import unlike
 from gradient_domain.pairs import pixel_pairs
 from gradient_domain.settings import GradientSettings
 from reference.arrays import Masks
@@ -137,7 +137,7 @@ def _across(world: World) -> Masks:
     visible = visible_points(world, *pixel_centers(camera.width, camera.height))
     pairs = pixel_pairs(camera.width, camera.height)
     found = np.zeros((camera.width * camera.height, 2), bool)
-    found[pairs.first, pairs.axis] = across_edges(looks(visible), pairs)
+    found[pairs.first, pairs.axis] = unlike(visible, pairs.first, pairs.second)
     return found
 
 

@@ -18,7 +18,8 @@ from gradient_domain.figures.variants import (
     WITH,
     scene_of,
 )
-from gradient_domain.images import Reconstruction, reconstructed
+from gradient_domain.method import RECONSTRUCT
+from gradient_domain.settings import Reconstruction
 from reference.arrays import Scalars, Vec3s
 from reference.figures.bootstrap import Numbers, mean_interval, ratio_interval
 from reference.figures.canvas import BIG, Tile, blank, draw_tiles, exposure_of, shown
@@ -130,7 +131,7 @@ def _images(rounds: Rounds) -> Made:
 
 def _image(kind: Reconstruction, pixels: Scalars, of: Scalars, width: int) -> Vec3s:
     d = Differences(of[:, 3:6], of[:, 6:9])
-    return reconstructed(kind, pixels[:, :3], d, width)
+    return RECONSTRUCT[kind](pixels[:, :3], d, width)
 
 
 def _rows(rounds: Rounds, made: Made) -> list[Row]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from extensions.area_paths import Placed
 from gradient_domain.after_restir import one_sided
-from gradient_domain.paired_domain import (
+from gradient_domain.gradient_restir import (
     MINUS,
     PLUS,
     WHOLE,

@@ -9,9 +9,14 @@ import pytest
 from gradient_domain.after_restir import render_after_frames
 from gradient_domain.differences import Differences, differences
 from gradient_domain.gradient_pt import render_gradient_paths
-from gradient_domain.gradient_restir import render_gradient_frames
-from gradient_domain.images import reconstructed
-from gradient_domain.method import AFTER, METHOD, PATH_TRACED, developed
+from gradient_domain.gradient_restir import PLUS, render_gradient_frames
+from gradient_domain.method import (
+    AFTER,
+    METHOD,
+    PATH_TRACED,
+    RECONSTRUCT,
+    developed,
+)
 from gradient_domain.settings import (
     AfterSettings,
     GradientPathSettings,
@@ -84,7 +89,7 @@ def test_images_of_few_pixels(render, settings, size):
 def test_confidence_grows_to_its_cap_and_looks_at_no_sample():
     settings = GradientSettings(temporal_cap=4, spatial=False)
     frame = last(render_gradient_frames, settings, name="glass", frames=6)
-    for r in frame.pairs.parts:
+    for r in frame.pairs.values():
         assert set(r.M) == {4.0}
 
 
@@ -97,7 +102,7 @@ def test_the_past_is_trusted_as_it_says():
     """
     frames = 8
     settings = GradientSettings(spatial=False)
-    r = last(render_gradient_frames, settings, name="paint", frames=frames).pairs.plus
+    r = last(render_gradient_frames, settings, name="paint", frames=frames).pairs[PLUS]
     kept = r.W > 0
     new = r.y.base.paths.number // (32 * 32) == frames - 1
     assert 0.5 / frames < new[kept].mean() < 2 / frames
@@ -110,7 +115,8 @@ def test_pairs_without_an_edge_keep_what_they_have():
         last(render_gradient_frames, s, name="checker", frames=1)
         for s in (apart, replace(apart, around="edges"))
     )
-    for a, b in zip(alone.pairs.parts, around.pairs.parts, strict=True):
+    for sign, a in alone.pairs.items():
+        b = around.pairs[sign]
         same = a.M == b.M
         assert 0.3 < same.mean() < 1
         np.testing.assert_array_equal(a.W[same], b.W[same])
@@ -157,7 +163,7 @@ def test_the_picture_is_made_from_its_layers(tmp_path, name, kind):
     )
     picture = found.color.reshape(-1, 3)
     d = Differences(*(layers[k].astype(float) for k in ("dx", "dy")))
-    again = reconstructed(kind, layers["primal"].astype(float), d, 24)
+    again = RECONSTRUCT[kind](layers["primal"].astype(float), d, 24)
     # Layers are rounded to float32; L1 stops within a thousandth of its minimum.
     scale = np.abs(picture).max()
     tolerance = 2.0**-22 * scale if kind == "l2" else 1e-2 * scale

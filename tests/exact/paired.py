@@ -2,7 +2,7 @@
 
 Four pixels in two pairs look at four cells.  What the code asks of a scene is one
 function, the shift of a path from a pixel to another, and that is a table here; inner
-and outer shifts, weights, candidates, donors and resampling are those of
+and outer shifts, weights, candidates, neighbours and resampling are those of
 :mod:`gradient_domain`.
 
 ======  =======  =======  =======  =======  ==========================================
@@ -21,12 +21,19 @@ from typing import Any
 
 import numpy as np
 
-from gradient_domain.candidates import choose_pair, paired
-from gradient_domain.frame import estimate
-from gradient_domain.pair_donor import PairDonor
-from gradient_domain.paired_domain import MINUS, PLUS, WHOLE, PairedPaths, part
+from gradient_domain.gradient_restir import (
+    MINUS,
+    PLUS,
+    WHOLE,
+    PairedPaths,
+    PairNeighbor,
+    choose_pair,
+    contribution,
+    estimate,
+    inner_shift,
+    paired,
+)
 from gradient_domain.pairs import Pairs
-from gradient_domain.shifts import InnerShift, OuterShift
 from reference.resampling.generalized import resample
 from reference.resampling.reservoir import Reservoirs
 from tests.exact.explore import draw
@@ -102,8 +109,18 @@ class Cell:
         return Cell(value.pixel, self.cell, value.value)
 
 
+@dataclass(frozen=True)
 class TableShift:
     """In place of `AreaShift`: to the same cell, where the other pixel has it."""
+
+    primary: str = "move"
+    world_from: None = None
+    world_to: None = None
+
+    @property
+    def back(self):
+        """The other way; all pixels are of one image."""
+        return self
 
     def __call__(self, samples, pixel, dx, dy):
         """Value and Jacobian."""
@@ -115,13 +132,23 @@ class TableShift:
         return Place(pixel, value), jacobian
 
 
-INNER = InnerShift(TableShift())
-OUTER = OuterShift(TableShift(), INNER)
+@dataclass(frozen=True)
+class OtherPixel(TableShift):
+    """To the other pixel of the pair, where rows are outcomes in place of pixels."""
+
+    def __call__(self, samples, pixel, dx, dy):
+        """Value and Jacobian."""
+        p = samples.pixel // 2
+        other = PAIRS.first[p] + PAIRS.second[p] - samples.pixel
+        return super().__call__(samples, other, dx, dy)
+
+
+WITHIN = TableShift()
 
 
 def target(value):
     """Sum of the channels' magnitudes: luminance has no rational weights."""
-    found = part(value)
+    found = np.abs(contribution(value))
     return found[:, 0] + found[:, 1]
 
 
@@ -136,8 +163,7 @@ def samples(p, k, cell, sign):
     pixel = np.where(k == 0, pairs.first, pairs.second)
     base = Cell(pixel, cell, F[pixel, cell])
     signs = np.full(size, sign, np.int8)
-    value = INNER(base, base.value, k, pairs, signs)
-    return PairedPaths(k, base, value.offset, value.inner, signs)
+    return PairedPaths(k, base, *inner_shift(WITHIN, base, k, pairs), signs)
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,8 +214,7 @@ def both_of(p, uniform):
     here = Pairs(np.arange(size), np.arange(size), *_rest(p, size))
     moved = []
     for k, paths in enumerate(new):
-        own = paired(_Elsewhere(p), paths, here, k, WHOLE)
-        moved.append(own)
+        moved.append(paired(OtherPixel(), paths, here, k, slice(0, size)))
     return moved
 
 
@@ -198,34 +223,33 @@ def _rest(p, size):
     return some.axis, some.dx, some.dy
 
 
-class _Elsewhere:
-    """The inner shift, of rows that are outcomes in place of pixels."""
-
-    def __init__(self, p):
-        self.p = p
-
-    def __call__(self, base, placed, k, pairs, sign):
-        return INNER(base, placed, k, of_pair(self.p, len(base)), sign)
-
-
 def fresh(p, uniform, signs=SIGNS):
     """What a pair keeps of its new samples."""
     both = both_of(p, uniform)
     return [choose_pair(both, sign, uniform(), target) for sign in signs]
 
 
-def donor(p, p_from, r, sign, sign_from, same_domain=False):
-    """A pair that is offered to a pair, outcome by outcome."""
+def neighbor(p, p_from, r, sign, sign_from, same_domain=False):
+    """A pair that is a source of samples to a pair, outcome by outcome."""
     size = len(r.W)
-    none, rows = np.zeros(size), np.arange(size)
-    way = of_pair(p, size), of_pair(p_from, size), r, rows, none, none, sign, sign_from
-    return PairDonor(OUTER, OUTER, *way, same_domain=same_domain)
+    return PairNeighbor(
+        shift=WITHIN,
+        pairs=of_pair(p, size),
+        pairs_from=of_pair(p_from, size),
+        reservoirs=r,
+        rows=np.arange(size),
+        dx=np.zeros(size),
+        dy=np.zeros(size),
+        sign=sign,
+        sign_from=sign_from,
+        same_domain=same_domain,
+    )
 
 
-def merged(donors, uniform, mis, cap=9999):
-    """One pass over donors."""
-    decisions = [uniform() for _ in donors]
-    return resample(donors, decisions, mis, cap, target)
+def merged(neighbors, uniform, mis, cap=9999):
+    """One pass over neighbours."""
+    numbers = [uniform() for _ in neighbors]
+    return resample(neighbors, numbers, mis, cap, target)
 
 
 def with_trust(r, M):

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from gradient_domain.after_restir import one_sided
-from gradient_domain.paired_domain import MINUS, PLUS, WHOLE, weighted
+from gradient_domain.gradient_restir import MINUS, PLUS, WHOLE, integrand
 from tests.exact import paired as toy
 from tests.exact.claims import NOWHERE
 from tests.exact.explore import explore
@@ -89,7 +89,7 @@ def integral(values_of, p):
 @pytest.mark.parametrize("p", [A, B])
 def test_the_integrand_is_that_of_the_difference(p):
     """Equation 14, with densities."""
-    assert integral(weighted, p) == list(toy.difference(p))
+    assert integral(integrand, p) == list(toy.difference(p))
 
 
 @pytest.mark.parametrize("p", [A, B])
@@ -106,8 +106,8 @@ def test_the_domain_has_what_it_is_to_have():
     delta = [toy.difference(p) for p in (A, B)]
     assert len({tuple(np.sign(d)) for d in delta}) == 2
     s = toy.samples(A, np.zeros(4, int), np.arange(4), WHOLE)
-    assert (weighted(s.value)[1] > 0).any()
-    assert (weighted(s.value)[1] < 0).any()
+    assert (integrand(s.value)[1] > 0).any()
+    assert (integrand(s.value)[1] < 0).any()
     assert s.inner[2] == 0
     lit = toy.F.any(axis=2)
     assert lit[1, 3]
@@ -133,23 +133,23 @@ def test_new_samples(p, start):
     assert list(new_samples(p, start)) == []
 
 
-def spatial(law, mis, lenders, sign):
+def spatial(law, mis, reused, sign):
     """Pair A takes over samples of pair B, for one sign."""
 
     def program(rows, uniform):
-        donors = [toy.donor(A, A, rows.of(A, sign), sign, sign, same_domain=True)]
-        for lender in lenders(sign):
-            donors.append(toy.donor(A, B, rows.of(B, lender), sign, lender))
-        return toy.closed(A, toy.merged(donors, uniform, mis))
+        neighbors = [toy.neighbor(A, A, rows.of(A, sign), sign, sign, same_domain=True)]
+        for sign_from in reused(sign):
+            neighbors.append(toy.neighbor(A, B, rows.of(B, sign_from), sign, sign_from))
+        return toy.closed(A, toy.merged(neighbors, uniform, mis))
 
     return explore(program, law)
 
 
-def halves(law, mis, lenders):
+def halves(law, mis, reused):
     """Faults of both signs, and of the difference that they make together."""
     delta = 0
     for sign in (PLUS, MINUS):
-        after = spatial(law, mis, lenders, sign)
+        after = spatial(law, mis, reused, sign)
         found, expected = toy.measured(after, A, sign, after.outcomes)
         yield from (
             f"{sign}: {pair}"
@@ -172,9 +172,9 @@ def across(sign):
 
 
 @each_weight
-@pytest.mark.parametrize("lenders", [within, across])
-def test_one_pass(mis, lenders, start):
-    assert list(halves(start, mis, lenders)) == []
+@pytest.mark.parametrize("reused", [within, across])
+def test_one_pass(mis, reused, start):
+    assert list(halves(start, mis, reused)) == []
 
 
 def without_signs(mis):
@@ -182,11 +182,11 @@ def without_signs(mis):
 
     def program(rows, uniform):
         (own,), (other,) = (toy.fresh(p, uniform, (WHOLE,)) for p in (A, B))
-        donors = [
-            toy.donor(A, A, own, WHOLE, WHOLE, same_domain=True),
-            toy.donor(A, B, toy.with_trust(other, 3), WHOLE, WHOLE),
+        neighbors = [
+            toy.neighbor(A, A, own, WHOLE, WHOLE, same_domain=True),
+            toy.neighbor(A, B, toy.with_trust(other, 3), WHOLE, WHOLE),
         ]
-        return toy.closed(A, toy.merged(donors, uniform, mis))
+        return toy.closed(A, toy.merged(neighbors, uniform, mis))
 
     return explore(program, NOWHERE)
 
@@ -213,8 +213,8 @@ def chain(mis, sign, frames=3, cap=2):
         def program(rows, uniform, first=(frame == 0)):
             (new,) = toy.fresh(A, uniform, (sign,))
             if not first:
-                own = toy.donor(A, A, new, sign, sign, same_domain=True)
-                before = toy.donor(
+                own = toy.neighbor(A, A, new, sign, sign, same_domain=True)
+                before = toy.neighbor(
                     A, A, rows.opened(A, sign), sign, sign, same_domain=True
                 )
                 new = toy.merged([before, own], uniform, mis, cap)
@@ -242,11 +242,11 @@ def two_passes(mis, sign):
     def swap(rows, uniform, p, q):
         own, other = rows.a.opened(A, sign), rows.b.opened(B, sign)
         mine, theirs = (own, other) if p == A else (other, own)
-        donors = [
-            toy.donor(p, p, mine, sign, sign, same_domain=True),
-            toy.donor(p, q, theirs, sign, sign),
+        neighbors = [
+            toy.neighbor(p, p, mine, sign, sign, same_domain=True),
+            toy.neighbor(p, q, theirs, sign, sign),
         ]
-        kept = toy.closed(p, toy.merged(donors, uniform, mis))
+        kept = toy.closed(p, toy.merged(neighbors, uniform, mis))
         return Pair(kept, rows.b) if p == A else Pair(rows.a, kept)
 
     law = explore(first, NOWHERE)

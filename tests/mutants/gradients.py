@@ -6,13 +6,7 @@ nothing is left uninitialised where no sample was chosen (GD-27).
 
 from tests.mutants.catalogue import Mutant
 
-DOMAIN, SHIFTS, DONOR = (
-    f"gradient_domain.{name}" for name in ("paired_domain", "shifts", "pair_donor")
-)
-CANDIDATES, EDGES, MOTION, PAIRS, SEARCH = (
-    f"gradient_domain.{name}"
-    for name in ("candidates", "edges", "motion", "pairs", "search")
-)
+PAGE, PAIRS = (f"gradient_domain.{name}" for name in ("gradient_restir", "pairs"))
 SOLVER, ROBUST, ADJOINT, METHOD = (
     f"gradient_domain.{name}"
     for name in ("reconstruction", "least_absolute", "differences", "method")
@@ -26,14 +20,14 @@ GRADIENT_MUTANTS = [
     Mutant(
         "pairs of one normal are edges",
         ("GD-01",),
-        EDGES,
-        "dot(a.normal, b.normal) < COSINE",
-        "dot(a.normal, b.normal) > COSINE",
+        PAGE,
+        "dot(normals[0], normals[1]) < COSINE",
+        "dot(normals[0], normals[1]) > COSINE",
     ),
     Mutant(
         "new samples of both pixels are weighted by one half",
         ("GD-03",),
-        CANDIDATES,
+        PAGE,
         "Candidates(y, p_hat, p_hat * r.W, r.M)",
         "Candidates(y, p_hat, p_hat * r.W / 2, r.M)",
     ),
@@ -47,28 +41,28 @@ GRADIENT_MUTANTS = [
     Mutant(
         "the negative part is added",
         ("GD-07",),
-        DOMAIN,
-        "weighted(value), sign * part(value)",
-        "weighted(value), sign * sign * part(value)",
+        PAGE,
+        "one_sided = sign * np.maximum(",
+        "one_sided = sign * sign * np.maximum(",
     ),
     Mutant(
         "the target is the magnitude of the luminance",
         ("GD-09",),
-        DOMAIN,
-        "return luminance(part(value))",
-        "return np.abs(luminance(weighted(value)))",
+        PAGE,
+        "return luminance(np.abs(contribution(value)))",
+        "return np.abs(luminance(integrand(value)))",
     ),
     Mutant(
         "samples are shifted twice",
         ("GD-11",),
-        SHIFTS,
-        "self.between(samples.base, pixel, dx, dy)",
-        "self.between(samples.base, pixel, dx + dx, dy + dy)",
+        PAGE,
+        "between(samples.base, pixel, dx, dy)",
+        "between(samples.base, pixel, dx + dx, dy + dy)",
     ),
     Mutant(
         "the outer Jacobian is that of the offset path",
         ("GD-13",),
-        SHIFTS,
+        PAGE,
         JACOBIAN,
         "return scatter(at, value, size), jacobian * np.where("
         "scatter(at, value.inner, size) > 0, scatter(at, value.inner, size), 1)",
@@ -76,35 +70,37 @@ GRADIENT_MUTANTS = [
     Mutant(
         "there is no outer Jacobian",
         ("GD-13",),
-        SHIFTS,
+        PAGE,
         JACOBIAN,
         "return scatter(at, value, size), (jacobian > 0) * (jacobian * 0 + 1)",
     ),
     Mutant(
         "the weight of the base path is left out",
         ("GD-15",),
-        DOMAIN,
+        PAGE,
         "return difference(value) * share_of_base(one, one, value.inner)[:, None]",
         "return difference(value)",
     ),
     Mutant(
         "shown is what has not the weight of the base path",
         ("GD-15",),
-        DOMAIN,
-        "weighted(value), sign * part(value)",
-        "difference(value), np.where(part(value) > 0, difference(value), 0)",
+        PAGE,
+        "terms = [contribution(r.y.value) * r.W[:, None] for r in reservoirs]",
+        "terms = ["
+        "(contribution(r.y.value) != 0) * difference(r.y.value) * r.W[:, None]"
+        " for r in reservoirs]",
     ),
     Mutant(
         "new samples that are worth nothing are not counted",
         ("GD-17",),
-        CANDIDATES,
+        PAGE,
         "replace(kept, M=one)",
         "replace(kept, M=(kept.w > 0) * one)",
     ),
     Mutant(
         "base paths without offset path are thrown away",
         ("GD-19",),
-        DOMAIN,
+        PAGE,
         "    own = value.base.value - value.offset * value.inner[:, None]\n",
         "    own = value.base.value - value.offset * value.inner[:, None]\n"
         "    own = np.where((value.inner > 0)[:, None], own, 0 * own)\n",
@@ -112,23 +108,29 @@ GRADIENT_MUTANTS = [
     Mutant(
         "base paths without offset path have half the weight",
         ("GD-19",),
-        DOMAIN,
+        PAGE,
         "(p_base > 0) + 0 * jacobian)",
         "((p_base > 0) + 0 * jacobian) / 2)",
     ),
     Mutant(
         "small Jacobians are refused on the way there alone",
         ("GD-21",),
-        DONOR,
-        "return self.forward(samples, there, self.dx[at], self.dy[at], self.sign)",
-        "value, jacobian = self.forward("
-        "samples, there, self.dx[at], self.dy[at], self.sign)\n"
-        "        return value, jacobian * (jacobian >= 0.75)",
+        PAGE,
+        "return outer_shift(\n            self.shift,\n",
+        "value, jacobian = outer_shift(\n            self.shift,\n",
+        also=(
+            (
+                PAGE,
+                "            sign=self.sign,\n        )\n",
+                "            sign=self.sign,\n        )\n"
+                "        return value, jacobian * (jacobian >= 0.75)\n",
+            ),
+        ),
     ),
     Mutant(
         "pairs move with the farther pixel",
         ("GD-23",),
-        MOTION,
+        PAIRS,
         "second = depth[pairs.second] < depth[pairs.first]",
         "second = depth[pairs.second] > depth[pairs.first]",
     ),
@@ -143,42 +145,42 @@ GRADIENT_MUTANTS = [
     Mutant(
         "the other k is taken at the other pair",
         (),
-        SHIFTS,
+        PAGE,
         "pixel = np.where(k == 0, pairs.first, pairs.second)",
         "pixel = np.where(k == 1, pairs.first, pairs.second)",
     ),
     Mutant(
         "offset paths remain those of the other pair",
         (),
-        SHIFTS,
-        "value = self.inner(base, some, k[at], take(pairs, at), signs)",
-        "value = PairValue(k[at], some, samples.offset[at], samples.inner[at], signs)",
+        PAGE,
+        "offset, inner = inner_shift(between, base, k, pairs)",
+        "offset, inner = samples.offset[at], samples.inner[at]",
     ),
     Mutant(
         "the difference of k = 1 has the sign of k = 0",
         (),
-        DOMAIN,
+        PAGE,
         SIGNED,
         "found: Vec3s = own",
     ),
     Mutant(
         "the offset path has no Jacobian",
         (),
-        DOMAIN,
+        PAGE,
         "own = value.base.value - value.offset * value.inner[:, None]",
         "own = value.base.value - value.offset",
     ),
     Mutant(
-        "who lends the other sign is asked for the receiver's",
+        "sources of the other sign are taken for the receiver's",
         (),
-        DONOR,
-        "-self.dx[at], -self.dy[at], self.sign_from)",
-        "-self.dx[at], -self.dy[at], self.sign)",
+        PAGE,
+        "sign=self.sign_from,",
+        "sign=self.sign,",
     ),
     Mutant(
         "a pair takes over its own samples once more",
         (),
-        SEARCH,
+        PAIRS,
         "return np.where(found == rows, NONE, found)",
         "return found",
     ),

@@ -4,8 +4,8 @@ from functools import partial
 
 import pytest
 
+from gradient_domain.gradient_restir import MINUS
 from gradient_domain.least_absolute import least_absolute
-from gradient_domain.paired_domain import MINUS
 from gradient_domain.reconstruction import least_squares
 from tests.analytic import test_reconstruction as images
 from tests.contracts import test_gradient_methods as methods

@@ -10,28 +10,29 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
+from extensions.area_donor import AreaShift
 from extensions.area_paths import Placed
 from extensions.area_restir import area_drawn
-from extensions.frame_loop import Moment
-from gradient_domain.candidates import choose_pair, paired
-from gradient_domain.frame import inner_shift
-from gradient_domain.gradient_restir import render_gradient_frames
-from gradient_domain.motion import pair_windows, pivots
-from gradient_domain.paired_domain import (
+from extensions.frame_loop import path_shift
+from gradient_domain.gradient_restir import (
     MINUS,
     PLUS,
     WHOLE,
     PairValue,
+    choose_pair,
     contribution,
     difference,
-    part,
+    inner_shift,
+    integrand,
+    outer_shift,
+    paired,
+    render_gradient_frames,
     share_of_base,
     target,
-    weighted,
 )
-from gradient_domain.pairs import pair_at, pixel_pairs
+from gradient_domain.pairs import pair_at, pair_windows, pivots, pixel_pairs
 from gradient_domain.settings import GradientSettings
-from gradient_domain.shifts import OuterShift
+from reference.frame import FrameContext
 from reference.records import NONE, take
 from reference.schedule import Schedule
 from tests.properties.path_scenes import world
@@ -82,19 +83,20 @@ def test_what_a_sample_says_of_a_difference():
         assert_array_equal(found, expected)
     alone = value.inner == 0
     assert alone.any()
-    assert_array_equal(np.abs(weighted(value))[alone], value.base.value[alone])
+    assert_array_equal(np.abs(integrand(value))[alone], value.base.value[alone])
 
 
 def test_parts_of_both_signs_make_the_whole():
     """In each channel; and a sample has a target exactly where it has a part."""
     value = values(np.random.default_rng(2))
     plus, minus, whole = (signed(value, s) for s in (PLUS, MINUS, WHOLE))
-    assert_array_equal(contribution(plus) + contribution(minus), weighted(value))
-    assert_array_equal(contribution(whole), weighted(value))
-    assert_array_equal(part(plus) + part(minus), part(whole))
+    assert_array_equal(contribution(plus) + contribution(minus), integrand(value))
+    assert_array_equal(contribution(whole), integrand(value))
+    magnitude = np.abs(contribution(plus)) + np.abs(contribution(minus))
+    assert_array_equal(magnitude, np.abs(integrand(value)))
     for v in (plus, minus, whole):
         assert_array_equal(target(v) > 0, contribution(v).any(axis=1))
-    mixed = (weighted(value) > 0).any(axis=1) & (weighted(value) < 0).any(axis=1)
+    mixed = (integrand(value) > 0).any(axis=1) & (integrand(value) < 0).any(axis=1)
     assert mixed.any()
     assert (target(plus)[mixed] > 0).all()
     assert (target(minus)[mixed] > 0).all()
@@ -124,43 +126,41 @@ def target_weights():
 
 @cache
 def still(name):
-    """A moment of a scene, and the new paths of its pixels."""
+    """The shift within the image of a scene, and the new paths of its pixels."""
     w = world(name, SIZE)
-    settings = GradientSettings()
-    moment = Moment(0, w, g_buffer(w), settings, 3, 5)
-    return moment, area_drawn(moment, slice(0, SIZE * SIZE))
+    frame = FrameContext(0, w, g_buffer(w), GradientSettings(), 3, 5, Schedule())
+    within = AreaShift(path_shift(frame), "move", w, w)
+    return within, area_drawn(frame, slice(0, SIZE * SIZE))
 
 
 SCENES = ["paint", "rough metal", "mirror", "glass", "checker"]
 each_scene = pytest.mark.parametrize("name", SCENES)
 PAIRS = pixel_pairs(SIZE, SIZE)
+EVERY = slice(0, len(PAIRS))
 
 
 @each_scene
 @pytest.mark.parametrize("k", [0, 1])
 def test_an_offset_path_leads_back_to_its_base_path(name, k):
     """The inner shift is its own inverse, with the inverse Jacobian."""
-    moment, drawn = still(name)
-    inner = inner_shift(moment, moment.world)
-    r = paired(inner, drawn, PAIRS, k, WHOLE)
+    within, drawn = still(name)
+    r = paired(within, drawn, PAIRS, k, EVERY)
     at = np.flatnonzero((r.W > 0) & (r.y.inner > 0))
     assert len(at) > 100
     base, pairs = take(r.y.base, at), take(PAIRS, at)
     onward = 1.0 if k == 0 else -1.0
     other = pairs.second if k == 0 else pairs.first
-    placed, jacobian = inner.within(base, other, onward * pairs.dx, onward * pairs.dy)
+    placed, jacobian = within(base, other, onward * pairs.dx, onward * pairs.dy)
     assert_array_equal(jacobian, r.y.inner[at])
     offset = base.moved(placed, jacobian)
-    back = inner(
-        offset, placed, np.full(len(at), 1 - k), pairs, np.zeros(len(at), np.int8)
-    )
+    f, inner = inner_shift(within, offset, np.full(len(at), 1 - k), pairs)
     # Hits of camera rays are traced anew: places in the image are rounded, and cosines
     # and distances with them, to 2^-22 of the scene over 1e-2 of it.
-    returned = back.inner > 0
+    returned = inner > 0
     assert returned.mean() > 0.995
-    product = (back.inner * jacobian)[returned]
+    product = (inner * jacobian)[returned]
     assert np.abs(product - 1).max() < 2.0**-22 * 4 / 1e-2
-    error = np.abs(back.offset - base.value.value)[returned].max(axis=1)
+    error = np.abs(f - base.value.value)[returned].max(axis=1)
     bound = 2.0**-22 * 4 / 1e-2 * base.value.value[returned].max(axis=1)
     assert (error < bound).all()
 
@@ -174,19 +174,17 @@ def around(step):
 @each_scene
 def test_the_outer_shift_is_that_of_the_base_path(name):
     """Whose Jacobian is all of it; k stays, and the offset path is made anew."""
-    moment, drawn = still(name)
-    inner = inner_shift(moment, moment.world)
-    outer = OuterShift(inner.within, inner)
-    both = [paired(inner, drawn, PAIRS, k, WHOLE) for k in (0, 1)]
+    within, drawn = still(name)
+    both = [paired(within, drawn, PAIRS, k, EVERY) for k in (0, 1)]
     u = np.random.default_rng(4).random(len(PAIRS))
     r = choose_pair(both, PLUS, u)
     rows = around((2, 1))
     at = np.flatnonzero((rows != NONE) & (r.W > 0))
     to, samples = take(PAIRS, rows[at]), take(r.y, at)
     dx, dy = np.full(len(at), 2.0), np.full(len(at), 1.0)
-    value, jacobian = outer(samples, to, dx, dy, MINUS)
+    value, jacobian = outer_shift(within, samples, pairs=to, dx=dx, dy=dy, sign=MINUS)
     pixel = np.where(samples.k == 0, to.first, to.second)
-    placed, expected = inner.within(samples.base, pixel, dx, dy)
+    placed, expected = within(samples.base, pixel, dx, dy)
     assert_array_equal(jacobian, expected)
     there = jacobian > 0
     assert there.sum() > 50
@@ -194,9 +192,9 @@ def test_the_outer_shift_is_that_of_the_base_path(name):
     assert set(value.sign[there]) == {MINUS}
     assert_array_equal(value.base.value, placed.value)
     moved = samples.base.moved(placed, jacobian)
-    again = inner(moved, placed, samples.k, to, np.zeros(len(at), np.int8))
-    assert_array_equal(value.offset[there], again.offset[there])
-    assert_array_equal(value.inner[there], again.inner[there])
+    offset, inner = inner_shift(within, moved, samples.k, to)
+    assert_array_equal(value.offset[there], offset[there])
+    assert_array_equal(value.inner[there], inner[there])
     # Where the base path has no place, the sample is nothing: not ±f of an offset path.
     assert not value.base.value[~there].any()
     assert not value.offset[~there].any()
@@ -208,18 +206,19 @@ def test_the_outer_shift_is_that_of_the_base_path(name):
 
 @cache
 def two_frames():
-    """The last of some frames of a camera that moves, and the moment after it."""
+    """A frame of a camera that moves, and the context of the next one."""
     first, _, animation = moving("moving-camera")
     frames = render_gradient_frames(
         first, GradientSettings(), 2, 3, Schedule(), animation
     )
     before, after = islice(frames, 2)
-    return before, Moment(1, after.world, after.visible, GradientSettings(), 2, 3)
+    about = GradientSettings(), 2, 3, Schedule()
+    return before, FrameContext(1, after.world, after.visible, *about)
 
 
 def test_the_nearer_pixel_is_the_pivot():
-    _, moment = two_frames()
-    visible = moment.visible
+    _, frame = two_frames()
+    visible = frame.visible
     found = pivots(PAIRS, visible)
     a, b = visible.depth[PAIRS.first], visible.depth[PAIRS.second]
     hit_a, hit_b = (visible.surface.hit[p] for p in (PAIRS.first, PAIRS.second))
@@ -231,10 +230,10 @@ def test_the_nearer_pixel_is_the_pivot():
 
 def test_pairs_of_the_past_have_the_pivot_where_it_was():
     """Both pixels move with it, by one fraction of a pixel."""
-    last, moment = two_frames()
-    pivot = pivots(PAIRS, moment.visible)
+    last, frame = two_frames()
+    pivot = pivots(PAIRS, frame.visible)
     is_second = pivot == PAIRS.second
-    found = pair_windows(last, moment, PAIRS)
+    found = pair_windows(frame, last, PAIRS)
     assert len(found) == 4
     assert any((window.dx != np.round(window.dx)).any() for window in found)
     for window in found:
@@ -254,8 +253,8 @@ def test_pairs_of_the_past_have_the_pivot_where_it_was():
 
 
 def test_pairs_of_a_still_camera_stay():
-    last, moment = two_frames()
-    (window,) = pair_windows(last, replace(moment, world=last.world), PAIRS)
+    last, frame = two_frames()
+    (window,) = pair_windows(replace(frame, world=last.world), last, PAIRS)
     assert_array_equal(window.rows, np.arange(len(PAIRS)))
     assert not window.dx.any()
     assert (window.share == 1).all()

@@ -7,12 +7,19 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from gradient_domain.differences import differences
-from gradient_domain.edges import across_edges, alike, differ, looks
-from gradient_domain.pairs import Axis, as_differences, pair_at, pixel_pairs
-from gradient_domain.search import draw_around, find_alike
-from reference.records import NONE, take
-from reference.rng import KeyedUniforms, Stream
+from gradient_domain.gradient_restir import edge_neighbors, unlike
+from gradient_domain.pairs import (
+    Axis,
+    as_differences,
+    draw_around,
+    pair_at,
+    pixel_pairs,
+)
+from gradient_domain.settings import GradientSettings
+from reference.frame import FrameContext
+from reference.records import NONE
 from reference.scene.surface import SurfacePoints, VisiblePoints
+from reference.schedule import Schedule
 from tests.properties.path_scenes import world
 from tests.statistics.replicates import g_buffer
 
@@ -73,7 +80,7 @@ CHANGES = {
 def edges(visible, width):
     """Of each axis, at the first pixels."""
     pairs = pixel_pairs(width, len(visible.depth) // width)
-    across = across_edges(looks(visible), pairs)
+    across = unlike(visible, pairs.first, pairs.second)
     found = np.zeros((2, len(visible.depth)), bool)
     found[pairs.axis, pairs.first] = across
     return found
@@ -155,11 +162,11 @@ SCENES = ["paint", "checker", "many-lights"]
 @pytest.mark.parametrize("scene", SCENES)
 def test_an_edge_is_one_from_both_sides(scene):
     """Printed is a depth relative to the first pixel: the pair would have an order."""
-    seen, pairs = looks(g_buffer(world(scene))), pixel_pairs(32, 32)
-    a, b = take(seen, pairs.first), take(seen, pairs.second)
-    assert_array_equal(differ(a, b), differ(b, a))
-    assert differ(a, b).any()
-    assert not differ(a, b).all()
+    seen, pairs = g_buffer(world(scene)), pixel_pairs(32, 32)
+    across = unlike(seen, pairs.first, pairs.second)
+    assert_array_equal(across, unlike(seen, pairs.second, pairs.first))
+    assert across.any()
+    assert not across.all()
 
 
 # ------------------------------------------------------------ pairs around
@@ -167,8 +174,11 @@ def test_an_edge_is_one_from_both_sides(scene):
 RADIUS = 4
 
 
-def uniforms(size):
-    return KeyedUniforms(np.arange(size, dtype=np.uint32), 0, 7, Stream.SEARCH)
+def frame(scene, radius=RADIUS, tries=256, size=32, visible=None):
+    """Of a scene, where pairs look for others so many pixels around."""
+    w = world(scene, size)
+    settings = GradientSettings(radius=0.0, min_radius=radius, tries=tries)
+    return FrameContext(0, w, visible or g_buffer(w), settings, 1, 7, Schedule(500, 2))
 
 
 def test_pairs_around_are_drawn_evenly_from_a_square():
@@ -176,39 +186,38 @@ def test_pairs_around_are_drawn_evenly_from_a_square():
     pairs, side = pixel_pairs(32, 32), 2 * RADIUS + 1
     middle = pair_at(np.array([Axis.Y]), np.array([16]), np.array([16]), 32, 32)
     u = (np.arange(side**2) + 0.5) / side**2
-    found = draw_around(pairs, np.repeat(middle, side**2), RADIUS, 32, 32, u)
+    found = draw_around(frame("paint"), pairs, np.repeat(middle, side**2), u)
     assert (found == NONE).sum() == 1
     first = pairs.first[found[found != NONE]]
     assert len(set(first)) == side**2 - 1
     assert (np.abs(first % 32 - 16) <= RADIUS).all()
     assert (np.abs(first // 32 - 16) <= RADIUS).all()
     corner = pair_at(np.array([Axis.Y]), np.array([0]), np.array([0]), 32, 32)
-    found = draw_around(pairs, np.repeat(corner, side**2), RADIUS, 32, 32, u)
+    found = draw_around(frame("paint"), pairs, np.repeat(corner, side**2), u)
     assert (found != NONE).sum() == (RADIUS + 1) ** 2 - 1
 
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_those_found_are_edges_that_look_alike(scene):
-    seen, pairs = looks(g_buffer(world(scene))), pixel_pairs(32, 32)
-    across = across_edges(seen, pairs)
-    rows = np.flatnonzero(across)
-    few, many = (
-        find_alike(seen, pairs, across, rows, RADIUS, 32, n, uniforms(len(rows)))
-        for n in (6, 256)
-    )
+    pairs = pixel_pairs(32, 32)
+    few, many = (edge_neighbors(frame(scene, tries=n), pairs) for n in (6, 256))
+    seen = frame(scene).visible
+    across = unlike(seen, pairs.first, pairs.second)
     at = np.flatnonzero(many != NONE)
     found = many[at]
-    assert len(at) > len(rows) / 3
+    assert across[at].all()
+    assert len(at) > across.sum() / 3
     assert across[found].all()
-    assert (found != rows[at]).all()
-    assert alike(seen, pairs, rows[at], found).all()
-    assert (pairs.axis[found] == pairs.axis[rows[at]]).all()
+    assert (found != at).all()
+    for pixel in (pairs.first, pairs.second):
+        assert not unlike(seen, pixel[at], pixel[found]).any()
+    assert (pairs.axis[found] == pairs.axis[at]).all()
     # Who has found somebody looks no further.
     early = few != NONE
     assert_array_equal(few[early], many[early])
     assert early.sum() < len(at)
     # The edge lies the same way round: first pixels are alike, and second ones.
-    step = pairs.first[found] - pairs.first[rows[at]]
+    step = pairs.first[found] - pairs.first[at]
     assert (np.abs((step + 16) % 32 - 16) <= RADIUS).all()
 
 
@@ -216,10 +225,9 @@ def test_an_edge_of_the_other_order_is_not_alike():
     """Dark to white, and white to dark."""
     at = np.arange(16 * 16)
     striped = changed(flat(16, 16), at % 16 // 4 % 2 == 0, color=0.05)
-    seen, pairs = looks(striped), pixel_pairs(16, 16)
-    across = across_edges(seen, pairs)
-    rows = np.flatnonzero(across)
-    found = find_alike(seen, pairs, across, rows, 8, 16, 256, uniforms(len(rows)))
-    assert (found != NONE).all()
+    pairs = pixel_pairs(16, 16)
+    found = edge_neighbors(frame("paint", 8, size=16, visible=striped), pairs)
+    rows = np.flatnonzero(unlike(striped, pairs.first, pairs.second))
+    assert (found[rows] != NONE).all()
     column = pairs.first % 16
-    assert_array_equal(column[found] // 4 % 2, column[rows] // 4 % 2)
+    assert_array_equal(column[found[rows]] // 4 % 2, column[rows] // 4 % 2)

@@ -17,7 +17,7 @@ from gradient_domain.after_restir import render_after_frames
 from gradient_domain.differences import Differences
 from gradient_domain.gradient_pt import render_gradient_paths
 from gradient_domain.gradient_restir import render_gradient_frames
-from gradient_domain.images import reconstructed
+from gradient_domain.method import RECONSTRUCT
 from gradient_domain.settings import (
     AfterSettings,
     GradientPathSettings,
@@ -134,7 +134,7 @@ def test_least_absolute_values_are_biased():
         found = estimates_of(plan, render_gradient_paths, GradientPathSettings(), seed)
         primal, x, y = np.split(found[0], 3, axis=1)
         one, two = (
-            reconstructed(kind, primal, Differences(x, y), SIZE).mean(axis=0)
+            RECONSTRUCT[kind](primal, Differences(x, y), SIZE).mean(axis=0)
             for kind in ("l1", "l2")
         )
         rows.append(np.array([(one - two).mean(), two.mean()]))
