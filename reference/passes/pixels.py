@@ -90,7 +90,8 @@ class FrameReservoirs:
         """Reservoirs of some pixels, or ``NONE``, for which M and W are 0."""
         there = rows != NONE
         r = take(self.reservoirs, np.maximum(rows, 0))
-        return replace(r, W=np.where(there, r.W, 0.0), M=np.where(there, r.M, 0.0))
+        W, M = (np.where(there, a, a * 0) for a in (r.W, r.M))
+        return replace(r, W=W, M=M)
 
     def neighbors(self, q: Pixels, rows: Indices) -> "NeighborPixels":
         """Pixels of this frame beside each q; (K,) rows, or ``NONE``."""
@@ -167,4 +168,20 @@ class NeighborPixels:
         points = take(self.frame.visible.surface, np.maximum(self.rows, 0))
         omega, _ = direction_and_distance(points.position, y.position)
         drawn = source_pdf(settings.source, materials, points, omega) > 0
-        return np.where(drawn, target(settings.target, materials, points, y), 0.0)
+        p = target(settings.target, materials, points, y)
+        return np.where(drawn, p, p * 0)
+
+    def inverse(self, y: Samples, asked: Masks, made: Masks) -> tuple[Scalars, Scalars]:
+        """Target at q_n of samples at q, and |∂ω_n / ∂ω_q| of the way back; (K,) each.
+
+        The target is 0 outside of the domain of q_n and where not asked.  Samples that
+        q_n ``made`` are seen there: no ray.
+        """
+        y, x_q = self.before(y, asked)
+        p = self.target(y)
+        possible = asked & (p > 0)
+        if self.q.refuses is not None:
+            possible &= ~self.q.refuses(self.x.position, x_q, y)
+        seen = made | sees(self.frame.world, self.x, y, possible & ~made)
+        J = reconnection(x_q, self.x.position, y)
+        return np.where(possible & seen, p, p * 0), J
