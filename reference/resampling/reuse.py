@@ -155,10 +155,20 @@ def normalization(
     """
     if mis == "1/M":
         return one_over_m(list(R.M))
+    return one_over_z(list(R.M), could_have_made(R, Q))  # lines 16 and 19
+
+
+def could_have_made(
+    R: Stream, Q: Sequence[Candidates | Reservoirs | Neighbor]
+) -> list[Masks]:
+    """Whether each of Q could have made the kept sample, (K,) bool each.
+
+    [Ouyang21, Alg. 4, lines 17 and 18]; where nothing was kept, nobody but q is asked.
+    """
     full = R.kept.w > 0
     could = [np.ones(len(full), bool)] * len(Q)
     for slot, q_n in enumerate(Q):  # line 17
         if not isinstance(q_n, Candidates | Reservoirs):
             made = R.slot == slot  # whoever made the sample could: no ray
             could[slot] = made | q_n.could_make(R.kept.y, full & ~made)  # line 18
-    return one_over_z(list(R.M), could)  # lines 16 and 19
+    return could
