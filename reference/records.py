@@ -1,6 +1,6 @@
 """Records: frozen, slotted dataclasses of arrays that share their rows."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any, TypeVar
 
@@ -133,6 +133,32 @@ def where(mask: Masks, yes: Record, no: Record) -> Record:
         return np.where(mask, a.T, b.T).T
 
     return map_rows(choose, yes, no)
+
+
+def pick(slot: Indices, records: Sequence[Record]) -> Record:
+    """Row i of the record (or array) number slot[i].
+
+    Parameters
+    ----------
+    slot : (N,) int
+        Which of the records.
+    records : sequence of record or array
+        N rows each, all of one type.
+
+    Returns
+    -------
+    record or array
+        N rows.
+    """
+    rows = [np.flatnonzero(slot == k) for k in range(1, len(records))]
+
+    def picked(first: Any, *others: Any) -> Any:
+        out = first.copy(order="K")
+        for at, other in zip(rows, others, strict=True):
+            out[at] = other[at]
+        return out
+
+    return map_rows(picked, *records)
 
 
 def concatenate(records: list[Record]) -> Record:

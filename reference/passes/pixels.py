@@ -90,8 +90,7 @@ class FrameReservoirs:
         """Reservoirs of some pixels, or ``NONE``, for which M and W are 0."""
         there = rows != NONE
         r = take(self.reservoirs, np.maximum(rows, 0))
-        W, M = (np.where(there, a, a * 0) for a in (r.W, r.M))
-        return replace(r, W=W, M=M)
+        return replace(r, W=np.where(there, r.W, 0.0), M=np.where(there, r.M, 0.0))
 
     def neighbors(self, q: Pixels, rows: Indices) -> "NeighborPixels":
         """Pixels of this frame beside each q; (K,) rows, or ``NONE``."""
@@ -168,8 +167,7 @@ class NeighborPixels:
         points = take(self.frame.visible.surface, np.maximum(self.rows, 0))
         omega, _ = direction_and_distance(points.position, y.position)
         drawn = source_pdf(settings.source, materials, points, omega) > 0
-        p = target(settings.target, materials, points, y)
-        return np.where(drawn, p, p * 0)
+        return np.where(drawn, target(settings.target, materials, points, y), 0.0)
 
     def inverse(self, y: Samples, asked: Masks, made: Masks) -> tuple[Scalars, Scalars]:
         """Target at q_n of samples at q, and |∂ω_n / ∂ω_q| of the way back; (K,) each.

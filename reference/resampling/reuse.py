@@ -6,17 +6,18 @@ Written once, on whatever numbers the arrays hold: the renderer runs it on float
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal, Protocol
 
 import numpy as np
 
 from reference.arrays import Indices, Masks, Scalars
+from reference.records import pick
 from reference.resampling.mis import one_over_m, one_over_z
 from reference.resampling.reservoir import (
     Candidates,
     Reservoirs,
     Samples,
-    choose_second,
     merge,
     reused_candidates,
 )
@@ -49,34 +50,48 @@ class Neighbor(Protocol):
         """Whether y, at q, lies in the domain of q_n; false where not asked."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Stream:
     """Candidates merged so far, K rows: Algorithm 1.
 
     Attributes
     ----------
-    kept : Candidates
-        The reservoir.
-    slot : (K,) int
-        Which candidate was kept.
-    M : tuple of (K,)
-        Confidence of each candidate.
+    merged : Candidates
+        The reservoir; ``y`` is the slot of the candidate that is kept.
+    candidates : tuple of Candidates
+        In the order in which they came.
     """
 
-    kept: Candidates
-    slot: Indices
-    M: tuple[Scalars, ...]
+    merged: Candidates
+    candidates: tuple[Candidates, ...]
 
     def then(self, c: Candidates, u: Scalars) -> "Stream":
         """Merge one more candidate; u, (K,) in [0, 1), decides whether it is kept."""
-        taken = choose_second(self.kept.w, c.w, u)
-        slot = np.where(taken, len(self.M), self.slot)
-        return Stream(merge(self.kept, c, u), slot, (*self.M, c.M))
+        slot = np.full(len(c.M), len(self.candidates), np.int8)
+        merged = merge(self.merged, replace(c, y=slot), u)
+        return Stream(merged, (*self.candidates, c))
+
+    @property
+    def slot(self) -> Indices:
+        """(K,) int: which candidate is kept."""
+        slot: Indices = self.merged.y
+        return slot
+
+    @property
+    def M(self) -> list[Scalars]:
+        """Confidence of each candidate, (K,) each."""
+        return [c.M for c in self.candidates]
+
+    @cached_property
+    def kept(self) -> Candidates:
+        """The reservoir with its sample: one gather, however many came."""
+        y = pick(self.slot, [c.y for c in self.candidates])
+        return replace(self.merged, y=y)
 
 
 def begin(c: Candidates) -> Stream:
     """A stream of one candidate."""
-    return Stream(c, np.zeros(len(c.M), np.int8), (c.M,))
+    return Stream(replace(c, y=np.zeros(len(c.M), np.int8)), (c,))
 
 
 def reused(q: Receiver, source: Reservoirs | Neighbor) -> Candidates:
@@ -154,8 +169,8 @@ def normalization(
     the question, or Z counts pixels that do not see the sample.
     """
     if mis == "1/M":
-        return one_over_m(list(R.M))
-    return one_over_z(list(R.M), could_have_made(R, Q))  # lines 16 and 19
+        return one_over_m(R.M)
+    return one_over_z(R.M, could_have_made(R, Q))  # lines 16 and 19
 
 
 def could_have_made(

@@ -48,7 +48,7 @@ def spatially(code, **details):
 
 MERGED = "R_s = R_s.then(shifted(q, q_n), u_n)"
 DIVIDED = "Z = normalization(mis, R_s, Q)"
-SUMMED = "return one_over_z(list(R.M), could_have_made(R, Q))"
+SUMMED = "return one_over_z(R.M, could_have_made(R, Q))"
 SEEN = "seen = q.sees("
 SOUGHT = "for q_n, u_n in neighbors:"
 

@@ -181,8 +181,8 @@ MUTANTS = [
     Mutant(
         "M is capped at every pass",
         REUSE,
-        "(*self.M, c.M)",
-        "(*self.M, np.minimum(c.M, 2))",
+        "return [c.M for c in self.candidates]",
+        "return [np.minimum(c.M, 2) for c in self.candidates]",
         ("spatial_pass",),
     ),
     # The choice.
@@ -413,8 +413,8 @@ MUTANTS = [
         "spatial history is merged without its M",
         SPATIAL,
         PAST,
-        "R_s = begin(reused(q, past))\n"
-        "    R_s = type(R_s)(R_s.kept, R_s.slot, ((past.M > 0) * 1,))",
+        "c = reused(q, past)\n"
+        "    R_s = begin(type(c)(c.y, c.p_hat, c.w, (past.M > 0) * 1))",
         ("loop_of_two_frames",),
     ),
     # Weights of the general engine know a limit, too.

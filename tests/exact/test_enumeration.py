@@ -172,6 +172,9 @@ def test_a_neighbor_that_is_not_there_is_as_if_it_were_not_sought(mis):
             if sought:
                 nowhere = np.full(len(own.W), NONE)
                 none = pages.frame_of(2, frame.at(2)).neighbors(q, nowhere)
+                assert not none.reservoirs.W.any()
+                assert not none.reservoirs.M.any()
+                none = replace(none, reservoirs=pages.empty(len(nowhere)))
                 around.insert(0, (none, uniform()))
             past = pages.past_of(q, None)
             given = q, past, own.opened(), around

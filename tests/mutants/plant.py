@@ -110,8 +110,13 @@ def _functions(module: str, names: dict[str, Any]) -> dict[str, FunctionType]:
             continue
         members = vars(value).values() if isinstance(value, type) else [value]
         for member in members:
-            function = getattr(member, "fget", None) or getattr(
-                member, "__func__", member
+            function = next(
+                (
+                    getattr(member, part)
+                    for part in ("fget", "func", "__func__")
+                    if getattr(member, part, None) is not None
+                ),
+                member,
             )
             written = isinstance(function, FunctionType)
             # What dataclasses generate has no source, and remains.
