@@ -30,7 +30,7 @@ def trusting(q: Pixels) -> TrustingPixels:
 def without_hidden(q: Pixels, r: Reservoirs) -> Reservoirs:
     """Empty the reservoirs whose sample q does not see: W = 0; M still counts."""
     seen = sees(q.world, q.points, r.y, r.W > 0)
-    return replace(r, W=np.where(seen, r.W, 0.0))
+    return replace(r, W=np.where(seen, r.W, r.W * 0))
 
 
 def finally_seen(

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, divide_or_zero, saturate
+from reference.arrays import Indices, Scalars, divide_or_zero, saturate
 from reference.passes.initial import InitialSamples
-from reference.passes.pixels import NeighborPixels, Pixels, reconnection, sees
+from reference.passes.pixels import NeighborPixels, Pixels
 from reference.resampling.generalized import Mis, Shifted, resample
 from reference.resampling.reservoir import Reservoirs, Samples
 
@@ -58,6 +58,8 @@ class ShiftedSource:
 
     Attributes
     ----------
+    q : Pixels
+        K pixels.
     q_n : NeighborPixels
         The neighbours.
     reservoirs : Reservoirs
@@ -66,6 +68,7 @@ class ShiftedSource:
         All.
     """
 
+    q: Pixels
     q_n: NeighborPixels
     reservoirs: Reservoirs
     rows: Indices
@@ -73,16 +76,16 @@ class ShiftedSource:
 
     def shifted(self, at: Indices) -> Shifted:
         """p̂_q of the neighbours' samples, 0 where hidden, and the Jacobian."""
-        q, y, W = self.q_n.q, self.reservoirs.y.y, self.reservoirs.W
-        p, J = q.target(y), self.q_n.jacobian()
-        seen = q.sees(y, (W > 0) & (p > 0) & (J > 0))
-        return np.where(seen, p, 0.0)[at], J[at]
+        y, W = self.reservoirs.y.y, self.reservoirs.W
+        p, J = self.q.target(y), self.q_n.jacobian()
+        seen = self.q.sees(y, (W > 0) & (p > 0) & (J > 0))
+        return np.where(seen, p, p * 0)[at], J[at]
 
     def inverse(self, samples: WeighedSamples, at: Indices) -> Shifted:
         """p̂_n of the pixels' samples, 0 outside of D_n, and the Jacobian back."""
         asked = np.zeros(len(self.rows), bool)
         asked[at] = True
-        p, J = _target_at(self.q_n, samples.y, asked, asked & False)
+        p, J = self.q_n.inverse(samples.y, asked, made=asked & False)
         return p[at], J[at]
 
 
@@ -128,8 +131,8 @@ def weighed(q: Pixels, source: Source) -> OwnSource | ShiftedSource:
     if isinstance(source, NeighborPixels):
         r = source.reservoirs
         made = r.W > 0
-        p, _ = _target_at(source, r.y, made, made)
-        return ShiftedSource(source, replace(r, y=WeighedSamples(r.y, p)), rows)
+        p, _ = source.inverse(r.y, made, made)
+        return ShiftedSource(q, source, replace(r, y=WeighedSamples(r.y, p)), rows)
     if isinstance(source, InitialSamples):
         pdf = source.pdf
         with np.errstate(over="ignore"):
@@ -137,20 +140,3 @@ def weighed(q: Pixels, source: Source) -> OwnSource | ShiftedSource:
         source = Reservoirs(source.y, W, source.M)
     value = q.target(source.y)
     return OwnSource(replace(source, y=WeighedSamples(source.y, value)), rows)
-
-
-def _target_at(
-    q_n: NeighborPixels, y: Samples, asked: Masks, made: Masks
-) -> tuple[Scalars, Scalars]:
-    """p̂_n of samples at q, 0 outside of D_n and where not asked; and |∂ω_n / ∂ω_q|.
-
-    Whoever made a sample sees it: no ray.
-    """
-    y, x_q = q_n.before(y, asked)
-    p = q_n.target(y)
-    possible = asked & (p > 0)
-    if q_n.q.refuses is not None:
-        possible &= ~q_n.q.refuses(q_n.x.position, x_q, y)
-    seen = made | sees(q_n.frame.world, q_n.x, y, possible & ~made)
-    J = reconnection(x_q, q_n.x.position, y)
-    return np.where(possible & seen, p, 0.0), J

@@ -168,3 +168,18 @@ class NeighborPixels:
         omega, _ = direction_and_distance(points.position, y.position)
         drawn = source_pdf(settings.source, materials, points, omega) > 0
         return np.where(drawn, target(settings.target, materials, points, y), 0.0)
+
+    def inverse(self, y: Samples, asked: Masks, made: Masks) -> tuple[Scalars, Scalars]:
+        """Target at q_n of samples at q, and |∂ω_n / ∂ω_q| of the way back; (K,) each.
+
+        The target is 0 outside of the domain of q_n and where not asked.  Samples that
+        q_n ``made`` are seen there: no ray.
+        """
+        y, x_q = self.before(y, asked)
+        p = self.target(y)
+        possible = asked & (p > 0)
+        if self.q.refuses is not None:
+            possible &= ~self.q.refuses(self.x.position, x_q, y)
+        seen = made | sees(self.frame.world, self.x, y, possible & ~made)
+        J = reconnection(x_q, self.x.position, y)
+        return np.where(possible & seen, p, p * 0), J

@@ -52,9 +52,10 @@ def spatial_resampling(
 
     Notes
     -----
-    [Ouyang21, Alg. 4].  Lines 5 to 8, the search for neighbours, are
-    :func:`reference.passes.neighbors.find_neighbors`.  The printed algorithm leaves out
-    q's own temporal reservoir; without it nobody need cover the domain of q.
+    [Ouyang21, Alg. 4].  Line 1 is the loop over rows.  Lines 5 to 8, the search for
+    neighbours, are :func:`reference.passes.neighbors.find_neighbors`.  The printed
+    algorithm leaves out q's own temporal reservoir; without it nobody need cover the
+    domain of q.
     """
     R_s = begin(reused(q, past))  # line 2
     R_s = R_s.then(reused(q, own), u_own)

@@ -52,8 +52,8 @@ def temporal_resampling(
 
     Notes
     -----
-    [Ouyang21, Alg. 3].  The running sum w of the paper is rebuilt from W and the capped
-    M: kept as it is, it would grow without bound.
+    [Ouyang21, Alg. 3].  Line 1 is the loop over rows.  The running sum w of the paper
+    is rebuilt from W and the capped M: kept as it is, it would grow without bound.
     """
     S = initial.y  # line 2
     R = begin(reused(q, past))  # line 3

@@ -1,133 +1,157 @@
-"""Mistakes to plant: source of a kernel, or of the toy passes, with one line changed.
+"""Mistakes to plant: the text of a kernel or of a pass, with a line changed.
 
 Each entry is a mistake that somebody made, or nearly made: in a paper, a note, or a
-renderer.  ``killed_by`` names claims of :mod:`tests.exact.claims` that refute it.
+renderer.  It is planted in the running production code by :mod:`tests.mutants.plant`;
+``killed_by`` names claims of :mod:`tests.exact.claims` that refute it.
 """
 
-import inspect
 from dataclasses import dataclass
-from fractions import Fraction
-from types import ModuleType, SimpleNamespace
 
-import numpy as np
+from tests.exact import claims
+from tests.mutants.plant import planted
 
-from reference.resampling import mis, pairwise, reservoir, shift
-from tests.exact import claims, pipeline
-
-MODULES = {
-    "reservoir": reservoir,
-    "mis": mis,
-    "pairwise": pairwise,
-    "shift": shift,
-    "pipeline": pipeline,
-}
-
-PRODUCTION = SimpleNamespace(**MODULES)
+RESERVOIR = "reference.resampling.reservoir"
+MIS = "reference.resampling.mis"
+PAIRWISE = "reference.resampling.pairwise"
+SHIFT = "reference.resampling.shift"
+REUSE = "reference.resampling.reuse"
+ENGINE = "reference.resampling.generalized"
+TEMPORAL = "reference.passes.temporal"
+SPATIAL = "reference.passes.spatial"
+PIXELS = "reference.passes.pixels"
+MOTION = "reference.options.motion"
+FUSED = "reference.options.fused"
+WEIGHTS = "reference.options.weights"
+LOOP = "reference.restir_gi"
 
 
 @dataclass(frozen=True, slots=True)
 class Mutant:
-    """One edit: ``old`` occurs once in the module and becomes ``new``."""
+    """Edits of modules: ``old`` occurs once in its module and becomes ``new``."""
 
     name: str
     module: str
     old: str
     new: str
     killed_by: tuple[str, ...] = ()
+    also: tuple[tuple[str, str, str], ...] = ()
 
-    def plant(self):
-        """Return the kernels and toy passes with the mistake in them."""
-        module = edited(MODULES[self.module], self.old, self.new)
-        return SimpleNamespace(**{**MODULES, self.module: module})
+    @property
+    def edits(self):
+        """All edits."""
+        return ((self.module, self.old, self.new), *self.also)
 
 
-def edited(module, old, new):
-    """Run a module's source with one piece of text replaced."""
-    source = inspect.getsource(module)
-    assert source.count(old) == 1, f"{module.__name__} has not one {old!r}"
-    mutant = ModuleType(f"{module.__name__} with {new!r}")
-    mutant.__dict__.update(Fraction=Fraction, np=np)
-    exec(compile(source.replace(old, new), mutant.__name__, "exec"), mutant.__dict__)
-    return mutant
+def fractions_in(module):
+    """Edit that makes fractions known to a module."""
+    imports = "import numpy as np\n"
+    return module, imports, f"{imports}from fractions import Fraction\n"
 
+
+def is_refuted(mutant, claim):
+    """Whether a claim, true of the code, finds a fault in the mutant."""
+    with planted(mutant):
+        return next(claim(), None) is not None
+
+
+HIDDEN = "return replace(c, w=np.where(seen, c.w, c.w * 0))"
+ASKED = "possible = asked & self.supports(y)"
+LOOKED = "return sees(self.frame.world, self.x, y, possible)"
+REFUSED = "~self.q.refuses(self.x.position, x_q, y)"
+OTHER_WAY = "~self.q.refuses(x_q, self.x.position, y)"
+COULD = "could = [np.ones(len(full), bool)] * len(Q)"
+MAKER = "could[slot] = made | q_n.could_make(R.kept.y, full & ~made)"
+CLOSED = "return cap_confidence(finalize(R_s.kept, Z), cap)"
+CAP = "W=r.W, M=np.minimum(r.M, cap)"
+ARRIVED = "c = reused_candidates(R_n, q.target(R_n.y), J)"
+STREAMED = "R_s = R_s.then(shifted(q, q_n), u_n)"
+PAST = "R_s = begin(reused(q, past))"
+MADE = "target(made) / candidate.jacobian[at]"
+THERE = "target(value) * jacobian, len(p_hat)"
+OWN = "weighted = [_with_weight(canonical, m)]"
+DONOR = "pairwise_donor(M, made, c.M, k.weighted.p_hat, S, defensive)"
+DONORS = "S = one_over_m(M_k)"
+BACK = "return np.where(possible & seen, p, p * 0), J"
 
 MUTANTS = [
     # The Jacobian.
     Mutant(
         "the Jacobian is left out",
-        "reservoir",
+        RESERVOIR,
         "w = w * jacobian",
         "w = w * 1",
         ("spatial_pass", "balance_pass"),
     ),
     Mutant(
         "the weight is divided by the Jacobian",
-        "reservoir",
+        RESERVOIR,
         "w = w * jacobian",
         "w = divide_or_zero(w, jacobian)",
         ("spatial_pass", "balance_pass"),
     ),
     Mutant(
         "the Jacobian is clamped to [1/3, 3]",
-        "shift",
+        SHIFT,
         "return saturate(jacobian)",
         "return np.minimum(np.maximum(jacobian, Fraction(1, 3)), 3)",
         ("spatial_pass",),
+        also=(fractions_in(SHIFT),),
     ),
     Mutant(
         "the distances are not squared",
-        "shift",
+        SHIFT,
         "cosines * ratio * ratio * ratio",
         "cosines * ratio * ratio",
         ("spatial_pass",),
     ),
     Mutant(
         "the cosines are left out",
-        "shift",
+        SHIFT,
         "cosines * ratio * ratio * ratio",
         "ratio * ratio",
         ("spatial_pass",),
     ),
     Mutant(
         "the cosines are upside down",
-        "shift",
+        SHIFT,
         "abs(dot(n_sample, v_to)), abs(dot(n_sample, v_from))",
         "abs(dot(n_sample, v_from)), abs(dot(n_sample, v_to))",
         ("spatial_pass",),
     ),
     Mutant(
         "donor and receiver change places",
-        "pipeline",
-        "ratio = jacobian(code, j, i, r.y) if",
-        "ratio = jacobian(code, i, j, r.y) if",
-        ("spatial_pass",),
+        PIXELS,
+        "self.q.shift(self.x.position, self.q.points.position, self.reservoirs.y)",
+        "self.q.shift(self.q.points.position, self.x.position, self.reservoirs.y)",
+        ("spatial_pass", "balance_pass", "fused_pass"),
     ),
     # Confidence.
     Mutant(
         "new samples that found nothing do not count",
-        "reservoir",
-        "M=np.ones_like(w)",
-        "M=np.where(w > 0, 1, 0)",
+        RESERVOIR,
+        "M = np.ones_like(w) if M is None else M",
+        "M = np.where(w > 0, w * 0 + 1, w * 0)",
         ("several_candidates", "temporal_chain"),
     ),
     Mutant(
         "neighbours whose sample is hidden do not count",
-        "pipeline",
-        "np.where(usable, c.w, Fraction(0)), r.M)",
-        "np.where(usable, c.w, Fraction(0)), np.where(usable, r.M, Fraction(0)))\n"
-        "            r = k.Reservoirs(r.y, r.W, c.M)",
-        ("spatial_pass",),
+        REUSE,
+        HIDDEN,
+        "return replace(\n"
+        "        c, w=np.where(seen, c.w, c.w * 0), M=np.where(seen, c.M, c.M * 0)\n"
+        "    )",
+        ("spatial_pass", "fused_pass", "moved_temporal_pass"),
     ),
     Mutant(
         "M of a merged reservoir is 1",
-        "reservoir",
+        RESERVOIR,
         "M = a.M + b.M",
         "M = a.M + 1",
         ("spatial_pass",),
     ),
     Mutant(
         "M of the reservoir is missing in its weight",
-        "reservoir",
+        RESERVOIR,
         "w = p_hat * r.W * r.M",
         "w = p_hat * r.W",
         ("spatial_pass", "temporal_chain"),
@@ -135,36 +159,36 @@ MUTANTS = [
     # The cap.
     Mutant(
         "M is capped before it divides",
-        "pipeline",
-        "total = code.mis.one_over_m([old.M, new.M])",
-        "total = np.minimum(code.mis.one_over_m([old.M, new.M]), cap)",
+        TEMPORAL,
+        "Z = normalization(mis, R, [past, new])",
+        "Z = normalization(mis, R, [past, new]).clip(max=cap)",
         ("temporal_chain",),
     ),
     Mutant(
         "the running weight outlives the cap",
-        "reservoir",
+        RESERVOIR,
         "W=r.W, M=np.minimum(r.M, cap)",
         "W=r.W * r.M / np.minimum(r.M, cap), M=np.minimum(r.M, cap)",
         ("temporal_chain",),
     ),
     Mutant(
         "the cap is put on the weight",
-        "reservoir",
+        RESERVOIR,
         "W=r.W, M=np.minimum(r.M, cap)",
         "W=r.W * np.minimum(r.M, cap) / r.M, M=r.M",
         ("temporal_chain",),
     ),
     Mutant(
         "M is capped at every pass",
-        "pipeline",
-        "sources, M = [*sources, j], [*M, r.M]",
-        "sources, M = [*sources, j], [*M, np.minimum(r.M, 2)]",
+        REUSE,
+        "return [c.M for c in self.candidates]",
+        "return [np.minimum(c.M, 2) for c in self.candidates]",
         ("spatial_pass",),
     ),
     # The choice.
     Mutant(
         "chosen by the ratio to the old sum",
-        "reservoir",
+        RESERVOIR,
         "u * (w_a + w_b) < w_b",
         "u * w_a < w_b",
         (
@@ -176,23 +200,21 @@ MUTANTS = [
     ),
     Mutant(
         "the newer sample always wins",
-        "reservoir",
+        RESERVOIR,
         "(u * (w_a + w_b) < w_b)",
         "(w_b > 0)",
         ("several_candidates", "temporal_chain", "spatial_pass"),
     ),
     Mutant(
         "one random number for two decisions",
-        "pipeline",
-        "    for slot, (j, r) in enumerate(donors):",
-        "    u = uniform()\n"
-        "    uniform = lambda: u\n"
-        "    for slot, (j, r) in enumerate(donors):",
+        SPATIAL,
+        STREAMED,
+        "R_s = R_s.then(shifted(q, q_n), neighbors[0][1])",
         ("spatial_pass",),
     ),
     Mutant(
         "the sum of weights forgets what came before",
-        "reservoir",
+        RESERVOIR,
         "w = a.w + b.w",
         "w = b.w",
         ("several_candidates",),
@@ -200,142 +222,152 @@ MUTANTS = [
     # The target.
     Mutant(
         "target of the sample at its donor",
-        "pipeline",
-        "p_hat = P_HAT[i][r.y]\n        ratio",
-        "p_hat = P_HAT[j][r.y]\n        ratio",
-        ("spatial_pass",),
+        REUSE,
+        ARRIVED,
+        "c = reused_candidates(R_n, q_n.target(R_n.y), J)",
+        ("spatial_pass", "fused_pass"),
     ),
     Mutant(
         "target of the sample that lost",
-        "reservoir",
+        RESERVOIR,
         "np.where(take_b, b.p_hat, a.p_hat)",
         "a.p_hat",
         ("several_candidates",),
     ),
     Mutant(
         "source density left out",
-        "reservoir",
+        RESERVOIR,
         "w = divide_or_zero(p_hat, pdf)",
         "w = p_hat",
         ("several_candidates",),
     ),
     Mutant(
         "divided by the target of the receiver's own sample",
-        "pipeline",
-        "c = k.Candidates(z, chosen.p_hat,",
-        "c = k.Candidates(z, P_HAT[i][donors[0][1].y],",
+        SPATIAL,
+        CLOSED,
+        "kept = R_s.kept\n"
+        "    kept = type(kept)(kept.y, q.target(own.y), kept.w, kept.M)\n"
+        "    return cap_confidence(finalize(kept, Z), cap)",
         ("spatial_pass",),
     ),
     # Visibility and the normalization.
     Mutant(
         "1/M in place of 1/Z",
-        "mis",
+        MIS,
         "terms = [np.where(holds, M, M * 0)",
         "terms = [M",
         ("spatial_pass", "two_passes"),
     ),
     Mutant(
         "Z counts pixels without their M",
-        "mis",
+        MIS,
         "np.where(holds, M, M * 0)",
         "np.where(holds, 1, 0)",
         ("spatial_pass",),
     ),
     Mutant(
         "Z does not ask for visibility",
-        "pipeline",
-        "HELD[j][z] & (",
-        "(P_HAT[j][z] > 0) & (",
-        ("spatial_pass",),
+        PIXELS,
+        LOOKED,
+        "return possible",
+        ("spatial_pass", "fused_pass", "moved_temporal_pass"),
     ),
     Mutant(
         "Z does not ask for the horizon",
-        "pipeline",
-        "HELD[j][z] & (",
-        "SEEN[j][z] & (",
-        ("spatial_pass",),
+        PIXELS,
+        ASKED,
+        "possible = asked",
+        ("spatial_pass", "fused_pass", "moved_temporal_pass"),
     ),
     Mutant(
         "Z asks for the receiver's view in place of the donor's",
-        "pipeline",
-        "HELD[j][z] & (",
-        "HELD[i][z] & (",
-        ("spatial_pass",),
+        PIXELS,
+        ASKED,
+        "possible = asked & (self.q.target(y) > 0)",
+        ("spatial_pass", "fused_pass"),
+        also=(
+            (
+                PIXELS,
+                LOOKED,
+                "return sees(self.frame.world, self.q.points, y, possible)",
+            ),
+        ),
     ),
     Mutant(
         "Z forgets the pixel's own reservoir",
-        "pipeline",
-        "list(held)",
-        "[slot == 0, *held[1:]]",
-        ("spatial_pass",),
+        REUSE,
+        COULD,
+        "could = [R.slot == slot for slot in range(len(Q))]",
+        ("spatial_pass", "fused_pass", "moved_temporal_pass"),
     ),
     Mutant(
         "Z forgets who made the sample",
-        "pipeline",
-        "return code.mis.one_over_z(M, list(held))",
-        "made = [h & (slot != s) for s, h in enumerate(held)]\n"
-        "        return code.mis.one_over_z(M, [made[0] | True, *made[1:]])",
-        ("spatial_pass",),
+        REUSE,
+        MAKER,
+        "could[slot] = ~made & q_n.could_make(R.kept.y, full)",
+        ("spatial_pass", "fused_pass", "moved_temporal_pass"),
     ),
     Mutant(
         "hidden samples are reused and then kept",
-        "pipeline",
-        "usable = usable & SEEN[i][r.y]",
-        "pass",
-        ("spatial_pass",),
+        REUSE,
+        HIDDEN,
+        "return c",
+        ("spatial_pass", "fused_pass", "moved_temporal_pass"),
     ),
     Mutant(
         "the late test of visibility is forgotten",
-        "pipeline",
-        'if visibility == "chosen":',
-        'if visibility == "never":',
+        LOOP,
+        'if settings.visibility == "chosen" and shifts:',
+        'if settings.visibility == "never" and shifts:',
         ("pass_with_late_visibility",),
     ),
     Mutant(
         "a limit on the Jacobian that Z does not know",
-        "pipeline",
-        " & (jacobian(code, j, i, z) <= limit)",
-        "",
+        PIXELS,
+        f"{ASKED}\n        if self.q.refuses is not None:",
+        f"{ASKED}\n        if False:",
         ("pass_with_mirrored_limit",),
     ),
     Mutant(
         "a limit on the Jacobian that Z applies the other way round",
-        "pipeline",
-        " & (jacobian(code, j, i, z) <= limit)",
-        " & (jacobian(code, i, j, z) <= limit)",
+        PIXELS,
+        f"possible &= {REFUSED}\n        {LOOKED}",
+        f"possible &= {OTHER_WAY}\n        {LOOKED}",
         ("pass_with_mirrored_limit",),
     ),
     Mutant(
         "balance heuristic for the receiver, whoever made the sample",
-        "pipeline",
-        "made = np.stack(p)[slot,",
-        "made = np.stack(p)[0 * slot,",
+        ENGINE,
+        "p, p_made = np.where(made, own, p), np.where(made, own, p_made)",
+        "p = np.where(made, own, p)",
         ("balance_pass",),
     ),
     Mutant(
         "balance heuristic without M",
-        "mis",
+        MIS,
         "saturate(M * p)",
         "saturate(p)",
         ("balance_pass",),
     ),
     Mutant(
         "p̂ is kept away from 0 where it divides",
-        "reservoir",
+        RESERVOIR,
         "divide_or_zero(c.w, c.p_hat), normalization",
         "divide_or_zero(c.w, np.maximum(c.p_hat, Fraction(1, 2))), normalization",
         ("several_candidates",),
+        also=(fractions_in(RESERVOIR),),
     ),
     Mutant(
         "the weight W is limited",
-        "reservoir",
+        RESERVOIR,
         "return Reservoirs(y=c.y, W=saturate(W), M=c.M)",
         "return Reservoirs(y=c.y, W=np.minimum(W, Fraction(1, 2)), M=c.M)",
         ("several_candidates",),
+        also=(fractions_in(RESERVOIR),),
     ),
     Mutant(
         "nothing divides the sum of weights",
-        "reservoir",
+        RESERVOIR,
         "W = divide_or_zero(divide_or_zero(c.w, c.p_hat), normalization)",
         "W = divide_or_zero(c.w, c.p_hat)",
         ("several_candidates",),
@@ -343,35 +375,35 @@ MUTANTS = [
     # Weights in pairs.
     Mutant(
         "the donors' confidences include the canonical one",
-        "pipeline",
-        "S = sum(M_k) + M_c * 0",
-        "S = sum(M)",
+        ENGINE,
+        DONORS,
+        "S = one_over_m([*M_k, c.M])",
         ("pairwise_pass", "defensive_pass"),
     ),
     Mutant(
         "the canonical sample gets no share of its own",
-        "pairwise",
+        PAIRWISE,
         "divide_or_zero(plus(one_over_m(shares), M_c), plus(S, M_c))",
         "divide_or_zero(one_over_m(shares), plus(S, M_c))",
         ("defensive_pass",),
     ),
     Mutant(
         "each donor stands for itself alone in its pair",
-        "pairwise",
+        PAIRWISE,
         "M_k * _share(S, p_k, M_c, p_c)",
         "M_k * _share(M_k, p_k, M_c, p_c)",
         ("pairwise_pass", "defensive_pass"),
     ),
     Mutant(
         "pairs do not ask whether the donor could make the sample",
-        "pipeline",
-        "np.where(held, P_HAT[j][z]",
-        "np.where(held | True, P_HAT[j][z]",
+        PIXELS,
+        BACK,
+        "return p, J",
         ("pairwise_pass", "defensive_pass"),
     ),
     Mutant(
         "what is left of a pair goes to the wrong side",
-        "pairwise",
+        PAIRWISE,
         "M * _share(M_c, p_c, S, p)",
         "M * _share(S, p, M_c, p_c)",
         ("pairwise_pass", "defensive_pass"),
@@ -379,10 +411,107 @@ MUTANTS = [
     # The loop.
     Mutant(
         "spatial history is merged without its M",
-        "pipeline",
-        "M = [*sources, j], [*M, r.M]",
-        "M = [*sources, j], [*M, r.M if slot else r.M * 0 + 1]",
+        SPATIAL,
+        PAST,
+        "c = reused(q, past)\n"
+        "    R_s = begin(type(c)(c.y, c.p_hat, c.w, (past.M > 0) * 1))",
         ("loop_of_two_frames",),
+    ),
+    # Weights of the general engine know a limit, too.
+    Mutant(
+        "a limit on the Jacobian that the balance heuristic does not know",
+        PIXELS,
+        "possible = asked & (p > 0)\n        if self.q.refuses is not None:",
+        "possible = asked & (p > 0)\n        if False:",
+        ("balance_pass_with_mirrored_limit",),
+    ),
+    Mutant(
+        "a limit on the Jacobian that the balance heuristic applies the other way",
+        PIXELS,
+        f"possible &= {REFUSED}\n        seen",
+        f"possible &= {OTHER_WAY}\n        seen",
+        ("balance_pass_with_mirrored_limit",),
+    ),
+    Mutant(
+        "the balance heuristic does not ask for visibility",
+        PIXELS,
+        "made | sees(self.frame.world, self.x, y, possible & ~made)",
+        "made | possible",
+        ("balance_pass", "pairwise_pass", "defensive_pass"),
+    ),
+    Mutant(
+        "hidden samples compete in the general engine",
+        WEIGHTS,
+        "return np.where(seen, p, p * 0)[at], J[at]",
+        "return p[at], J[at]",
+        ("balance_pass", "pairwise_pass"),
+    ),
+    Mutant(
+        "new samples come to the general engine with their density",
+        WEIGHTS,
+        "W = saturate(divide_or_zero(np.ones_like(pdf), pdf))",
+        "W = pdf",
+        ("moved_balance_pass",),
+    ),
+    Mutant(
+        "nothing is known to be shifted",
+        WEIGHTS,
+        "if not any(isinstance(source, NeighborPixels) for source, _ in sources):",
+        "if True:",
+        ("balance_pass", "pairwise_pass"),
+    ),
+    # Between two frames.
+    Mutant(
+        "the Jacobian forgets that the sample moved",
+        MOTION,
+        "x_n = self.temporal_shift.points_forward(y, self.x.position)",
+        "x_n = self.x.position",
+        ("moved_temporal_pass", "moved_spatial_pass", "moved_fused_pass"),
+    ),
+    Mutant(
+        "M of a moved past is as if it could make everything",
+        REUSE,
+        "if not isinstance(q_n, Candidates | Reservoirs):",
+        "if slot and not isinstance(q_n, Candidates | Reservoirs):",
+        ("moved_temporal_pass", "moved_spatial_pass"),
+    ),
+    Mutant(
+        "a moved past is reused as it stands",
+        REUSE,
+        "    return shifted(q, source)",
+        "    r = source.reservoirs\n    return reused_candidates(r, q.target(r.y))",
+        ("moved_temporal_pass", "moved_spatial_pass", "moved_fused_pass"),
+    ),
+    # The fused pass.
+    Mutant(
+        "the fused pass takes the domains of its neighbours for its own",
+        FUSED,
+        "[past, new, *(q_n for q_n, _ in neighbors)]",
+        "[past, new, *(q_n.reservoirs for q_n, _ in neighbors)]",
+        ("fused_pass",),
+    ),
+    Mutant(
+        "the past is not in the fused stream, but in Z",
+        FUSED,
+        "R = begin(reused(q, past)).then(new, u)",
+        "nothing = replace(past, W=past.W * 0)\n"
+        "    R = begin(reused(q, nothing)).then(new, u)",
+        ("fused_pass",),
+        also=(
+            (
+                FUSED,
+                "from collections.abc import Sequence\n",
+                "from collections.abc import Sequence\n"
+                "from dataclasses import replace\n",
+            ),
+        ),
+    ),
+    Mutant(
+        "neighbours of the fused pass are decided on by the number of the new sample",
+        FUSED,
+        "R = R.then(shifted(q, q_n), u_n)",
+        "R = R.then(shifted(q, q_n), u)",
+        ("fused_pass",),
     ),
 ]
 
@@ -391,21 +520,23 @@ SURVIVORS = [
     # are noisier; the balance heuristic's own formula is tested in properties.
     Mutant(
         "balance heuristic without Jacobian",
-        "pipeline",
-        "P_HAT[j][z] * jacobian(code, i, j, z)",
-        "P_HAT[j][z]",
+        ENGINE,
+        THERE,
+        "target(value), len(p_hat)",
+        also=((ENGINE, MADE, "target(made)"),),
     ),
     Mutant(
         "balance heuristic with the inverse Jacobian",
-        "pipeline",
-        "P_HAT[j][z] * jacobian(code, i, j, z)",
-        "P_HAT[j][z] * jacobian(code, j, i, z)",
+        ENGINE,
+        THERE,
+        "divide_or_zero(target(value), jacobian), len(p_hat)",
+        also=((ENGINE, MADE, "target(made) * candidate.jacobian[at]"),),
     ),
     # Differs where u w = w_b exactly: a set of measure 0, and two weights of 0.  Found
     # where single numbers are looked at, in properties.
     Mutant(
         "a tie goes to the newer sample",
-        "reservoir",
+        RESERVOIR,
         "u * (w_a + w_b) < w_b",
         "u * (w_a + w_b) <= w_b",
     ),
@@ -415,12 +546,18 @@ SURVIVORS = [
 CLAIMS = [
     claims.several_candidates,
     claims.temporal_chain,
+    claims.moved_temporal_pass,
+    claims.moved_balance_pass,
+    claims.fused_pass,
     claims.spatial_pass,
     claims.balance_pass,
     claims.pairwise_pass,
     claims.defensive_pass,
     claims.pass_with_late_visibility,
     claims.pass_with_mirrored_limit,
+    claims.balance_pass_with_mirrored_limit,
+    claims.moved_spatial_pass,
+    claims.moved_fused_pass,
     claims.two_passes,
     claims.loop_of_two_frames,
     claims.one_law_of_all_associations,

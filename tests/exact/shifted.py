@@ -1,8 +1,7 @@
-"""The engine `reference.resampling.generalized` itself, on the toy domain.
+"""The engine `reference.resampling.generalized` alone, on tables of fractions.
 
-It has the passes of :mod:`tests.exact.pipeline`, so that the same claims are proved of
-it.  Donors read shifts, targets and visibility from tables of fractions; what becomes
-of their answers is the production code's, unchanged.
+Donors read shifts, targets and visibility from tables, those of the toy domain or any
+others; what becomes of their answers is the engine's, unchanged.
 """
 
 from dataclasses import dataclass, replace
@@ -11,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
+from reference.options.weights import resample_weighted
 from reference.resampling.generalized import resample
 from reference.resampling.reservoir import Reservoirs
-from tests.exact import pipeline
-from tests.exact.pipeline import HELD, P_HAT, SEEN, jacobian
-
-trust = pipeline.trust
+from reference.resampling.shift import reconnection_jacobian
+from tests.exact.domain import CELL, EYE, HOLDS, NORMAL, NOTHING
+from tests.exact.pages import NOW, Kept, with_nothing
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,54 +82,33 @@ class ToyDonor:
         return True if self.part is None else np.isin(cell, self.part)
 
 
-def toys(p_hat, j, r):
+def toys(p_hat, j, kept):
     """Reservoirs of pixel j, with targets in their samples."""
-    return Reservoirs(Toy(r.y, p_hat[j][r.y][:, None]), r.W, r.M)
+    return Reservoirs(Toy(kept.cell, p_hat[j][kept.cell][:, None]), kept.W, kept.M)
 
 
-def tables(code):
-    """Of the toy domain, with the Jacobian of the code."""
-    return Tables(P_HAT, SEEN, HELD, lambda a, b, x: jacobian(code, a, b, x))
+def jacobian(i_from, i_to, x):
+    """|∂ω_to / ∂ω_from| of cells; 1 for nothing."""
+    x_from, x_to = (np.broadcast_to(EYE[i], (len(x), 3)) for i in (i_from, i_to))
+    J = reconnection_jacobian(x_from, x_to, CELL[x], NORMAL[x])
+    return np.where(x == NOTHING, Fraction(1), J)
 
 
-def initial(code, i, uniform):
-    """One new candidate; M is a fraction too, since 0 / 1 of integers would be none."""
-    c = pipeline.initial(code, i, uniform)
-    return replace(c, M=c.M * Fraction(1))
+DOMAIN = Tables(NOW.p_hat, NOW.seen, with_nothing(HOLDS, False), jacobian)
+"""The toy domain."""
 
 
-def temporal(code, i, history, new, cap, uniform):
-    """The past of the same pixel, and a new candidate: both of one domain."""
-    k = code.reservoir
-    fresh = k.finalize(new, new.M)
-    pairs = [(i, fresh)] if history is None else [(i, history), (i, fresh)]
-    return _resampled(code, i, pairs, uniform, "1/Z", cap, lambda slot, j: True)
-
-
-def spatial(
-    code, i, donors, uniform, mis="1/Z", limit=float("inf"), cap=9999, parts=None
-):
-    """Donors are pairs (pixel, Reservoirs), the pixel's own first."""
-
-    def same_domain(slot, j):
-        return j == i
-
-    return _resampled(code, i, donors, uniform, mis, cap, same_domain, limit, parts)
-
-
-def _resampled(
-    code, i, pairs, uniform, mis, cap, same_domain, limit=float("inf"), parts=None
-):
-    found = []
-    for slot, (j, r) in enumerate(pairs):
-        everyone = np.arange(len(r.W))
-        part = parts[slot] if parts else None
-        shown = toys(P_HAT, j, r)
-        donor = ToyDonor(tables(code), i, j, shown, everyone, limit, part)
-        found.append(replace(donor, same_domain=same_domain(slot, j)))
-    decisions = [uniform() for _ in pairs]
-    kept = resample(found, decisions, mis, cap, target)
-    cell, full = kept.y.cell, kept.W > 0
+def resampled(donors, uniform, mis, cap=9999):
+    """What a pixel keeps of its donors' samples."""
+    r = resample(donors, [uniform() for _ in donors], mis, cap, target)
+    here = donors[0].tables.p_hat[donors[0].i]
     # What is kept is worth what it is worth here, not where it came from.
-    assert (target(kept.y.value) == P_HAT[i][cell])[full].all()
-    return Reservoirs(cell, kept.W, kept.M)
+    full = r.W > 0
+    assert (target(r.y.value) == here[r.y.cell])[full].all()
+    return Kept(np.where(full, r.y.cell, NOTHING), r.W, r.M)
+
+
+def by_the_engine(given, settings, cap):
+    """In place of `reference.restir_gi.resampled`: all weights by the engine."""
+    own = (given.past, given.u_own), (given.own, given.u_own)
+    return resample_weighted(given.q, [*own, *given.neighbors], settings.mis, cap)

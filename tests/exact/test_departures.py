@@ -4,17 +4,17 @@ For every integrand at once: whatever target weighs and divides, wherever M is c
 and whichever way round a decision is read, E[W 1{y = x}] = mu_q(x).
 """
 
+from dataclasses import replace
 from fractions import Fraction
 
-import numpy as np
 import pytest
 
 from reference.oracle.diagnosis.diagnose import known_mistakes
-from tests.exact import claims, pipeline
+from tests.exact import claims, pages
 from tests.exact.domain import TARGET
-from tests.exact.mutants import PRODUCTION, Mutant
+from tests.exact.mutants import PAST, RESERVOIR, SPATIAL, TEMPORAL, Mutant
+from tests.mutants.plant import planted
 
-BASE = [np.array(row, object) for row in TARGET]
 ZERO = Fraction(0)
 
 OTHER_TARGETS = {
@@ -28,33 +28,46 @@ OTHER_TARGETS = {
 ORDER = (
     Mutant(
         "u as 1 − u",
-        "reservoir",
+        RESERVOIR,
         "(u * (w_a + w_b) < w_b)",
         "((u * (w_a + w_b) >= w_a) & (w_b > 0))",
     ),
     Mutant(
         "the stream backwards",
-        "pipeline",
-        "    chosen = candidates[0]\n    for c in candidates[1:]:",
-        "    chosen = candidates[-1]\n    for c in candidates[-2::-1]:",
+        SPATIAL,
+        PAST,
+        "(first, u_past), *others = neighbors[::-1]\n"
+        "    R_s = begin(shifted(q, first))",
+        also=(
+            (SPATIAL, "    R_s = R_s.then(reused(q, own), u_own)\n", ""),
+            (SPATIAL, "= [past, own]  # line 3", "= [first]"),
+            (SPATIAL, "for q_n, u_n in neighbors:", "for q_n, u_n in others:"),
+            (
+                SPATIAL,
+                "    Z = normalization(mis, R_s, Q)",
+                "    R_s = R_s.then(reused(q, own), u_own)\n"
+                "    R_s = R_s.then(reused(q, past), u_past)\n"
+                "    Z = normalization(mis, R_s, [*Q, own, past])",
+            ),
+        ),
     ),
 )
 
 CONFIDENCE = (
-    Mutant("never capped", "reservoir", "np.minimum(r.M, cap)", "r.M"),
-    Mutant("one more", "reservoir", "np.minimum(r.M, cap)", "np.minimum(r.M, cap + 1)"),
+    Mutant("never capped", RESERVOIR, "np.minimum(r.M, cap)", "r.M"),
+    Mutant("one more", RESERVOIR, "np.minimum(r.M, cap)", "np.minimum(r.M, cap + 1)"),
     Mutant(
         "capped on arrival",
-        "pipeline",
-        "    old = k.reused_candidates(history, P_HAT[i][history.y])\n",
-        "    history = k.cap_confidence(history, cap)\n"
-        "    old = k.reused_candidates(history, P_HAT[i][history.y])\n"
-        "    cap = 9999\n",
+        TEMPORAL,
+        "R = begin(reused(q, past))",
+        "past = cap_confidence(past, cap)\n"
+        "    cap = 9999\n"
+        "    R = begin(reused(q, past))",
     ),
 )
 
 
-def biases(code):
+def biases():
     """Faults in the expectation; those in M alone are what these departures are."""
     for claim in (
         claims.several_candidates,
@@ -63,30 +76,36 @@ def biases(code):
         claims.two_passes,
         claims.loop_of_two_frames,
     ):
-        yield from (fault for fault in claim(code) if not fault.startswith("M is"))
+        yield from (fault for fault in claim() if not fault.startswith("M is"))
+
+
+def aimed_at(monkeypatch, table):
+    """Give pixels another target."""
+    p_hat = pages.with_nothing(table)
+    monkeypatch.setattr(pages, "NOW", replace(pages.NOW, p_hat=p_hat))
 
 
 @pytest.mark.parametrize("name", OTHER_TARGETS)
 def test_any_target_that_is_positive_in_the_same_places(monkeypatch, name):
-    tables = [np.array([*map(OTHER_TARGETS[name], row), ZERO], object) for row in BASE]
-    monkeypatch.setattr(pipeline, "P_HAT", tables)
-    assert list(biases(PRODUCTION)) == []
+    aimed_at(monkeypatch, [[*map(OTHER_TARGETS[name], row)] for row in TARGET])
+    assert list(biases()) == []
 
 
 def test_control_a_target_that_is_0_where_there_is_light(monkeypatch):
-    tables = [np.array([ZERO, *row[1:], ZERO], object) for row in BASE]
-    monkeypatch.setattr(pipeline, "P_HAT", tables)
-    assert next(biases(PRODUCTION), None) is not None
+    aimed_at(monkeypatch, [[ZERO, *row[1:]] for row in TARGET])
+    assert next(biases(), None) is not None
 
 
 @pytest.mark.parametrize("mutant", [*ORDER, *CONFIDENCE], ids=lambda m: m.name)
 def test_order_and_confidence(mutant):
-    assert list(biases(mutant.plant())) == []
+    with planted(mutant):
+        assert list(biases()) == []
 
 
 def test_control_an_order_that_is_no_order():
-    odd = Mutant("", "reservoir", "(u * (w_a + w_b) < w_b)", "(u * w_a < w_b)")
-    assert next(biases(odd.plant()), None) is not None
+    odd = Mutant("", RESERVOIR, "(u * (w_a + w_b) < w_b)", "(u * w_a < w_b)")
+    with planted(odd):
+        assert next(biases(), None) is not None
 
 
 def test_what_is_said_to_be_a_departure():

@@ -1,46 +1,20 @@
 """Limits on the Jacobian: mirrored they are unbiased; else their bias, in fractions."""
 
 from fractions import Fraction
-from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
-from reference.resampling import jacobian_limits
-from tests.exact import claims, pipeline
+from tests.exact import claims
 from tests.exact.domain import CELLS, HOLDS, MU, PIXELS
-from tests.exact.mutants import MODULES, MUTANTS, PRODUCTION, edited
+from tests.exact.mutants import MUTANTS, is_refuted
 from tests.exact.test_known_bias import TRUTH, pixel_value
+from tests.mutants.plant import planted
 
 LIMIT = Fraction(3)
 
 BY_NAME = {mutant.name: mutant for mutant in MUTANTS}
 UNMIRRORED = BY_NAME["a limit on the Jacobian that Z does not know"]
 OTHER_WAY = BY_NAME["a limit on the Jacobian that Z applies the other way round"]
-
-CLAMPED = SimpleNamespace(
-    **{
-        **MODULES,
-        "jacobian_limits": jacobian_limits,
-        "pipeline": edited(
-            pipeline,
-            "ratio = jacobian(code, j, i, r.y) if j != i else None",
-            "ratio = jacobian(code, j, i, r.y) if j != i else None\n"
-            "        if j != i:\n"
-            "            clamp = code.jacobian_limits.clamp_jacobian\n"
-            "            ratio = clamp(ratio, Fraction(3))",
-        ),
-    }
-)
-"""The passes with J clamped by the production kernel."""
-
-
-class Symmetric:
-    """In place of a largest J: ``ratio <= limit`` asks the production predicate."""
-
-    def __ge__(self, ratio):
-        (allowed,) = jacobian_limits.within_limit(np.array([ratio], object), LIMIT)
-        return bool(allowed)
 
 
 def is_within(J):
@@ -56,17 +30,18 @@ def test_the_limit_refuses_some_shifts_in_each_direction_and_not_all():
 @pytest.mark.parametrize("mis", ["1/Z", "balance", "pairwise", "defensive"])
 @pytest.mark.parametrize("visibility", ["all", "chosen"])
 def test_mirrored_rejection_is_unbiased(mis, visibility):
-    found = claims.spatial_pass(
-        PRODUCTION, mis=mis, visibility=visibility, limit=Symmetric()
-    )
+    found = claims.spatial_pass(mis=mis, visibility=visibility, jacobian_limit=LIMIT)
     assert list(found) == []
 
 
 def test_a_symmetric_limit_has_no_wrong_way_round():
     """Why it is symmetric: a limit on J alone, mirrored the wrong way, is biased."""
-    code = OTHER_WAY.plant()
-    assert list(claims.spatial_pass(code, limit=Symmetric())) == []
-    assert list(claims.spatial_pass(code, limit=LIMIT)) != []
+    symmetric, one_sided = (
+        lambda how=how: claims.spatial_pass(**{how: LIMIT})
+        for how in ("jacobian_limit", "largest")
+    )
+    assert not is_refuted(OTHER_WAY, symmetric)
+    assert is_refuted(OTHER_WAY, one_sided)
 
 
 # ---------------------------------------------------------------- the biased forms
@@ -89,7 +64,9 @@ def test_unmirrored_rejection_is_dark_by_the_share_that_was_refused(i, value):
 
     -22.2, -8.3 and -30.3 %: 14/3 for 6, 11/3 for 4, 23/3 for 11.
     """
-    found = claims.spatial_contributions(UNMIRRORED.plant(), i, limit=Symmetric())
+    found = claims.spatial_contributions(i, jacobian_limit=LIMIT, beyond_limit="reject")
+    with planted(UNMIRRORED):
+        assert claims.spatial_contributions(i, jacobian_limit=LIMIT) == found
     for x in CELLS:
 
         def brought(k, x=x):
@@ -103,7 +80,7 @@ def test_unmirrored_rejection_is_dark_by_the_share_that_was_refused(i, value):
 @pytest.mark.parametrize(("i", "percent"), [(0, -16.8), (1, -7.6), (2, 238.1)])
 def test_clamping_leaves_part_of_the_donors_measure(i, percent):
     """C(x) = Σ_k M_k mu_k(x) clamp(mu_i(x) / mu_k(x)) / Z(x)."""
-    found = claims.spatial_contributions(CLAMPED, i)
+    found = claims.spatial_contributions(i, jacobian_limit=LIMIT, beyond_limit="clamp")
     for x in CELLS:
 
         def brought(k, x=x):

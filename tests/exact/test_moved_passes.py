@@ -13,20 +13,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from reference.passes.entries import Donors, other_entry, own_entry
-from reference.passes.receivers import Receivers, sees
-from reference.passes.resample import Competition, resample
 
-from reference.options.motion import Passage
-from reference.passes import normalization as normalization_module
-from reference.passes.history import History, past_entry
+from reference.options.motion import EarlierPixels, EarlierReservoirs, TemporalShift
+from reference.passes.history import History
 from reference.passes.initial import InitialSamples
-from reference.passes.temporal import temporal_competition
+from reference.passes.pixels import FrameReservoirs, sees
 from reference.records import take
 from reference.resampling.reservoir import Reservoirs, Samples
 from reference.resampling.suffix import Suffix
 from reference.resampling.target import target
-from reference.rng import TabledUniforms
+from reference.restir_gi import PassInput, resampled
 from reference.scene.catalogue.rooms import pose
 from reference.scene.motion import Motion
 from reference.scene.surface import SurfacePoints
@@ -39,6 +35,7 @@ from tests.exact.test_passes import (
     PIXELS,
     PLACE,
     build,
+    receivers,
     side,
 )
 
@@ -108,7 +105,7 @@ class TwoFrames:
         rotation[1], translation[1] = MOVE[:3, :3], MOVE[:3, 3]
         forth = Motion(rotation, translation)
         after = self.now.world
-        self.passage = Passage(
+        self.shift = TemporalShift(
             self.then.world, after, forth, forth.reversed, Lamp(after)
         )
         self.holds_then = self.then.holds & (LIGHT_THEN[:NOTHING] > 0)
@@ -174,18 +171,14 @@ def contributions(frames, i, j, settings):
     probability = p_old * p_new * chance
 
     pdf = np.divide(1.0, W_new, out=np.zeros(n), where=W_new > 0)
-    initial = InitialSamples(fresh, pdf, np.zeros((n, 3)))
+    initial = InitialSamples(fresh, pdf, np.ones(n), np.zeros((n, 3)))
     stored = Reservoirs(
         cells(old, PLACE_THEN, NORMAL_THEN, LIGHT_THEN), W_old, np.full(n, PAST)
     )
-    visible = take(then.visible, np.full(n, j))
-    donors = Donors(then.world, visible, stored, frames.passage)
-    history = History(donors, np.arange(n), as_they_stand=False)
-    receivers = Receivers(now.world, points, settings)
-    uniforms = TabledUniforms(np.broadcast_to(u, (1, 4, n)))
-    kept = resample(
-        temporal_competition(receivers, initial, history, uniforms)
-    ).reservoirs
+    q = receivers(now.world, take(now.visible, np.full(n, i)), settings)
+    past = goes_on_from(frames, j, stored, q)
+    given = PassInput(q, past, initial, u, [])
+    kept = resampled(given, settings, settings.temporal_cap)
     assert_allclose(probability.sum(), 1, rtol=1e-13)
     assert (kept.M == PAST + 1).all()
     found = [
@@ -193,6 +186,13 @@ def contributions(frames, i, j, settings):
         for x in range(NOTHING)
     ]
     return np.array(found)
+
+
+def goes_on_from(frames, j, stored, q):
+    """Pixel j of the last frame, as the past of q."""
+    visible = take(frames.then.visible, np.full(len(stored.W), j))
+    last = EarlierReservoirs(frames.then.world, visible, stored, frames.shift)
+    return History(last, last, shifted=True).of(last, q, np.arange(len(stored.W)))
 
 
 def law(stage, i, holds, cell):
@@ -237,24 +237,18 @@ def stream_contributions(frames, i, j, k, settings):
     probability = p_past * p_own * p_theirs * chance_own * chance_theirs
 
     every = np.arange(n)
-    receivers = Receivers(now.world, points, settings)
+    q = receivers(now.world, take(now.visible, np.full(n, i)), settings)
     stored = Reservoirs(
         cells(past, PLACE_THEN, NORMAL_THEN, LIGHT_THEN), W_past, np.full(n, PAST)
     )
-    before = take(then.visible, np.full(n, j))
-    donors = Donors(then.world, before, stored, frames.passage)
     mine = Reservoirs(cells(own, PLACE, NORMAL, LIGHT_NOW), W_own, np.ones(n))
     lent = Reservoirs(
         cells(theirs, PLACE, NORMAL, LIGHT_NOW), W_theirs, np.full(n, 2.0)
     )
-    around = Donors(now.world, take(now.visible, np.full(n, k)), lent)
-    entries = [
-        past_entry(receivers, History(donors, every, as_they_stand=False), 0),
-        own_entry(receivers, mine, 1),
-        other_entry(receivers, around, every, 2),
-    ]
-    who = Competition(receivers, entries, [u_own, u_own, u_theirs], 1, 1e9)
-    kept = resample(who).reservoirs
+    around = FrameReservoirs(now.world, take(now.visible, np.full(n, k)), lent)
+    neighbors = [(around.neighbors(q, every), u_theirs)]
+    given = PassInput(q, goes_on_from(frames, j, stored, q), mine, u_own, neighbors)
+    kept = resampled(given, settings, 1e9)
     assert_allclose(probability.sum(), 1, rtol=1e-13)
     number = kept.y.suffix.number
     return np.array(
@@ -306,40 +300,41 @@ def test_1_over_m_is_biased_across_the_change(frames):
     assert not is_true(frames, Settings(mis="1/M"))
 
 
-def unmoved(passage, y, x):
+def unmoved(shift, y, x):
     return x
 
 
-def as_it_is_now(passage, y, active):
+def as_it_is_now(shift, y, active):
     return y
 
 
-def only_led_back(passage, y, active, depart=Passage.depart):
+def only_led_back(shift, y, active, backward=TemporalShift.backward):
     """Position and normal of then, radiance of now."""
-    return replace(depart(passage, y, active), radiance=y.radiance)
+    return replace(backward(shift, y, active), radiance=y.radiance)
 
 
 PLANTED = {
-    "the Jacobian forgets that the sample moved": (Passage, "beside", unmoved),
-    "Z is asked of this frame": (Passage, "depart", as_it_is_now),
-    "Z is asked with the light of now": (Passage, "depart", only_led_back),
-    "samples stay behind": (Passage, "arrive", as_it_is_now),
+    "the Jacobian forgets that the sample moved": ("points_forward", unmoved),
+    "Z is asked of this frame": ("backward", as_it_is_now),
+    "Z is asked with the light of now": ("backward", only_led_back),
+    "samples stay behind": ("forward", as_it_is_now),
 }
 
 
 @pytest.mark.parametrize("name", PLANTED)
 def test_control_planted_mistakes_are_refuted(frames, monkeypatch, name):
-    module, function, wrong = PLANTED[name]
+    function, wrong = PLANTED[name]
     assert is_true(frames, Settings())
-    monkeypatch.setattr(module, function, wrong)
+    monkeypatch.setattr(TemporalShift, function, wrong)
     assert not is_true(frames, Settings())
 
 
 def test_control_visibility_of_now_in_the_weights_is_refuted(frames, monkeypatch):
     """Whoever asks this frame whether the last one saw the sample is found out."""
 
-    def of_now(world, x, y, active):
-        return sees(frames.now.world, x, y, active)
+    def of_now(q_n, y, asked):
+        y, _ = q_n.before(y, asked)
+        return sees(frames.now.world, q_n.x, y, asked & q_n.supports(y))
 
-    monkeypatch.setattr(normalization_module, "sees", of_now)
+    monkeypatch.setattr(EarlierPixels, "could_make", of_now)
     assert not is_true(frames, Settings())

@@ -13,7 +13,7 @@ from reference.oracle.rungs.patches import EYE, PLACE, UP, theory
 from reference.oracle.rungs.relations import relations_of
 from reference.oracle.rungs.spheres import furnace, half_lit
 from reference.oracle.stage import stage
-from reference.passes import shifting
+from reference.passes import pixels
 from reference.scene.catalogue.registry import find_scene
 
 BACKENDS = {"float32": FLOAT32, "float64": FLOAT64}
@@ -146,7 +146,7 @@ def test_spheres_see_a_jacobian_that_is_left_out(monkeypatch):
     def one(x_from, x_to, x_sample, n_sample):
         return np.ones(len(x_to), x_to.dtype)
 
-    monkeypatch.setattr(shifting, "reconnection_jacobian", one)
+    monkeypatch.setattr(pixels, "reconnection_jacobian", one)
     assert not furnace(right("float32"), "float32").passed
 
 

@@ -7,86 +7,97 @@ may still share each sample out; what is planted here is wrong on one side alone
 import pytest
 
 from tests.exact import claims
-from tests.exact.mutants import PRODUCTION, SURVIVORS, Mutant
+from tests.exact.mutants import (
+    DONOR,
+    DONORS,
+    ENGINE,
+    MADE,
+    OWN,
+    PAIRWISE,
+    SURVIVORS,
+    THERE,
+    Mutant,
+)
+from tests.mutants.plant import planted
 
 BOTH, DEFENSIVE = ("pairwise", "defensive"), ("defensive",)
 
 MUTANTS = [
     Mutant(
         "the canonical sample is forgotten",
-        "pipeline",
-        "found = [weighted(own, M_c, m)]",
-        "found = [weighted(own, M_c, m * 0)]",
+        ENGINE,
+        OWN,
+        "weighted = [_with_weight(canonical, m * 0)]",
         BOTH,
     ),
     Mutant(
         "the canonical sample counts in full",
-        "pipeline",
-        "found = [weighted(own, M_c, m)]",
-        "found = [weighted(own, M_c, m * 0 + 1)]",
+        ENGINE,
+        OWN,
+        "weighted = [_with_weight(canonical, m * 0 + 1)]",
         BOTH,
     ),
     Mutant(
         "inverse Jacobian in the target of a donor's own sample",
-        "pipeline",
-        "mine = M_j, p_from(j, y), M_c",
-        "mine = M_j, p_from(j, y) * jacobian(code, j, i, y) ** 2, M_c",
+        ENGINE,
+        MADE,
+        "target(made) * candidate.jacobian[at]",
         BOTH,
     ),
     Mutant(
         "inverse Jacobian in the target of the canonical sample",
-        "pipeline",
-        "p_k = [p_from(j, own.y.cell) for",
-        "p_k = [p_from(j, own.y.cell) * jacobian(code, j, i, own.y.cell) ** 2 for",
+        ENGINE,
+        THERE,
+        "divide_or_zero(target(value), jacobian), len(p_hat)",
         BOTH,
     ),
     Mutant(
         "M of the donor's slot for the canonical one",
-        "pipeline",
-        "mine = M_j, p_from(j, y), M_c",
-        "mine = M_j, p_from(j, y), M_j",
+        ENGINE,
+        DONOR,
+        "pairwise_donor(M, made, M, k.weighted.p_hat, S, defensive)",
         BOTH,
     ),
     Mutant(
         "target of the canonical sample for the donor's",
-        "pipeline",
-        "M_c, P_HAT[i][y]",
-        "M_c, P_HAT[i][own.y.cell]",
+        ENGINE,
+        DONOR,
+        "pairwise_donor(M, made, c.M, c.p_hat, S, defensive)",
         BOTH,
     ),
     Mutant(
         "all confidences, the canonical one too, in its weight",
-        "pairwise",
+        PAIRWISE,
         "S = one_over_m(M_k)",
         "S = one_over_m([*M_k, M_c])",
         BOTH,
     ),
     Mutant(
         "nulls do not count among the donors' confidences",
-        "pipeline",
-        "S = sum(M_k) + M_c * 0",
-        "S = sum(np.where(c.w > 0, c.M, M_c * 0) for c in candidates[1:])",
+        ENGINE,
+        DONORS,
+        "S = sum(np.where(k.weighted.w > 0, k.weighted.M, c.M * 0) for k in others)",
         BOTH,
     ),
     Mutant(
         "the canonical share is not taken from the donors",
-        "pairwise",
+        PAIRWISE,
         "total = plus(S, M_c) if defensive else S",
         "total = S",
         DEFENSIVE,
     ),
     Mutant(
         "m and M both multiply",
-        "pipeline",
-        "divide_or_zero(c.w, M) * m",
-        "c.w * m",
+        ENGINE,
+        "w=divide_or_zero(c.w, c.M) * m",
+        "w=c.w * m",
         BOTH,
     ),
     Mutant(
         "the sum of weights is divided by M after all",
-        "pipeline",
-        "return np.full(len(z), Fraction(1))",
-        "return code.mis.one_over_m(M)",
+        ENGINE,
+        "return np.ones_like(kept.w)",
+        "return one_over_m(M_k)",
         BOTH,
     ),
 ]
@@ -98,17 +109,16 @@ KILLS = [(mutant, mis) for mutant in MUTANTS for mis in mutant.killed_by]
     ("mutant", "mis"), KILLS, ids=[f"{mutant.name} - {mis}" for mutant, mis in KILLS]
 )
 def test_mutant_is_refuted(mutant, mis):
-    assert next(claims.spatial_pass(mutant.plant(), mis=mis), None) is not None
+    with planted(mutant):
+        assert next(claims.spatial_pass(mis=mis), None) is not None
 
 
 @pytest.mark.parametrize("mis", BOTH)
 @pytest.mark.parametrize("mutant", SURVIVORS[:2], ids=lambda mutant: mutant.name)
 def test_a_jacobian_that_is_wrong_on_both_sides_costs_noise_alone(mutant, mis):
     """Any p_k that is positive where k can make the sample shares it out."""
-    code = mutant.plant()
-    assert list(claims.spatial_pass(code, mis=mis)) == []
-
-    def law(code):
-        return claims.resampled(code, claims.fresh_frame(code), 0, mis=mis).as_dict()
-
-    assert law(code) != law(PRODUCTION)
+    frames = claims.fresh_frame()
+    whole = claims.spatial_law(frames, 0, mis=mis).as_dict()
+    with planted(mutant):
+        assert list(claims.spatial_pass(mis=mis)) == []
+        assert claims.spatial_law(frames, 0, mis=mis).as_dict() != whole

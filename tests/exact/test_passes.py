@@ -10,29 +10,26 @@ solid angle of the patch at x, for every x that q sees: to rounding, without sta
 
 import itertools
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from reference.passes.entries import Donors
-from reference.passes.receivers import Receivers, sees
-from reference.passes.resample import resample, resample_each
 
-from reference.passes import normalization as normalization_module
-from reference.passes import pairwise as pairwise_module
-from reference.passes import receivers as receivers_module
-from reference.passes import resample as resample_module
-from reference.passes import shifting as shifting_module
+from reference.passes import pixels as pixels_module
 from reference.passes import temporal as temporal_module
 from reference.passes.gbuffer import visible_points
 from reference.passes.history import History
 from reference.passes.initial import InitialSamples
-from reference.passes.spatial import Neighborhood, spatial_competitions
-from reference.passes.temporal import temporal_competition
-from reference.records import take
+from reference.passes.neighbors import neighbors_of
+from reference.passes.pixels import FrameReservoirs, NeighborPixels, Pixels, sees
+from reference.records import NONE, take
+from reference.resampling import generalized as engine_module
 from reference.resampling import pairwise as production
+from reference.resampling import reuse as reuse_module
 from reference.resampling.reservoir import Reservoirs, Samples
 from reference.resampling.target import target
+from reference.restir_gi import OWN, PassInput, pixels_of, resampled
 from reference.rng import TabledUniforms
 from reference.scene.camera import Camera
 from reference.scene.materials.kinds import Conductor, Lambertian
@@ -308,11 +305,13 @@ def contributions(stage, settings, as_they_stand=True):
     )
     visible = take(stage.visible, every)
     rows, u = slice(0, lines * PIXELS), TabledUniforms(uniforms.reshape(64, 4, -1))
-    history = History(Donors(stage.world, visible, before), rows, as_they_stand)
-    around = Neighborhood(Donors(stage.world, visible, r), np.arange(lines * PIXELS))
-    receivers = Receivers(stage.world, visible.surface, settings)
-    competitions = spatial_competitions(receivers, r, around, history, u)
-    kept = resample_each(competitions).reservoirs
+    q = receivers(stage.world, visible, settings)
+    last = FrameReservoirs(stage.world, visible, before)
+    past = History(last, last, shifted=not as_they_stand).of(last, q, rows)
+    here = FrameReservoirs(stage.world, visible, r)
+    around = neighbors_of(q, here, np.arange(lines * PIXELS), u, 2)
+    given = PassInput(q, past, r, u.draw(OWN)[0], around)
+    kept = resampled(given, settings, settings.spatial_cap)
     assert_allclose(probability.sum(axis=0), 1, rtol=1e-13)
     found = np.zeros((PIXELS, NOTHING))
     cells, weights = cells_of(kept.y).reshape(-1, PIXELS), kept.W.reshape(-1, PIXELS)
@@ -320,6 +319,12 @@ def contributions(stage, settings, as_they_stand=True):
         found[i, x] = np.sum((probability * weights)[:, i][cells[:, i] == x])
     assert (kept.M[probability.ravel() > 0] == TRUST.sum() + PAST).all()
     return found
+
+
+def receivers(world, visible, settings):
+    """Pixels that resample."""
+    frame = SimpleNamespace(world=world, visible=visible, settings=settings)
+    return pixels_of(frame, slice(0, len(visible.depth)))
 
 
 def settings_for(**changes):
@@ -373,13 +378,13 @@ def test_1_over_m_is_dark_by_the_share_that_could_not_have_made_it(stage, kind):
     assert_allclose(found, expected, rtol=500 * np.finfo(float).eps)
 
 
-def divided(*places, jacobian=shifting_module.reconnection_jacobian):
+def divided(*places, jacobian=pixels_module.reconnection_jacobian):
     """1/J, and 0 where there is no J."""
     J = jacobian(*places)
     return np.divide(1.0, J, out=np.zeros_like(J), where=J != 0)
 
 
-def swapped(x_from, x_to, *patch, jacobian=shifting_module.reconnection_jacobian):
+def swapped(x_from, x_to, *patch, jacobian=pixels_module.reconnection_jacobian):
     return jacobian(x_to, x_from, *patch)
 
 
@@ -387,8 +392,13 @@ def left_out(x_from, x_to, *patch):
     return np.ones(len(x_to))
 
 
-def sees_everything(world, points, y, active):
-    return active
+def sees_everything(q, y, asked):
+    return asked
+
+
+def blind(q_n, y, asked):
+    """Whether q_n could have made y, whatever hides it."""
+    return asked & (q_n.rows != NONE) & q_n.supports(y)
 
 
 def all_confidences(M_k, holds_k):
@@ -396,12 +406,12 @@ def all_confidences(M_k, holds_k):
 
 
 PLANTED = [
-    (shifting_module, "reconnection_jacobian", divided),
-    (shifting_module, "reconnection_jacobian", swapped),
-    (shifting_module, "reconnection_jacobian", left_out),
-    (receivers_module, "sees", sees_everything),
-    (normalization_module, "sees", sees_everything),
-    (normalization_module, "one_over_z", all_confidences),
+    (pixels_module, "reconnection_jacobian", divided),
+    (pixels_module, "reconnection_jacobian", swapped),
+    (pixels_module, "reconnection_jacobian", left_out),
+    (Pixels, "sees", sees_everything),
+    (NeighborPixels, "could_make", blind),
+    (reuse_module, "one_over_z", all_confidences),
 ]
 
 
@@ -433,7 +443,7 @@ PLANTED_IN_PAIRS = [
 def test_control_planted_mistakes_in_pairs_are_refuted(monkeypatch, mis, name, wrong):
     stage, settings = build(PAINT), settings_for(mis=mis)
     assert is_true(stage, settings)
-    monkeypatch.setattr(pairwise_module, name, wrong)
+    monkeypatch.setattr(engine_module, name, wrong)
     assert not is_true(stage, settings)
 
 
@@ -473,16 +483,17 @@ def temporal_chain(stage, i, kind, cap, frames=3):
         fresh_W = weight_of(stage, i, new)
         pdf = np.divide(1.0, fresh_W, out=np.zeros(count), where=fresh_W > 0)
         uniforms = TabledUniforms(np.broadcast_to(u, (1, 4, count)))
-        drawn = InitialSamples(samples(new), pdf, np.zeros((count, 3)))
+        ones, none = np.ones(count), np.zeros(count)
+        drawn = InitialSamples(samples(new), pdf, ones, np.zeros((count, 3)))
         settings = Settings(target=kind, temporal_cap=cap)
-        past = None
+        visible = VisiblePoints(points, ones)
+        q = receivers(stage.world, visible, settings)
+        past = Reservoirs(drawn.y, none, none)
         if history is not None:
-            donors = Donors(stage.world, VisiblePoints(points, np.ones(count)), history)
-            past = History(donors, slice(0, count), as_they_stand=True)
-        receivers = Receivers(stage.world, points, settings)
-        history = resample(
-            temporal_competition(receivers, drawn, past, uniforms)
-        ).reservoirs
+            last = FrameReservoirs(stage.world, visible, history)
+            past = History(last, last).of(last, q, slice(0, count))
+        given = PassInput(q, past, drawn, uniforms.draw(0)[0], [])
+        history = resampled(given, settings, cap)
         # Impossible sides of a decision go no further.
         alive = np.flatnonzero(probability > 0)
         history, probability = take(history, alive), probability[alive]
@@ -516,14 +527,14 @@ def weight_capped(r, cap):
     return replace(r, W=r.W * np.minimum(1.0, cap / np.maximum(r.M, 1.0)))
 
 
-def of_the_new_alone(M_k):
+def of_the_new_alone(M_k, holds_k):
     return M_k[-1]
 
 
 PLANTED_IN_TIME = [
     (temporal_module, "initial_candidates", nulls_left_out),
-    (resample_module, "cap_confidence", weight_capped),
-    (normalization_module, "one_over_m", of_the_new_alone),
+    (temporal_module, "cap_confidence", weight_capped),
+    (reuse_module, "one_over_z", of_the_new_alone),
 ]
 
 

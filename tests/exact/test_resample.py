@@ -6,54 +6,58 @@ made a sample.
 """
 
 from fractions import Fraction
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from reference import restir_gi
 from reference.records import NONE
 from reference.resampling.generalized import resample
-from reference.resampling.reservoir import Reservoirs
 from tests.exact import claims, shifted
 from tests.exact.domain import CELLS, HOLDS, MU, NOTHING, PIXELS, SEES
 from tests.exact.explore import explore
-from tests.exact.mutants import MODULES
-from tests.exact.pipeline import P_HAT
+from tests.exact.pages import Kept
+from tests.exact.shifted import DOMAIN
 from tests.mutants.plant import planted
 from tests.mutants.reuse import BIASES, ENGINE
 
-CODE = SimpleNamespace(**{**MODULES, "pipeline": shifted})
 CAP = Fraction(2)
 UNBIASED = ("1/Z", "balance", "pairwise", "defensive")
 each_weight = pytest.mark.parametrize("mis", UNBIASED)
 
 
+@pytest.fixture(autouse=True)
+def _every_pass_by_the_engine(monkeypatch):
+    """1/M and 1/Z too, which have passes of their own."""
+    monkeypatch.setattr(restir_gi, "resampled", shifted.by_the_engine)
+
+
 @each_weight
 def test_one_pass(mis):
-    assert list(claims.spatial_pass(CODE, mis=mis)) == []
+    assert list(claims.spatial_pass(mis=mis)) == []
 
 
 @each_weight
 def test_one_pass_where_large_jacobians_are_refused(mis):
-    assert list(claims.spatial_pass(CODE, mis=mis, limit=Fraction(2))) == []
+    assert list(claims.pass_with_mirrored_limit(mis)) == []
 
 
 @each_weight
 def test_two_passes(mis):
     """Inputs of the second share those of the first."""
-    assert list(claims.two_passes(CODE, mis=mis)) == []
+    assert list(claims.two_passes(mis)) == []
 
 
 def test_a_chain_of_frames():
-    assert list(claims.temporal_chain(CODE)) == []
+    assert list(claims.temporal_chain()) == []
 
 
 @each_weight
 @pytest.mark.slow
 def test_two_frames_of_both(mis):
-    assert list(claims.loop_of_two_frames(CODE, mis=mis, cap=CAP)) == []
+    assert list(claims.loop_of_two_frames(mis, CAP)) == []
 
 
 PARTS = [None, [0, 2, 3], [1, 4, 5], [0, 2, 3]]
@@ -64,11 +68,18 @@ def windows(mis):
     """Pixels that know disjoint parts of another one's area."""
 
     def program(frame, uniform):
-        donors = [(0, frame.r0), (1, frame.r1), (2, frame.r2), (2, frame.r2)]
-        kept = {"mis": mis, "parts": PARTS}
-        return shifted.spatial(CODE, 0, donors, uniform, **kept)
+        everyone = np.arange(len(frame.r0.W))
+        donors = []
+        for j, part in zip((0, 1, 2, 2), PARTS, strict=True):
+            shown = shifted.toys(DOMAIN.p_hat, j, frame.at(j))
+            donors.append(
+                shifted.ToyDonor(
+                    DOMAIN, 0, j, shown, everyone, part=part, same_domain=j == 0
+                )
+            )
+        return shifted.resampled(donors, uniform, mis)
 
-    law = explore(program, claims.fresh_frame(CODE))
+    law = explore(program, claims.fresh_frame())
     yield from claims.faults(
         0, claims.contributions(law, law.outcomes), claims.truth(0)
     )
@@ -88,7 +99,7 @@ def expected_of_one_over_m(i):
 
 @pytest.mark.parametrize("i", PIXELS)
 def test_one_over_m_has_the_bias_that_it_should(i):
-    found = claims.spatial_contributions(CODE, i, mis="1/M")
+    found = claims.spatial_contributions(i, mis="1/M")
     assert found == expected_of_one_over_m(i)
     assert found != claims.truth(i)
 
@@ -102,7 +113,7 @@ def alone(tables, i, k, x, M, mis):
     for j in range(len(M)):
         cell = np.array([x if j == k else NOTHING])
         weight = np.array([Fraction(j == k)], object)
-        r = Reservoirs(cell, weight, np.array([M[j]], object))
+        r = Kept(cell, weight, np.array([M[j]], object))
         shown = shifted.toys(tables.p_hat, j, r)
         here = shifted.ToyDonor(
             tables, i, j, shown, np.zeros(1, int), same_domain=j == i
@@ -126,11 +137,7 @@ def sums(tables, M, mis):
 @each_weight
 @pytest.mark.parametrize("M", [(1, 1, 1), claims.TRUST, (Fraction(1, 3), 20, 7)])
 def test_weights_sum_to_one(mis, M):
-    t = shifted.tables(CODE)
-    everything = shifted.Tables(
-        np.array(P_HAT), np.array(t.seen), np.array(t.held), t.jacobian
-    )
-    found = sums(everything, [Fraction(m) for m in M], mis)
+    found = sums(DOMAIN, [Fraction(m) for m in M], mis)
     assert len(found) == HOLDS.sum()
     assert set(found) == {1}
 
@@ -160,27 +167,24 @@ def test_weights_of_any_tables_sum_to_one(mis, drawn):
 
 
 def test_control_weights_1_m_do_not():
-    t = shifted.tables(CODE)
-    everything = shifted.Tables(
-        np.array(P_HAT), np.array(t.seen), np.array(t.held), t.jacobian
-    )
-    assert set(sums(everything, [Fraction(1)] * 3, "1/M")) > {1}
+    assert set(sums(DOMAIN, [Fraction(1)] * 3, "1/M")) > {1}
 
 
 @each_weight
 def test_a_slot_without_donor_is_as_if_it_were_not(mis):
     """It brings neither samples nor confidence."""
     M = [Fraction(m) for m in claims.TRUST]
-    t = shifted.tables(CODE)
     cells, W = np.array([0, 2, 3]), np.array([Fraction(n) for n in (2, 1, 3)], object)
     kept = []
     for slots in ([0, 1], [0, 1, 2]):
         donors = []
         for j in slots:
-            r = Reservoirs(cells, W, np.full(3, M[j], object))
+            r = Kept(cells, W, np.full(3, M[j], object))
             rows = np.full(3, NONE) if j == 2 else np.arange(3)
-            shown = shifted.toys(P_HAT, j, r)
-            donors.append(shifted.ToyDonor(t, 0, j, shown, rows, same_domain=j == 0))
+            shown = shifted.toys(DOMAIN.p_hat, j, r)
+            donors.append(
+                shifted.ToyDonor(DOMAIN, 0, j, shown, rows, same_domain=j == 0)
+            )
         u = [np.full(3, Fraction(2, 5), object)] * len(slots)
         kept.append(resample(donors, u, mis, 9999, shifted.target))
     np.testing.assert_array_equal(kept[0].y.cell, kept[1].y.cell)
@@ -189,10 +193,9 @@ def test_a_slot_without_donor_is_as_if_it_were_not(mis):
 
 
 def test_weights_in_pairs_need_somebody_who_covers_the_domain():
-    r = Reservoirs(np.array([0]), np.array([Fraction(1)]), np.array([Fraction(1)]))
-    donor = shifted.ToyDonor(
-        shifted.tables(CODE), 0, 1, shifted.toys(P_HAT, 1, r), np.zeros(1, int)
-    )
+    r = Kept(np.array([0]), np.array([Fraction(1)]), np.array([Fraction(1)]))
+    shown = shifted.toys(DOMAIN.p_hat, 1, r)
+    donor = shifted.ToyDonor(DOMAIN, 0, 1, shown, np.zeros(1, int))
     u = [np.array([Fraction(0)])]
     with pytest.raises(ValueError, match="domain"):
         resample([donor], u, "pairwise", 9, shifted.target)
@@ -208,12 +211,13 @@ MISTAKES = [
 ]
 
 EVIDENCE = {
-    "1/Z": lambda: claims.spatial_pass(CODE, mis="1/Z"),
-    "balance": lambda: claims.spatial_pass(CODE, mis="balance"),
-    "pairwise": lambda: claims.spatial_pass(CODE, mis="pairwise"),
-    "defensive": lambda: claims.spatial_pass(CODE, mis="defensive"),
-    "frames": lambda: claims.loop_of_two_frames(CODE, mis="balance", cap=CAP),
-    "chain": lambda: claims.temporal_chain(CODE),
+    "chain": claims.temporal_chain,
+    "1/Z": claims.spatial_pass,
+    "balance": claims.balance_pass,
+    "pairwise": claims.pairwise_pass,
+    "defensive": claims.defensive_pass,
+    "windows": lambda: windows("balance"),
+    "frames": lambda: claims.loop_of_two_frames("balance", CAP),
 }
 
 
