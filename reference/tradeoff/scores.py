@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from reference.arrays import Scalars
-from reference.figures.bootstrap import ratio_interval
-from reference.figures.record import Deviation, Interval
+from reference.figures.record import Deviation
 from reference.figures.spread import spreads
 from reference.figures.tiles import tile_means
+from reference.intervals import Interval, ratio_interval
 from reference.moments import Moments
 from reference.tradeoff.points import Point
 from reference.tradeoff.split import Split, split_error
