@@ -2,6 +2,9 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
+from reference.intervals import Numbers
 from reference.moments import Moments
 
 
@@ -31,3 +34,19 @@ def merge(batches: Sequence[Moments]) -> Moments:
         between = step**2 * (merged.count * batch.count / count)
         merged = Moments(count, mean, merged.squares + batch.squares + between)
     return merged
+
+
+def path_errors(batches: Sequence[Moments]) -> Numbers:
+    """Mean squared error of one path-traced sample, an estimate a batch.
+
+    Parameters
+    ----------
+    batches : sequence of Moments
+        B, each of at least two samples.
+
+    Returns
+    -------
+    (B,) float64
+        Variance of a sample, in the mean over pixels and channels.
+    """
+    return np.array([np.mean(b.squares) / (b.count - 1.0) for b in batches])
