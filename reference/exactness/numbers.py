@@ -200,6 +200,79 @@ class Exact:
         return Exact(value, error + rounding, self.type)
 
 
+WHOLE = MPContext()
+WHOLE.prec = 2**15
+"""Bits that hold all of a sum of products of four float64: the exponents of such
+products span less than 2¹⁴."""
+
+DIGITS = MPContext()
+DIGITS.dps = 50
+
+UNROUNDED = Type("exact", ZERO, ZERO, INFINITE)
+"""The type of `Unrounded`."""
+
+
+class Unrounded(Exact):
+    """A number that nothing rounds but quotients, roots, sines and cosines.
+
+    Sums and products are those of `WHOLE`, and so are the signs of differences; the
+    others have 50 digits.
+    """
+
+    __slots__ = ()
+
+    def __add__(self, other: Exact | int) -> Exact:
+        return unrounded(self.value + self._like(other).value)
+
+    def __mul__(self, other: Exact | int) -> Exact:
+        return unrounded(self.value * self._like(other).value)
+
+    def __truediv__(self, other: Exact | int) -> Exact:
+        """Quotient, and 0 over 0."""
+        a, b = (DIGITS.convert(x.value) for x in (self, self._like(other)))
+        return unrounded(a / b if b else 0)
+
+    __radd__ = __add__
+    __rmul__ = __mul__
+
+    def __abs__(self) -> Exact:
+        return unrounded(abs(self.value))
+
+    def __neg__(self) -> Exact:
+        return unrounded(-self.value)
+
+    def __gt__(self, other: Exact | int) -> bool:
+        return bool(self.value > self._like(other).value)
+
+    def sqrt(self) -> Exact:
+        """Square root of a number that is not negative."""
+        return unrounded(DIGITS.sqrt(DIGITS.convert(self.value)))
+
+    def cos(self) -> Exact:
+        """Cosine."""
+        return unrounded(DIGITS.cos(DIGITS.convert(self.value)))
+
+    def sin(self) -> Exact:
+        """Sine."""
+        return unrounded(DIGITS.sin(DIGITS.convert(self.value)))
+
+
+def unrounded(value: Any) -> Unrounded:
+    """A number that is meant as it stands.
+
+    Parameters
+    ----------
+    value : float, str or mpf
+        Finite.
+
+    Returns
+    -------
+    Unrounded
+        All of it.
+    """
+    return Unrounded(WHOLE.convert(value), ZERO, UNROUNDED)
+
+
 def exact(value: Any, type_: Type) -> Exact:
     """A number that a kernel was given.
 
@@ -215,7 +288,29 @@ def exact(value: Any, type_: Type) -> Exact:
     Exact
         Without an error.
     """
+    if type_ is UNROUNDED:
+        return unrounded(value)
     return Exact(EXACT.mpf(value), ZERO, type_)
+
+
+def exactly(value: Any, type_: Type) -> Any:
+    """What a kernel was given in one row.
+
+    Parameters
+    ----------
+    value : number or (k,) array
+        Finite.
+    type_ : Type
+        Of what is done with it.
+
+    Returns
+    -------
+    Exact, or tuple of k of them
+        Without an error.
+    """
+    if np.ndim(value):
+        return tuple(exact(float(component), type_) for component in value)
+    return exact(float(value), type_)
 
 
 def literal(value: Any, type_: Type) -> Exact:
@@ -234,4 +329,6 @@ def literal(value: Any, type_: Type) -> Exact:
         With one rounding.
     """
     number = EXACT.mpf(value)
+    if type_ is UNROUNDED:
+        return unrounded(number)
     return Exact(number, abs(number) * type_.unit, type_)

@@ -19,7 +19,8 @@ _WHITE = tabulate([Lambertian((1.0, 1.0, 1.0))])
 
 
 def _luminance(color: Vector) -> Exact:
-    r, g, b = (literal(w, color[0].type) for w in luminance_weights())
+    # The decimals are meant, which no binary number is.
+    r, g, b = (literal(str(w), color[0].type) for w in luminance_weights())
     return color[0] * r + color[1] * g + color[2] * b
 
 
