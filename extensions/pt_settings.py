@@ -5,6 +5,7 @@ from math import inf
 
 from extensions.connection import ShiftKind
 from reference.methods.framed import Image
+from reference.options import refuse_beyond
 from reference.resampling.generalized import Mis
 from reference.settings import Search
 
@@ -49,8 +50,4 @@ class PathSettings(Search):
     image: Image = "last"
 
     def __post_init__(self) -> None:
-        for name, (least, most) in LEAST_AND_MOST.items():
-            if not least <= getattr(self, name) <= most:
-                raise ValueError(
-                    f"{name}={getattr(self, name)} is out of range: {least} to {most}"
-                )
+        refuse_beyond(self, LEAST_AND_MOST)

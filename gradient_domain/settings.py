@@ -7,6 +7,7 @@ from extensions.area_settings import AreaSettings
 from extensions.connection import ShiftKind
 from gradient_domain.images import Reconstruction
 from reference.methods.framed import Image
+from reference.options import refuse_beyond
 
 Signs = Literal["within", "across", "without"]
 """Reservoirs of both signs that reuse their own, or each other's; or one of both."""
@@ -69,5 +70,4 @@ class GradientSettings(AfterSettings):
 
     def __post_init__(self) -> None:
         AfterSettings.__post_init__(self)
-        if not 1 <= self.tries <= 256:
-            raise ValueError(f"tries={self.tries} is out of range: 1 to 256")
+        refuse_beyond(self, {"tries": (1, 256)})

@@ -5,6 +5,7 @@ from math import inf
 from typing import Literal
 
 from extensions.pt_settings import PathSettings
+from reference.options import refuse_beyond
 from reference.resampling.generalized import Mis
 
 CELL_LIMITS = {
@@ -57,11 +58,7 @@ class CellSettings(PathSettings):
     def __post_init__(self) -> None:
         # Slots make another class of it, which the short form of super does not know.
         PathSettings.__post_init__(self)
-        for name, (least, most) in CELL_LIMITS.items():
-            if not least <= getattr(self, name) <= most:
-                raise ValueError(
-                    f"{name}={getattr(self, name)} is out of range: {least} to {most}"
-                )
+        refuse_beyond(self, CELL_LIMITS)
 
     def asks(self, vertex: int) -> bool:
         """Whether paths at x_v ask a cell.

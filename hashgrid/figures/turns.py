@@ -8,15 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.accumulate import ever_more, path_samples
 from reference.arrays import Vec3s
 from reference.demo.score import relative_bias
-from reference.figures.batches import merge, path_errors
-from reference.figures.contest import PATH_SEED
+from reference.figures.contest import paths_beside
 from reference.figures.record import Work
 from reference.figures.spread import spreads
 from reference.intervals import Numbers
-from reference.moments import Moments
+from reference.moments import Moments, merge
 from reference.timing import in_turns, timed
 from reference.world import World
 
@@ -76,7 +74,7 @@ class Turns:
 
     def path_errors(self) -> Numbers:
         """Mean squared error of one path-traced sample, an estimate a run."""
-        return path_errors(self.batches)
+        return np.array([batch.variance().mean() for batch in self.batches])
 
     def bias(self, name: str) -> tuple[float, float]:
         """Bias of the mean luminance, and its standard error.
@@ -124,14 +122,7 @@ def by_turns(
     for run in range(work.runs):
         work.tick(run, work.runs, "runs")
         running = {name: make(run).__next__ for name, make in variants.items()}
-        paths = path_samples(
-            world,
-            work.schedule,
-            light="indirect",
-            bounces=bounces,
-            seed=PATH_SEED + run,
-        )
-        drawn = ever_more(paths, PATHS, work.schedule)
+        drawn = paths_beside(world, bounces, run, PATHS, work)
         for frame, turn in enumerate(in_turns(running, WARM + COUNTED)):
             if frame < WARM:
                 continue

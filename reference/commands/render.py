@@ -48,13 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME,...",
         help="further layers of the file; an unknown name lists those of the method",
     )
-    parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="a setting of the method; an unknown key lists them all",
-    )
+    options.add_set(parser, "a setting of the method; an unknown key lists them all")
     parser.add_argument(
         "--no-plan",
         action="store_true",

@@ -6,7 +6,7 @@ samples in between are the truth in the end.
 """
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,11 +15,10 @@ from reference import metrics
 from reference.accumulate import ever_more, path_samples
 from reference.arrays import Masks, Vec3s
 from reference.demo.runs import CONVERGED, Runs
-from reference.figures.batches import merge, path_errors
 from reference.figures.record import Work
 from reference.intervals import Numbers
 from reference.methods import Job, Method, Rendering
-from reference.moments import Moments
+from reference.moments import Moments, merge
 from reference.timing import in_turns, timed
 from reference.world import World
 
@@ -75,7 +74,7 @@ class Contest:
 
     def path_variances(self) -> Numbers:
         """Mean squared error of one path-traced sample, an estimate a batch."""
-        return path_errors(self.batches)
+        return np.array([batch.variance().mean() for batch in self.batches])
 
     def errors(self, name: str, pixels: Masks | None = None) -> Numbers:
         """Mean squared error of each run, without the share of the truth's own.
@@ -144,14 +143,7 @@ def compete(
         running = {
             c.name: c.method.render(_job(world, c, run, work)) for c in contenders
         }
-        samples = path_samples(
-            world,
-            work.schedule,
-            light="indirect",
-            bounces=bounces,
-            seed=PATH_SEED + run,
-        )
-        drawn, turns = ever_more(samples, paths, work.schedule), []
+        drawn, turns = paths_beside(world, bounces, run, paths, work), []
         calls = {name: steps.__next__ for name, steps in running.items()}
         for turn in in_turns(calls, FRAMES):
             turns.append(turn)
@@ -174,6 +166,36 @@ def compete(
     }
     seconds = float(np.median(path_times))
     return Contest(world, bounces, batches, merge(batches), seconds, runs)
+
+
+def paths_beside(
+    world: World, bounces: int, run: int, step: int, work: Work
+) -> Iterator[Moments]:
+    """Path tracing between the frames of a run: part of the truth in the end.
+
+    Parameters
+    ----------
+    world : World
+        The scene.
+    bounces : int
+        Of indirect light.
+    run : int
+        Samples of different runs are independent.
+    step : int
+        Samples at a time.
+    work : Work
+        Bands and threads.
+
+    Returns
+    -------
+    iterator of Moments
+        After ever more samples, without end.
+    """
+    seed = PATH_SEED + run
+    drawn = path_samples(
+        world, work.schedule, light="indirect", bounces=bounces, seed=seed
+    )
+    return ever_more(drawn, step, work.schedule)
 
 
 def _job(world: World, contender: Contender, seed: int, work: Work) -> Job:

@@ -14,7 +14,6 @@ import sys
 import numpy as np
 
 from reference.accumulate import ever_more, path_samples
-from reference.figures.batches import path_errors
 from reference.intervals import Numbers, ratio_interval
 from reference.moments import add_samples, no_samples
 from reference.options import with_values
@@ -36,7 +35,7 @@ def main(name: str, size: int, runs: int, changes: list[str]) -> None:
     none = no_samples(paths.rows)
     truth = add_samples(none, paths.radiance, SAMPLES, SCHEDULE)
     of_truth = (truth.standard_error() ** 2).mean()
-    (of_one,) = path_errors([truth])
+    of_one = truth.variance().mean()
     print(f"{name} {size} x {size}: truth of {SAMPLES} samples a pixel, {runs} runs")
     for label, start_from in (("unbiased", UNBIASED), ("biased", BIASED)):
         settings = with_values(start_from, changes)

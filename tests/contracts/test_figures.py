@@ -15,7 +15,6 @@ from reference import announced, timing
 from reference.cli import main
 from reference.demo.runs import CONVERGED
 from reference.figures import contest, registry, validation
-from reference.figures.batches import merge
 from reference.figures.canvas import Tile, blank, draw_tiles
 from reference.figures.contest import FRAMES, Contender, Contest, compete
 from reference.figures.paths import sized_world
@@ -34,7 +33,7 @@ from reference.images import luminance
 from reference.intervals import mean_interval, ratio_interval
 from reference.methods import Progress
 from reference.methods.restir_gi import UNBIASED
-from reference.moments import Moments, add_samples, no_samples
+from reference.moments import Moments, add_samples, merge, no_samples
 from reference.schedule import Schedule
 
 FALSE_ALARM = 1e-6
