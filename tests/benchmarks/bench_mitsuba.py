@@ -22,7 +22,7 @@ from functools import partial
 import numpy as np
 
 from reference.intervals import bootstrap_interval
-from reference.timing import seconds_in_turns, timed
+from reference.timing import in_turns, seconds_in_turns, timed
 from reference.version import project_version
 from tests.benchmarks.mitsuba_side import LAUNCH, opened
 from tests.benchmarks.our_side import THREADS, Runner
@@ -88,14 +88,12 @@ def started(module: str, *arguments: object) -> float:
 def cold(name: str, size: int, bounces: int, samples: float) -> list[list[float]]:
     """Seconds from nothing to the error after FRAMES, ours and theirs, in turns."""
     about = name, size, bounces
-    turns = [
-        (
-            started("our_side", *about, FRAMES + 1),
-            started("mitsuba_side", *about, max(1, round(samples))),
-        )
-        for _ in range(COLD_TURNS)
-    ]
-    return [list(column) for column in zip(*turns, strict=True)]
+    calls = {
+        "ours": partial(started, "our_side", *about, FRAMES + 1),
+        "theirs": partial(started, "mitsuba_side", *about, max(1, round(samples))),
+    }
+    turns = list(in_turns(calls, COLD_TURNS))
+    return [[turn[name].result for turn in turns] for name in calls]
 
 
 def ahead(one: list[float], warm: list[float], times: list[float]) -> list[float]:
