@@ -217,60 +217,72 @@ class Unrounded(Exact):
 
     Sums and products are those of `WHOLE`, and so are the signs of differences; the
     others have 50 digits.
+
+    Parameters
+    ----------
+    value : mpf of `WHOLE`
+        All of it.
     """
 
     __slots__ = ()
+    error, type = ZERO, UNROUNDED
+
+    def __init__(self, value: Any) -> None:
+        object.__setattr__(self, "value", value)
 
     def __add__(self, other: Exact | int) -> Exact:
-        return unrounded(self.value + self._like(other).value)
+        return Unrounded(self.value + _value(other))
+
+    def __sub__(self, other: Exact | int) -> Exact:
+        return Unrounded(self.value - _value(other))
+
+    def __rsub__(self, other: int) -> Exact:
+        return Unrounded(other - self.value)
 
     def __mul__(self, other: Exact | int) -> Exact:
-        return unrounded(self.value * self._like(other).value)
+        return Unrounded(self.value * _value(other))
 
     def __truediv__(self, other: Exact | int) -> Exact:
         """Quotient, and 0 over 0."""
-        a, b = (DIGITS.convert(x.value) for x in (self, self._like(other)))
-        return unrounded(a / b if b else 0)
+        below = _value(other)
+        if not below:
+            return Unrounded(WHOLE.zero)
+        return _of_digits(DIGITS.convert(self.value) / DIGITS.convert(below))
 
     __radd__ = __add__
     __rmul__ = __mul__
 
     def __abs__(self) -> Exact:
-        return unrounded(abs(self.value))
+        return Unrounded(abs(self.value))
 
     def __neg__(self) -> Exact:
-        return unrounded(-self.value)
+        return Unrounded(-self.value)
 
     def __gt__(self, other: Exact | int) -> bool:
-        return bool(self.value > self._like(other).value)
+        return bool(self.value > _value(other))
+
+    def __lt__(self, other: Exact | int) -> bool:
+        return bool(self.value < _value(other))
 
     def sqrt(self) -> Exact:
         """Square root of a number that is not negative."""
-        return unrounded(DIGITS.sqrt(DIGITS.convert(self.value)))
+        return _of_digits(DIGITS.sqrt(DIGITS.convert(self.value)))
 
     def cos(self) -> Exact:
         """Cosine."""
-        return unrounded(DIGITS.cos(DIGITS.convert(self.value)))
+        return _of_digits(DIGITS.cos(DIGITS.convert(self.value)))
 
     def sin(self) -> Exact:
         """Sine."""
-        return unrounded(DIGITS.sin(DIGITS.convert(self.value)))
+        return _of_digits(DIGITS.sin(DIGITS.convert(self.value)))
 
 
-def unrounded(value: Any) -> Unrounded:
-    """A number that is meant as it stands.
+def _value(number: Exact | int) -> Any:
+    return number.value if isinstance(number, Exact) else number
 
-    Parameters
-    ----------
-    value : float, str or mpf
-        Finite.
 
-    Returns
-    -------
-    Unrounded
-        All of it.
-    """
-    return Unrounded(WHOLE.convert(value), ZERO, UNROUNDED)
+def _of_digits(value: Any) -> Exact:
+    return Unrounded(WHOLE.convert(value))
 
 
 def exact(value: Any, type_: Type) -> Exact:
@@ -289,7 +301,7 @@ def exact(value: Any, type_: Type) -> Exact:
         Without an error.
     """
     if type_ is UNROUNDED:
-        return unrounded(value)
+        return Unrounded(WHOLE.convert(value))
     return Exact(EXACT.mpf(value), ZERO, type_)
 
 
@@ -298,7 +310,7 @@ def exactly(value: Any, type_: Type) -> Any:
 
     Parameters
     ----------
-    value : number or (k,) array
+    value : number, or k of them
         Finite.
     type_ : Type
         Of what is done with it.
@@ -308,7 +320,7 @@ def exactly(value: Any, type_: Type) -> Any:
     Exact, or tuple of k of them
         Without an error.
     """
-    if np.ndim(value):
+    if isinstance(value, list | np.ndarray):
         return tuple(exact(float(component), type_) for component in value)
     return exact(float(value), type_)
 
@@ -330,5 +342,5 @@ def literal(value: Any, type_: Type) -> Exact:
     """
     number = EXACT.mpf(value)
     if type_ is UNROUNDED:
-        return unrounded(number)
+        return Unrounded(WHOLE.convert(number))
     return Exact(number, abs(number) * type_.unit, type_)

@@ -11,12 +11,13 @@ from typing import Any
 
 from reference.exactness.geometry import similarity
 from reference.exactness.kernel import Kernel, Row
-from reference.exactness.numbers import UNROUNDED, exactly
+from reference.exactness.numbers import UNROUNDED, Exact, exactly
 from reference.exactness.sampling import (
     COSINE_PDF,
-    COSINE_WEIGHTED,
-    UNIFORM,
     UNIFORM_PDF,
+    azimuth,
+    cosine_polar,
+    uniform_polar,
 )
 from reference.exactness.targets import JACOBIAN, OUTGOING, REFLECTED, SCATTERED
 from reference.exactness.weights import CHOICE, CONFIDENCE, FINALIZE
@@ -25,11 +26,12 @@ from reference.oracle.contract.fields import Value
 
 Settings = Mapping[str, Value]
 Formula = Callable[[Row, Settings], dict[str, Any]]
+Polar = Callable[[Exact], tuple[Exact, Exact]]
 
 TARGETS: Mapping[Value, Kernel] = {"scattered": SCATTERED, "outgoing": OUTGOING}
-SOURCES: Mapping[Value, tuple[Kernel, Kernel]] = {
-    "uniform": (UNIFORM, UNIFORM_PDF),
-    "cosine": (COSINE_WEIGHTED, COSINE_PDF),
+SOURCES: Mapping[Value, tuple[Polar, Kernel]] = {
+    "uniform": (uniform_polar, UNIFORM_PDF),
+    "cosine": (cosine_polar, COSINE_PDF),
 }
 
 
@@ -47,8 +49,9 @@ def rows_of(case: Case) -> list[Row]:
         Numbers that stay exact.  Rows of ``direction`` have an ``origin`` beside, the
         azimuth's random number in the first row that has their normal.
     """
+    columns = {name: values.tolist() for name, values in case.inputs.items()}
     rows: list[Row] = [
-        {name: exactly(values[k], UNROUNDED) for name, values in case.inputs.items()}
+        {name: exactly(column[k], UNROUNDED) for name, column in columns.items()}
         for k in range(case.rows)
     ]
     if case.pass_name != "direction":
@@ -63,15 +66,13 @@ def rows_of(case: Case) -> list[Row]:
 
 def _direction(row: Row, settings: Settings) -> dict[str, Any]:
     """The frame is the backend's own: azimuths are told from that of the origin."""
-    direction, density = SOURCES[settings["source"]]
-    u = {"u1": row["u"][0], "u2": row["u"][1] - row["origin"]}
-    x, _, cosine = direction.formula(u)
-    sine = (1 - cosine * cosine).sqrt()
+    polar, density = SOURCES[settings["source"]]
+    cosine, _ = polar(row["u"][0])
     return {
         "cos θ": cosine,
         "length": 1,
         # The normal itself has none: 0 is as far from -1 as from 1.
-        "azimuth": x / sine if cosine < 1 else 0,
+        "azimuth": azimuth(row["u"][1] - row["origin"]).cos() if cosine < 1 else 0,
         "pdf": density.formula({"cosine": cosine}),
     }
 
