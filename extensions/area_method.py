@@ -7,9 +7,8 @@ from extensions.area_settings import AreaSettings
 from extensions.frame_loop import PathFrame
 from extensions.method import PATHS, path_layers
 from reference.arrays import Scalars
-from reference.methods.aovs import GBUFFER
-from reference.methods.framed import PARTS, Framed
-from reference.methods.method import Job, Method
+from reference.methods.framed import Framed
+from reference.methods.method import Job
 
 PLACES = {
     "x": "where the kept path appears in the image, pixels from the left",
@@ -40,14 +39,9 @@ def area_layers(frame: PathFrame, names: tuple[str, ...]) -> Mapping[str, Scalar
 
 
 FRAMED = Framed(_frames, area_layers, {**PATHS, **PLACES}, pixel="box")
-METHOD = Method(
-    name="area-restir",
-    summary="whole paths, reused over the area of each pixel: antialiased",
-    counts={"frames": 32, "spp": 32},
-    settings=AreaSettings(),
-    aovs={**PARTS, **PATHS, **PLACES, **GBUFFER},
-    render=FRAMED.render,
-    biases=lambda job: (),
-    frames=FRAMED.shown,
-    pixel=FRAMED.pixel,
+METHOD = FRAMED.method(
+    "area-restir",
+    "whole paths, reused over the area of each pixel: antialiased",
+    AreaSettings(),
+    lambda job: (),
 )

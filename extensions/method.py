@@ -9,9 +9,8 @@ from extensions.pt_settings import PathSettings
 from extensions.restir_pt import render_path_frames
 from extensions.shifting import Paths
 from reference.arrays import Scalars
-from reference.methods.aovs import GBUFFER
-from reference.methods.framed import PARTS, Framed
-from reference.methods.method import Job, Method
+from reference.methods.framed import Framed
+from reference.methods.method import Job
 from reference.resampling.reservoir import Reservoirs
 
 PATHS = {
@@ -54,21 +53,15 @@ def _layers(frame: PathFrame, names: tuple[str, ...]) -> Mapping[str, Scalars]:
 def named_biases(job: Job) -> tuple[str, ...]:
     """What biases the indirect light of a picture."""
     reuses = job.settings.spatial or (job.animation and job.settings.temporal)
-    if job.light == "direct" or job.bounces == 0 or not reuses:
-        return ()
-    if job.settings.mis == "1/M":
+    if reuses and job.settings.mis == "1/M":
         return ("mis=1/M counts those who could not have made the sample: too dark",)
     return ()
 
 
 FRAMED = Framed(_frames, _layers, PATHS)
-METHOD = Method(
-    name="restir-pt",
-    summary="whole paths, reused by reconnection, random replay or both",
-    counts={"frames": 32, "spp": 32},
-    settings=PathSettings(),
-    aovs={**PARTS, **PATHS, **GBUFFER},
-    render=FRAMED.render,
-    biases=named_biases,
-    frames=FRAMED.shown,
+METHOD = FRAMED.method(
+    "restir-pt",
+    "whole paths, reused by reconnection, random replay or both",
+    PathSettings(),
+    named_biases,
 )

@@ -7,6 +7,7 @@ from typing import Literal
 from extensions.shifting import Criterion
 from reference.methods.framed import Image
 from reference.resampling.generalized import Mis
+from reference.setting_values import refuse_beyond
 from reference.settings import Search
 
 ShiftKind = Literal["reconnection", "replay", "hybrid"]
@@ -59,8 +60,4 @@ class PathSettings(Search):
     image: Image = "last"
 
     def __post_init__(self) -> None:
-        for name, (least, most) in LEAST_AND_MOST.items():
-            if not least <= getattr(self, name) <= most:
-                raise ValueError(
-                    f"{name}={getattr(self, name)} is out of range: {least} to {most}"
-                )
+        refuse_beyond(self, LEAST_AND_MOST)

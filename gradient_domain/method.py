@@ -20,8 +20,7 @@ from gradient_domain.settings import (
     Reconstruction,
 )
 from reference.arrays import Scalars, Vec3s
-from reference.methods.aovs import GBUFFER
-from reference.methods.framed import PARTS, Framed
+from reference.methods.framed import Framed
 from reference.methods.method import Job, Method
 
 GRADIENTS = {
@@ -89,8 +88,6 @@ def named_biases(job: Job) -> tuple[str, ...]:
     tuple of str
         A line each.
     """
-    if job.light == "direct" or job.bounces == 0:
-        return ()
     if job.settings.reconstruction == "l1":
         return (
             "reconstruction=l1 is not linear: biased, though what it is given is not",
@@ -99,26 +96,15 @@ def named_biases(job: Job) -> tuple[str, ...]:
 
 
 def _method(name: str, summary: str, settings: Any, render: Renders) -> Method:
-    own = {**PATHS, **PLACES, **GRADIENTS}
     framed = Framed(
         _frames(render),
         _layers,
-        own,
+        {**PATHS, **PLACES, **GRADIENTS},
         pixel="box",
         estimates=lambda frame: frame.estimates,
         develop=developed,
     )
-    return Method(
-        name=name,
-        summary=summary,
-        counts={"frames": 32, "spp": 32},
-        settings=settings,
-        aovs={**PARTS, **own, **GBUFFER},
-        render=framed.render,
-        biases=named_biases,
-        frames=framed.shown,
-        pixel=framed.pixel,
-    )
+    return framed.method(name, summary, settings, named_biases)
 
 
 PATH_TRACED = _method(

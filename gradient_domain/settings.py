@@ -6,6 +6,7 @@ from typing import Literal
 from extensions.area_settings import AreaSettings
 from extensions.pt_settings import ShiftKind
 from reference.methods.framed import Image
+from reference.setting_values import refuse_beyond
 
 Reconstruction = Literal["l2", "l1"]
 """Norm of what is left of the differences: least squares, or least absolute values."""
@@ -71,5 +72,4 @@ class GradientSettings(AfterSettings):
 
     def __post_init__(self) -> None:
         AfterSettings.__post_init__(self)
-        if not 1 <= self.tries <= 256:
-            raise ValueError(f"tries={self.tries} is out of range: 1 to 256")
+        refuse_beyond(self, {"tries": (1, 256)})

@@ -8,9 +8,8 @@ from hashgrid.grid import levels
 from hashgrid.light_settings import LightSettings
 from hashgrid.world_reservoirs import LightFrame, render_light_frames
 from reference.arrays import Scalars
-from reference.methods.aovs import GBUFFER
-from reference.methods.framed import PARTS, Framed
-from reference.methods.method import Job, Method
+from reference.methods.framed import Framed
+from reference.methods.method import Job
 
 VERTEX = {
     "M": "confidence of the reservoir at the first surface point after the visible one",
@@ -46,21 +45,15 @@ def _layers(frame: LightFrame, names: tuple[str, ...]) -> Mapping[str, Scalars]:
 
 def named_biases(job: Job) -> tuple[str, ...]:
     """What biases the indirect light of a picture."""
-    if job.light == "direct" or job.bounces == 0 or job.settings.cells == 0:
-        return ()
-    if job.settings.mis == "1/M":
+    if job.settings.cells and job.settings.mis == "1/M":
         return ("mis=1/M counts vertices that cannot reflect the light: too dark",)
     return ()
 
 
 FRAMED = Framed(_frames, _layers, VERTEX)
-METHOD = Method(
-    name="world-reservoirs",
-    summary="light reservoirs at every path vertex, reused in a hashed grid",
-    counts={"frames": 32, "spp": 32},
-    settings=LightSettings(),
-    aovs={**PARTS, **VERTEX, **GBUFFER},
-    render=FRAMED.render,
-    biases=named_biases,
-    frames=FRAMED.shown,
+METHOD = FRAMED.method(
+    "world-reservoirs",
+    "light reservoirs at every path vertex, reused in a hashed grid",
+    LightSettings(),
+    named_biases,
 )

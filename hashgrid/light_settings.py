@@ -6,6 +6,7 @@ from math import inf
 from hashgrid.lights import Chance
 from reference.methods.framed import Image
 from reference.resampling.generalized import Mis
+from reference.setting_values import refuse_beyond
 
 LEAST_AND_MOST = {
     "candidates": (1, 32),
@@ -55,8 +56,4 @@ class LightSettings:
     image: Image = "last"
 
     def __post_init__(self) -> None:
-        for name, (least, most) in LEAST_AND_MOST.items():
-            if not least <= getattr(self, name) <= most:
-                raise ValueError(
-                    f"{name}={getattr(self, name)} is out of range: {least} to {most}"
-                )
+        refuse_beyond(self, LEAST_AND_MOST)

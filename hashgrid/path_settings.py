@@ -7,6 +7,7 @@ from typing import Literal
 from extensions.pt_settings import PathSettings
 from reference.arrays import Masks, Scalars
 from reference.resampling.generalized import Mis
+from reference.setting_values import refuse_beyond
 
 CELL_LIMITS = {
     "query": (0, 31),
@@ -57,11 +58,7 @@ class CellSettings(PathSettings):
     def __post_init__(self) -> None:
         # Slots make another class of it, which the short form of super does not know.
         PathSettings.__post_init__(self)
-        for name, (least, most) in CELL_LIMITS.items():
-            if not least <= getattr(self, name) <= most:
-                raise ValueError(
-                    f"{name}={getattr(self, name)} is out of range: {least} to {most}"
-                )
+        refuse_beyond(self, CELL_LIMITS)
 
     def looks_up(self, vertex: int) -> bool:
         """Whether paths at x_v look into a cell."""

@@ -6,9 +6,8 @@ from extensions.method import PATHS, path_layers
 from hashgrid.path_settings import CellSettings
 from hashgrid.regir_gi import CellFrame, render_cell_frames
 from reference.arrays import Scalars
-from reference.methods.aovs import GBUFFER
-from reference.methods.framed import PARTS, Framed
-from reference.methods.method import Job, Method
+from reference.methods.framed import Framed
+from reference.methods.method import Job
 
 
 def _frames(job: Job) -> Iterator[CellFrame]:
@@ -24,8 +23,6 @@ def _layers(frame: CellFrame, names: tuple[str, ...]) -> Mapping[str, Scalars]:
 def named_biases(job: Job) -> tuple[str, ...]:
     """What biases the indirect light of a picture."""
     s = job.settings
-    if job.light == "direct" or job.bounces == 0:
-        return ()
     looks_up = any(s.looks_up(v) for v in range(1, job.bounces + 1))
     reuses = s.spatial or (job.animation and s.temporal)
     found = {
@@ -46,13 +43,9 @@ def named_biases(job: Job) -> tuple[str, ...]:
 
 
 FRAMED = Framed(_frames, _layers, PATHS)
-METHOD = Method(
-    name="regir-gi",
-    summary="paths in the cells of a hashed grid, then reused over the screen",
-    counts={"frames": 32, "spp": 32},
-    settings=CellSettings(),
-    aovs={**PARTS, **PATHS, **GBUFFER},
-    render=FRAMED.render,
-    biases=named_biases,
-    frames=FRAMED.shown,
+METHOD = FRAMED.method(
+    "regir-gi",
+    "paths in the cells of a hashed grid, then reused over the screen",
+    CellSettings(),
+    named_biases,
 )

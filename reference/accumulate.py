@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from reference.arrays import Vec3s
-from reference.moments import Moments, add_samples
+from reference.moments import Moments, add_samples, no_samples
 from reference.path_tracer import Light, camera_radiance, first_hits
 from reference.records import cut
 from reference.rng import KeyedUniforms, Stream
@@ -158,6 +158,30 @@ def accumulate(
         return add_samples(before, samples.radiance, until, schedule)
 
     return in_batches(advance, moments, stop)
+
+
+def ever_more(samples: PathSamples, step: int, schedule: Schedule) -> Iterator[Moments]:
+    """Moments after ever more samples, for whoever looks at the clock in between.
+
+    Parameters
+    ----------
+    samples : PathSamples
+        To be added, from number 0 on.
+    step : int
+        How many at a time.
+    schedule : Schedule
+        Bands and threads.
+
+    Yields
+    ------
+    Moments
+        Without end.
+    """
+    moments = no_samples(samples.rows)
+    while True:
+        stop = moments.count + step
+        moments = add_samples(moments, samples.radiance, stop, schedule)
+        yield moments
 
 
 def in_batches(advance: Advance, moments: Moments, stop: int) -> Iterator[Moments]:

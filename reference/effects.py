@@ -1,20 +1,23 @@
 """What leaving out parts of the model changes, and what it saves: measured."""
 
-import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from reference.arrays import Vec3s
-from reference.medians import median_interval
+from reference.intervals import Interval, median_interval
 from reference.restir_gi import render_frames
 from reference.scene.animation import Animation
 from reference.scene.plan import EVERYTHING, Plan, everything, parts, plan_of
 from reference.scene.scene import Scene
 from reference.schedule import Schedule
 from reference.settings import UNBIASED
+from reference.timing import in_turns
 from reference.world import Planner, build_world
+
+WHOLE = "everything"
+"""Name of leaving out nothing."""
 
 ALL = "all of these"
 """Name of leaving out everything that the scene does not require."""
@@ -45,13 +48,13 @@ class Effect:
     ratios: tuple[float, ...]
 
     @property
-    def saved(self) -> tuple[float, float, float]:
+    def saved(self) -> Interval:
         """Share of the time that is saved: median of the frames, and its 95 % interval.
 
-        See :func:`reference.medians.median_interval`.
+        See :func:`reference.intervals.median_interval`.
         """
-        median, low, high = median_interval(self.ratios)
-        return 1 - median, 1 - high, 1 - low
+        left = median_interval(self.ratios)
+        return Interval(1 - left.value, 1 - left.high, 1 - left.low)
 
 
 def prepared_for_all(animation: Animation) -> Animation:
@@ -117,18 +120,17 @@ def effects(
     plans = {name: replace(EVERYTHING, **{name: False}) for name in names}
     if len(names) > 1:
         plans[ALL] = replace(EVERYTHING, **dict.fromkeys(names, False))
-    runs = {name: _run(animation, bounces, plan) for name, plan in plans.items()}
-    whole = _run(animation, bounces, EVERYTHING)
-    seconds: dict[str, list[float]] = {name: [] for name in plans}
+    calls = {
+        name: _run(animation, bounces, plan).__next__
+        for name, plan in {WHOLE: EVERYTHING, **plans}.items()
+    }
+    ratios: dict[str, list[float]] = {name: [] for name in plans}
     off: dict[str, list[tuple[bool, float, float]]] = {name: [] for name in plans}
-    of_whole: list[float] = []
-    for frame in range(frames):
-        spent, true = _timed(whole)
-        of_whole.append(spent)
-        for name, run in runs.items():
-            spent, found = _timed(run)
-            seconds[name].append(spent)
-            off[name].append(_compare(found, true))
+    for frame, turn in enumerate(in_turns(calls, frames)):
+        whole = turn.pop(WHOLE)
+        for name, lap in turn.items():
+            ratios[name].append(lap.seconds / whole.seconds)
+            off[name].append(_compare(lap.result, whole.result))
         tick(frame + 1, frames)
     return [
         Effect(
@@ -136,7 +138,7 @@ def effects(
             all(same for same, _, _ in off[name]),
             max(largest for _, largest, _ in off[name]),
             max(mean for _, _, mean in off[name]),
-            tuple(a / b for a, b in zip(seconds[name], of_whole, strict=True)),
+            tuple(ratios[name]),
         )
         for name in plans
     ]
@@ -150,12 +152,6 @@ def _run(animation: Animation, bounces: int, plan: Plan) -> Iterator[Vec3s]:
     world = build_world(shown(0), planner=planner)
     frames = render_frames(world, UNBIASED, bounces, 0, Schedule(), shown)
     return (frame.color for frame in frames)
-
-
-def _timed(run: Iterator[Vec3s]) -> tuple[float, Vec3s]:
-    start = time.perf_counter()
-    color = next(run)
-    return time.perf_counter() - start, color
 
 
 def _compare(found: Vec3s, true: Vec3s) -> tuple[bool, float, float]:

@@ -1,6 +1,6 @@
 """Mean and standard error of many samples, by the running sums of Welford."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +26,17 @@ class Moments:
     count: int
     mean: Vec3s
     squares: Vec3s
+
+    def variance(self) -> Vec3s:
+        """Variance of a sample, squares / (n − 1).
+
+        Returns
+        -------
+        (N, 3) float64
+            Unbiased.
+        """
+        found: Vec3s = self.squares / (self.count - 1.0)
+        return found
 
     def standard_error(self) -> Vec3s:
         """Standard error of the mean, √(squares / (n (n − 1))).
@@ -105,3 +116,31 @@ def add_samples(
 
     part = in_bands(schedule, len(moments.mean), advance)
     return Moments(stop, part.mean, part.squares)
+
+
+def merge(batches: Sequence[Moments]) -> Moments:
+    """Moments of all samples of several batches.
+
+    Parameters
+    ----------
+    batches : sequence of Moments
+        At least one; of different samples of the same rows.
+
+    Returns
+    -------
+    Moments
+        As if one batch had held all samples, but for rounding.
+
+    Notes
+    -----
+    Σ (x − μ)² over both = the two sums + (μ_a − μ_b)² n_a n_b / (n_a + n_b)
+    [Chan83].
+    """
+    merged = batches[0]
+    for batch in batches[1:]:
+        count = merged.count + batch.count
+        step = batch.mean - merged.mean
+        mean = merged.mean + step * (batch.count / count)
+        between = step**2 * (merged.count * batch.count / count)
+        merged = Moments(count, mean, merged.squares + batch.squares + between)
+    return merged

@@ -1,15 +1,37 @@
 """Settings from text: ``KEY=VALUE`` onto the fields of a dataclass, by their types."""
 
-from collections.abc import Hashable, Iterable
+from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import asdict, fields, is_dataclass, replace
 from functools import cache
-from math import isnan
+from math import isfinite, isnan
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
 from reference.errors import UsageError
 from reference.suggestions import unknown
 
 Settings = TypeVar("Settings")
+
+
+def refuse_beyond(settings: object, limits: Mapping[str, tuple[float, float]]) -> None:
+    """Raise where a number among settings is out of its range.
+
+    Parameters
+    ----------
+    settings : dataclass instance
+        That have just been made.
+    limits : mapping of str to (float, float)
+        Least and most of each number that has a range.
+
+    Raises
+    ------
+    ValueError
+        It names the first number that is not within.
+    """
+    for name, (least, most) in limits.items():
+        value = getattr(settings, name)
+        if not least <= value <= most:
+            end = f"to {most}" if isfinite(most) else "or more"
+            raise ValueError(f"{name}={value} is out of range: {least} {end}")
 
 
 @cache

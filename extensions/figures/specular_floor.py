@@ -9,13 +9,13 @@ from extensions.method import METHOD
 from extensions.pt_settings import CRITERIA
 from reference.arrays import Masks
 from reference.demo.score import relative_bias
-from reference.figures.bootstrap import mean_interval, ratio_interval
 from reference.figures.canvas import BIG, Tile, blank, draw_tiles, exposure_of, shown
 from reference.figures.contest import FRAMES, Contender, Contest, compete
 from reference.figures.paths import sized_world
-from reference.figures.record import Deviation, Interval, PaperFigure, Row, Work
+from reference.figures.record import Deviation, PaperFigure, Row, Work
 from reference.figures.regions import floor_points
 from reference.figures.registry import Entry
+from reference.intervals import Interval, mean_interval, ratio_interval
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.figure import Figure

@@ -13,10 +13,10 @@ from gradient_domain.gradient_restir import unlike
 from gradient_domain.pairs import pixel_pairs
 from gradient_domain.settings import GradientSettings
 from reference.arrays import Masks
-from reference.figures.bootstrap import mean_interval
 from reference.figures.canvas import BIG, Tile, blank, draw_tiles
 from reference.figures.record import PaperFigure, Row, Work
 from reference.figures.registry import Entry
+from reference.intervals import mean_interval
 from reference.passes.gbuffer import visible_points
 from reference.scene.camera import pixel_centers
 from reference.world import World

@@ -18,10 +18,10 @@ from gradient_domain.figures.variants import (
     scene_of,
 )
 from reference.arrays import Scalars
-from reference.figures.bootstrap import mean_interval, ratio_interval
 from reference.figures.canvas import BIG, Tile, blank, draw_tiles
-from reference.figures.record import Interval, PaperFigure, Row, Work
+from reference.figures.record import PaperFigure, Row, Work
 from reference.figures.registry import Entry
+from reference.intervals import Interval, mean_interval, ratio_interval
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.figure import Figure

@@ -21,10 +21,10 @@ from gradient_domain.figures.variants import (
 from gradient_domain.method import RECONSTRUCT
 from gradient_domain.settings import Reconstruction
 from reference.arrays import Scalars, Vec3s
-from reference.figures.bootstrap import Numbers, mean_interval, ratio_interval
 from reference.figures.canvas import BIG, Tile, blank, draw_tiles, exposure_of, shown
 from reference.figures.record import PaperFigure, Row, Work
 from reference.figures.registry import Entry
+from reference.intervals import Numbers, mean_interval, ratio_interval
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.figure import Figure

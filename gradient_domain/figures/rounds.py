@@ -1,19 +1,19 @@
 """Variants by turns, frame after frame, as many copies of each as take one time."""
 
-import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
-from reference.accumulate import path_samples
+from reference.accumulate import ever_more, path_samples
 from reference.arrays import Scalars
 from reference.figures.contest import PATH_SEED
 from reference.figures.record import Work
-from reference.moments import Moments, add_samples, no_samples
+from reference.moments import Moments
 from reference.scene.animation import Animation
 from reference.schedule import Schedule
+from reference.timing import in_turns, seconds_in_turns
 from reference.world import World, next_world
 
 FRAMES, COUNTED = 16, 4
@@ -169,7 +169,6 @@ def by_rounds(
     if like:
         trial = _trial(scene, variants, work)
         copies = {k: max(1, round(trial[like] / t)) for k, t in trial.items()}
-    truth, samples = no_samples(scene.world.camera.width * scene.world.camera.height), 0
     drawn = path_samples(
         scene.shown,
         work.schedule,
@@ -178,30 +177,24 @@ def by_rounds(
         seed=PATH_SEED,
         pixel="box",
     )
+    truths = ever_more(drawn, paths, work.schedule)
     estimates: dict[str, list[Scalars]] = {name: [] for name in variants}
     times: dict[str, list[float]] = {name: [] for name in variants}
     for run in range(work.runs):
         work.tick(run, work.runs, "runs")
         running = {
-            name: [
-                v.frames(scene, run * copies[name] + c, work.schedule)
-                for c in range(copies[name])
-            ]
+            (name, c): v.frames(scene, run * copies[name] + c, work.schedule).__next__
             for name, v in variants.items()
+            for c in range(copies[name])
         }
-        for frame in range(FRAMES):
-            for name, some in running.items():
-                found = []
-                for one in some:
-                    start = time.perf_counter()
-                    found.append(next(one))
-                    if frame >= FRAMES - COUNTED:
-                        times[name].append(time.perf_counter() - start)
-                if frame == FRAMES - 1:
-                    mean = np.mean([f.estimates for f in found], axis=0)
-                    estimates[name].append(mean)
-        samples += paths
-        truth = add_samples(truth, drawn.radiance, samples, work.schedule)
+        for frame, turn in enumerate(in_turns(running, FRAMES)):
+            if frame >= FRAMES - COUNTED:
+                for (name, _), lap in turn.items():
+                    times[name].append(lap.seconds)
+        for name in variants:
+            found = [turn[name, c].result.estimates for c in range(copies[name])]
+            estimates[name].append(np.mean(found, axis=0))
+        truth = next(truths)
     work.tick(work.runs, work.runs, "runs")
     seconds = {name: float(np.median(spent)) for name, spent in times.items()}
     return Rounds(scene, estimates, copies, seconds, truth)
@@ -210,13 +203,9 @@ def by_rounds(
 def _trial(
     scene: Scene, variants: Mapping[str, Variant], work: Work
 ) -> dict[str, float]:
-    times: dict[str, list[float]] = {name: [] for name in variants}
     running = {
-        name: v.frames(scene, PATH_SEED, work.schedule) for name, v in variants.items()
+        name: v.frames(scene, PATH_SEED, work.schedule).__next__
+        for name, v in variants.items()
     }
-    for _ in range(TRIAL):
-        for name, frames in running.items():
-            start = time.perf_counter()
-            next(frames)
-            times[name].append(time.perf_counter() - start)
+    times = seconds_in_turns(running, TRIAL)
     return {name: float(np.median(spent)) for name, spent in times.items()}

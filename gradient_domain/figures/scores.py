@@ -6,10 +6,10 @@ from gradient_domain.differences import Differences, differences
 from reference import metrics
 from reference.arrays import Scalars, Vec3s
 from reference.display import Bytes
-from reference.figures.bootstrap import Numbers
 from reference.figures.spread import spreads
 from reference.flip import flip_hdr, flip_ldr
 from reference.images import to_image
+from reference.intervals import Numbers
 from reference.moments import Moments
 
 QUANTILE = 0.99

@@ -17,10 +17,10 @@ from gradient_domain.gradient_restir import (
     target,
 )
 from reference.arrays import Scalars
-from reference.figures.bootstrap import Numbers, mean_interval, ratio_interval
 from reference.figures.canvas import COLORS, SIDE, blank, tidy
 from reference.figures.record import Deviation, PaperFigure, Row, Work
 from reference.figures.registry import Entry
+from reference.intervals import Numbers, mean_interval, ratio_interval
 from reference.resampling.reservoir import (
     Candidates,
     finalize,

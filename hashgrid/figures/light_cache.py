@@ -12,11 +12,11 @@ from hashgrid.light_method import METHOD
 from hashgrid.light_settings import LightSettings
 from hashgrid.world_reservoirs import render_light_frames
 from reference.arrays import Vec3s
-from reference.figures.bootstrap import mean_interval, ratio_interval
 from reference.figures.canvas import BIG, Tile, blank, draw_tiles, exposure_of, shown
 from reference.figures.paths import sized_world
-from reference.figures.record import Deviation, Interval, PaperFigure, Row, Work
+from reference.figures.record import Deviation, PaperFigure, Row, Work
 from reference.figures.registry import Entry
+from reference.intervals import Interval, mean_interval, ratio_interval
 from reference.schedule import Schedule
 from reference.world import World
 

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 import extensions.method
 from hashgrid.regir_method import METHOD
 from reference.demo.score import relative_bias
-from reference.figures.bootstrap import mean_interval, ratio_interval
 from reference.figures.canvas import BIG, Tile, blank, draw_tiles, exposure_of, shown
 from reference.figures.contest import FRAMES, Contender, Contest, compete
 from reference.figures.paths import sized_world
-from reference.figures.record import Deviation, Interval, PaperFigure, Row, Work
+from reference.figures.record import Deviation, PaperFigure, Row, Work
 from reference.figures.registry import Entry
 from reference.figures.spread import spreads
+from reference.intervals import Interval, mean_interval, ratio_interval
 from reference.methods.method import Method
 from reference.methods.restir_gi import UNBIASED
 

@@ -3,20 +3,19 @@
 Where tails are heavy, a frame a run says little: the errors of many frames do.
 """
 
-import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from reference.accumulate import path_samples
 from reference.arrays import Vec3s
-from reference.figures.batches import merge
-from reference.figures.bootstrap import Numbers
-from reference.figures.contest import PATH_SEED
+from reference.demo.score import relative_bias
+from reference.figures.contest import paths_beside
 from reference.figures.record import Work
 from reference.figures.spread import spreads
-from reference.moments import Moments, add_samples, no_samples
+from reference.intervals import Numbers
+from reference.moments import Moments, merge
+from reference.timing import in_turns, timed
 from reference.world import World
 
 WARM, COUNTED = 8, 8
@@ -67,19 +66,15 @@ class Turns:
 
     def path_errors(self) -> Numbers:
         """Mean squared error of one path-traced sample, an estimate a run."""
-        return np.array([np.mean(b.squares) / (b.count - 1.0) for b in self.batches])
+        return np.array([batch.variance().mean() for batch in self.batches])
 
     def bias(self, name: str) -> tuple[float, float]:
-        """Mean of a variant over the path-traced one, less 1, and its standard error.
+        """Bias of the mean luminance, and its standard error.
 
         Frames of a run are taken for one number.
         """
-        truth = self.truth.mean.mean()
-        means = np.array([np.mean(run) for run in self.colors[name]])
-        paths = np.array([b.mean.mean() for b in self.batches])
-        count = len(means)
-        error = np.hypot(means.std(ddof=1), paths.std(ddof=1)) / np.sqrt(count)
-        return float(means.mean() / truth - 1), float(error / truth)
+        means = [np.mean(run, axis=0) for run in self.colors[name]]
+        return relative_bias(means, self.truth)
 
 
 def by_turns(
@@ -96,37 +91,24 @@ def by_turns(
     -------
     Turns; run i of every variant has seed i
     """
-    colors: dict[str, list[list[Vec3s]]] = {name: [] for name in variants}
+    colors: dict[str, list[list[Vec3s]]] = {
+        name: [[] for _ in range(work.runs)] for name in variants
+    }
     times: dict[str, list[float]] = {name: [] for name in variants}
     batches, path_times = [], []
     for run in range(work.runs):
         work.tick(run, work.runs, "runs")
-        running = {name: make(run) for name, make in variants.items()}
-        kept: dict[str, list[Vec3s]] = {name: [] for name in variants}
-        paths = path_samples(
-            world,
-            work.schedule,
-            light="indirect",
-            bounces=bounces,
-            seed=PATH_SEED + run,
-        )
-        moments = no_samples(paths.rows)
-        for frame in range(WARM + COUNTED):
-            for name, frames in running.items():
-                start = time.perf_counter()
-                color = next(frames)
-                spent = time.perf_counter() - start
-                if frame >= WARM:
-                    kept[name].append(color)
-                    times[name].append(spent)
-            if frame >= WARM:
-                start = time.perf_counter()
-                until = moments.count + PATHS
-                moments = add_samples(moments, paths.radiance, until, work.schedule)
-                path_times.append((time.perf_counter() - start) / PATHS)
+        running = {name: make(run).__next__ for name, make in variants.items()}
+        drawn = paths_beside(world, bounces, run, PATHS, work)
+        for frame, turn in enumerate(in_turns(running, WARM + COUNTED)):
+            if frame < WARM:
+                continue
+            for name, lap in turn.items():
+                colors[name][run].append(lap.result)
+                times[name].append(lap.seconds)
+            moments, spent = timed(drawn.__next__)
+            path_times.append(spent / PATHS)
         batches.append(moments)
-        for name in variants:
-            colors[name].append(kept[name])
     work.tick(work.runs, work.runs, "runs")
     seconds = {name: float(np.median(spent)) for name, spent in times.items()}
     return Turns(colors, seconds, batches, float(np.median(path_times)))

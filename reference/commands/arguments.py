@@ -111,6 +111,21 @@ def add_bounces(parser: Parser, least: int) -> None:
     )
 
 
+def add_set(parser: Parser, help: str) -> None:
+    """Add --set KEY=VALUE, as often as wanted.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        Of a command.
+    help : str
+        What is set.
+    """
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help=help
+    )
+
+
 def add_schedule(parser: Parser) -> None:
     """Add --threads and --band, which change no bit of a result.
 

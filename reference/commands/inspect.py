@@ -95,8 +95,7 @@ def run(arguments: argparse.Namespace) -> None:
         for path, image, label in zip(paths, images, labels, strict=True)
     ]
     title = " and ".join(path.name for path in paths)
-    text = page(title, runs, auto_exposure(images[0].color))
-    write_file(out, text.encode(errors="backslashreplace"))
+    write_file(out, page(title, runs, auto_exposure(images[0].color)))
     _report(arguments, runs)
 
 

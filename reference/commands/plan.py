@@ -1,6 +1,7 @@
 """``restir plan``: what a scene requires, what is left out, and what that changes."""
 
 import argparse
+from dataclasses import astuple
 from typing import Any
 
 from rich.table import Table
@@ -126,7 +127,7 @@ def _effects_table(arguments: argparse.Namespace, found: list[Effect]) -> Table:
             effect.part,
             LEAVES_OUT[effect.part],
             "the same to the last bit" if effect.identical else _bound(effect),
-            "{:.0%} [{:.0%}, {:.0%}]".format(*effect.saved),
+            "{:.0%} [{:.0%}, {:.0%}]".format(*astuple(effect.saved)),
         )
     return table
 
@@ -155,7 +156,7 @@ def _plain(
                 "identical": e.identical,
                 "largest": e.largest,
                 "deviation": e.deviation,
-                "saved": list(e.saved),
+                "saved": list(astuple(e.saved)),
             }
             for e in found
         ],

@@ -45,13 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="samples a pixel (default 1024)",
     )
     options.add_light(parser, seed=TRUTH_SEED)
-    parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="a setting of the method path: pixel=center or pixel=box",
-    )
+    options.add_set(parser, "a setting of the method path: pixel=center or pixel=box")
     parser.add_argument(
         "--checkpoint",
         type=seconds,

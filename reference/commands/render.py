@@ -1,7 +1,6 @@
 """``restir render``: make a picture with one method."""
 
 import argparse
-import time
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +21,7 @@ from reference.methods import Layers, Method, drive, method_named, method_names
 from reference.methods.discovery import BUILT_IN
 from reference.setting_values import with_values
 from reference.suggestions import unknown
+from reference.timing import timed
 from reference.world import World, build_world
 
 
@@ -48,13 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME,...",
         help="further layers of the file; an unknown name lists those of the method",
     )
-    parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="a setting of the method; an unknown key lists them all",
-    )
+    options.add_set(parser, "a setting of the method; an unknown key lists them all")
     parser.add_argument(
         "--no-plan",
         action="store_true",
@@ -91,10 +85,10 @@ def run(arguments: argparse.Namespace) -> None:
     scene = animation(0)
     world = build_world(scene, planner=planner_of(arguments.no_plan))
     job = options.job(arguments, world, counts, settings, aovs, animation)
-    start = time.perf_counter()
     with progress(f"{scene.name}, {method.name}") as tick:
-        layers = drive(method, job, lambda p: tick(p.done, p.total, p.unit))
-    seconds = time.perf_counter() - start
+        layers, seconds = timed(
+            lambda: drive(method, job, lambda p: tick(p.done, p.total, p.unit))
+        )
     words = metadata(scene, method, job, world.caster.counts, seconds)
     write_exr(out, _image(method, layers, world, words))
     if arguments.png:

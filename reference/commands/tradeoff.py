@@ -62,13 +62,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="M",
         help=f"whose knobs are turned (default {METHOD})",
     )
-    parser.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="a setting of the base, from which all begins",
-    )
+    options.add_set(parser, "a setting of the base, from which all begins")
     parser.add_argument(
         "--sweep",
         action="append",

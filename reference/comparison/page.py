@@ -1,12 +1,10 @@
 """The folder of a comparison: PNG pictures, and one page that needs nothing else."""
 
-from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from reference.comparison.histogram import histogram_bars
 from reference.comparison.labels import NUMBERS
@@ -15,6 +13,7 @@ from reference.comparison.maps import ErrorMap
 from reference.display import encode_png, to_display
 from reference.files import make_folder, write_file
 from reference.images import Image
+from reference.reports.page import base64, render_page
 
 MOST_PROBED = 2**18  # pixels whose values the page carries: 8 MiB of text at most
 
@@ -58,7 +57,7 @@ def write_pages(
     make_folder(out)
     for name, contents in files.items():
         write_file(out / f"{name}.png", contents)
-    write_file(out / "index.html", page.encode(errors="backslashreplace"))
+    write_file(out / "index.html", page)
 
 
 def _page(
@@ -67,33 +66,27 @@ def _page(
     numbers: Mapping[str, Any],
     maps: Sequence[ErrorMap],
     files: Mapping[str, bytes],
-) -> str:
-    templates = Environment(
-        loader=PackageLoader("reference.comparison", "templates"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+) -> bytes:
     size = numbers["width"] * numbers["height"]
     metadata = [image.metadata for image in images]
     different = differences(*metadata)
     first = {SAME[one.what] for one in different}
     keys = {key for words in metadata for key in words}
-    return templates.get_template("comparison.html").render(
-        names=names,
-        numbers=numbers,
-        rows=[row for row in NUMBERS if numbers[row.name] is not None],
-        maps=maps,
-        pictures={name: b64encode(png).decode() for name, png in files.items()},
-        bars=histogram_bars(maps[0].values, maps[0].high),
-        differences=different,
-        keys=sorted(keys, key=lambda key: (key not in first, key)),
-        metadata=metadata,
-        probes=[_values(image) for image in images] if size <= MOST_PROBED else None,
-    )
+    values = {
+        "names": names,
+        "numbers": numbers,
+        "rows": [row for row in NUMBERS if numbers[row.name] is not None],
+        "maps": maps,
+        "pictures": files,
+        "bars": histogram_bars(maps[0].values, maps[0].high),
+        "differences": different,
+        "keys": sorted(keys, key=lambda key: (key not in first, key)),
+        "metadata": metadata,
+        "probes": [_values(image) for image in images] if size <= MOST_PROBED else None,
+    }
+    return render_page("reference.comparison", "comparison.html", values)
 
 
 def _values(image: Image) -> str:
     """Colours as base64 of little-endian float32, for the page's probe."""
-    return b64encode(image.color.astype(np.dtype("<f4")).tobytes()).decode()
+    return base64(image.color.astype(np.dtype("<f4")).tobytes())

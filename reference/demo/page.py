@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from rich.table import Table
 
 from reference.demo.score import Score
 from reference.files import write_file
+from reference.reports.page import render_page
 
 COLUMNS = (
     "method",
@@ -80,17 +80,10 @@ def write_page(
         Each with pictures ``NAME.exr``, ``NAME.png`` and a page
         ``NAME/index.html``.
     """
-    templates = Environment(
-        loader=PackageLoader("reference.demo", "templates"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    text = templates.get_template("demo.html").render(
-        title=title,
-        remarks=remarks,
-        columns=COLUMNS,
-        rows=[(score.name, cells(score)) for score in scores],
-    )
-    write_file(path, text.encode(errors="backslashreplace"))
+    values = {
+        "title": title,
+        "remarks": remarks,
+        "columns": COLUMNS,
+        "rows": [(score.name, cells(score)) for score in scores],
+    }
+    write_file(path, render_page("reference.demo", "demo.html", values))

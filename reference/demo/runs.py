@@ -1,15 +1,14 @@
 """Runs of a method: one seed each, and the time that a step takes."""
 
-import time
 from collections import Counter
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 
 from reference.arrays import Vec3s
-from reference.methods import Job, Layers, Method, drive
+from reference.methods import Job, Layers, Method
 from reference.methods.path import PATH
+from reference.timing import timed
 
 CONVERGED = 8  # last steps of a run, whose median time counts
 TRIAL = 33  # samples by which the time of one is measured
@@ -61,7 +60,7 @@ def runs_of_frames(method: Method, job: Job, count: int) -> Runs:
     colors, times, rays = [], [], Counter[str]()
     for run in range(count):
         before = Counter(job.world.caster.counts)
-        layers, steps = timed(method, replace(job, seed=job.seed + run))
+        layers, steps = timed_run(method, replace(job, seed=job.seed + run))
         colors.append(layers["color"])
         times += steps[-CONVERGED:]
         rays = rays or job.world.caster.counts - before
@@ -85,7 +84,9 @@ def runs_of_paths(job: Job, seconds: float, count: int) -> Runs:
     Runs
         Of as many whole samples as fit best, at least one.
     """
-    trials = [timed(PATH, replace(job, counts={"spp": TRIAL}))[1] for _ in range(count)]
+    trials = [
+        timed_run(PATH, replace(job, counts={"spp": TRIAL}))[1] for _ in range(count)
+    ]
     # The first step is one sample and the camera rays.
     a_sample = float(np.median([sum(steps[1:]) for steps in trials])) / (TRIAL - 1)
     job = replace(job, counts={"spp": max(1, round(seconds / a_sample))})
@@ -93,7 +94,7 @@ def runs_of_paths(job: Job, seconds: float, count: int) -> Runs:
     return replace(runs, seconds=job.counts["spp"] * a_sample)
 
 
-def timed(method: Method, job: Job) -> tuple[Layers, list[float]]:
+def timed_run(method: Method, job: Job) -> tuple[Layers, list[float]]:
     """Render, with a clock.
 
     Parameters
@@ -108,6 +109,10 @@ def timed(method: Method, job: Job) -> tuple[Layers, list[float]]:
     Layers, list of float (s)
         The result, and the time of each step.
     """
-    clock = [time.perf_counter()]
-    layers = drive(method, job, lambda _: clock.append(time.perf_counter()))
-    return layers, [b - a for a, b in pairwise(clock)]
+    steps, seconds = method.render(job), list[float]()
+    while True:
+        try:
+            seconds.append(timed(steps.__next__).seconds)
+        except StopIteration as end:
+            layers: Layers = end.value
+            return layers, seconds

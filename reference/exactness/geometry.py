@@ -1,5 +1,6 @@
 """Kernels of places, directions and angles."""
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -38,17 +39,55 @@ def _run_similar(given: Inputs) -> NDArray[Any]:
     return similar(*a, *b, MAX_ANGLE, MAX_DEPTH)
 
 
-def _similar(row: Row) -> bool:
+@cache
+def cosine_of_degrees(angle: float) -> Any:
+    """Cosine of an angle.
+
+    Parameters
+    ----------
+    angle : float
+        Degrees, 0 to 180.
+
+    Returns
+    -------
+    mpf
+        Exact where it is rational: for a rational number of degrees that are 0, ±1/2
+        and ±1 alone.
+    """
+    halves = {0: 2, 60: 1, 90: 0, 120: -1, 180: -2}
+    if angle in halves:
+        return EXACT.mpf(halves[int(angle)]) / 2
+    return EXACT.cospi(EXACT.mpf(angle) / 180)
+
+
+def similarity(row: Row, max_angle: float, max_depth: float) -> bool:
+    """Whether two points look alike: normals within an angle, depths within a share.
+
+    Parameters
+    ----------
+    row : Row
+        Normals and depths of both.
+    max_angle : float, degrees
+        Between the normals.
+    max_depth : float
+        Largest difference of the depths, as a share of the larger one.
+
+    Returns
+    -------
+    bool
+        False where a depth is 0; the limits themselves are inside.
+    """
     a, b = row["depth_a"], row["depth_b"]
     near, far = (a, b) if a < b else (b, a)
-    cosine = literal(EXACT.mpf(0.5), a.type)
+    cosine = literal(cosine_of_degrees(max_angle), a.type)
     there = near > 0
     alike = inner(row["normal_a"], row["normal_b"]) >= cosine
-    return there and far - near <= far * literal(EXACT.mpf(MAX_DEPTH), a.type) and alike
+    return there and far - near <= far * literal(max_depth, a.type) and alike
 
 
 SIMILAR = Kernel(
-    "similar", "similar", _draw_seen, _run_similar, _similar,
+    "similar", "similar", _draw_seen, _run_similar,
+    lambda row: similarity(row, MAX_ANGLE, MAX_DEPTH),
     {
         "points that touch": "false where a depth is 0",
         "points far away": "does not know the unit of length",

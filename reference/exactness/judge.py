@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from reference.arrays import Masks, Scalars
 from reference.exactness.kernel import Inputs, Kernel
-from reference.exactness.numbers import EXACT, Exact, Type, UndecidedError, exact
+from reference.exactness.numbers import EXACT, Exact, Type, UndecidedError, exactly
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,7 +53,7 @@ def judge(kernel: Kernel, inputs: Inputs, found: NDArray[Any], type_: Type) -> J
     rows = len(found)
     ulp, share, open_rows = np.zeros(rows), np.zeros(rows), np.zeros(rows, bool)
     for row in range(rows):
-        given = {name: _exactly(a[row], type_) for name, a in inputs.items()}
+        given = {name: exactly(a[row], type_) for name, a in inputs.items()}
         try:
             said = kernel.formula(given)
         except UndecidedError:
@@ -66,12 +66,6 @@ def judge(kernel: Kernel, inputs: Inputs, found: NDArray[Any], type_: Type) -> J
         ulp[row], share[row] = (max(column[k] for column in each) for k in (0, 1))
         open_rows[row] = any(e[2] for e in each)
     return Judged(ulp, share, open_rows)
-
-
-def _exactly(value: Any, type_: Type) -> Any:
-    if np.ndim(value):
-        return tuple(exact(float(component), type_) for component in value)
-    return exact(float(value), type_)
 
 
 def _beside(kernel: Kernel, got: Any, wanted: Any) -> tuple[float, float, bool]:

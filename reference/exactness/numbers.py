@@ -200,6 +200,91 @@ class Exact:
         return Exact(value, error + rounding, self.type)
 
 
+WHOLE = MPContext()
+WHOLE.prec = 2**15
+"""Bits that hold all of a sum of products of four float64: the exponents of such
+products span less than 2¹⁴."""
+
+DIGITS = MPContext()
+DIGITS.dps = 50
+
+UNROUNDED = Type("exact", ZERO, ZERO, INFINITE)
+"""The type of `Unrounded`."""
+
+
+class Unrounded(Exact):
+    """A number that nothing rounds but quotients, roots, sines and cosines.
+
+    Sums and products are those of `WHOLE`, and so are the signs of differences; the
+    others have 50 digits.
+
+    Parameters
+    ----------
+    value : mpf of `WHOLE`
+        All of it.
+    """
+
+    __slots__ = ()
+    error, type = ZERO, UNROUNDED
+
+    def __init__(self, value: Any) -> None:
+        object.__setattr__(self, "value", value)
+
+    def __add__(self, other: Exact | int) -> Exact:
+        return Unrounded(self.value + _value(other))
+
+    def __sub__(self, other: Exact | int) -> Exact:
+        return Unrounded(self.value - _value(other))
+
+    def __rsub__(self, other: int) -> Exact:
+        return Unrounded(other - self.value)
+
+    def __mul__(self, other: Exact | int) -> Exact:
+        return Unrounded(self.value * _value(other))
+
+    def __truediv__(self, other: Exact | int) -> Exact:
+        """Quotient, and 0 over 0."""
+        below = _value(other)
+        if not below:
+            return Unrounded(WHOLE.zero)
+        return _of_digits(DIGITS.convert(self.value) / DIGITS.convert(below))
+
+    __radd__ = __add__
+    __rmul__ = __mul__
+
+    def __abs__(self) -> Exact:
+        return Unrounded(abs(self.value))
+
+    def __neg__(self) -> Exact:
+        return Unrounded(-self.value)
+
+    def __gt__(self, other: Exact | int) -> bool:
+        return bool(self.value > _value(other))
+
+    def __lt__(self, other: Exact | int) -> bool:
+        return bool(self.value < _value(other))
+
+    def sqrt(self) -> Exact:
+        """Square root of a number that is not negative."""
+        return _of_digits(DIGITS.sqrt(DIGITS.convert(self.value)))
+
+    def cos(self) -> Exact:
+        """Cosine."""
+        return _of_digits(DIGITS.cos(DIGITS.convert(self.value)))
+
+    def sin(self) -> Exact:
+        """Sine."""
+        return _of_digits(DIGITS.sin(DIGITS.convert(self.value)))
+
+
+def _value(number: Exact | int) -> Any:
+    return number.value if isinstance(number, Exact) else number
+
+
+def _of_digits(value: Any) -> Exact:
+    return Unrounded(WHOLE.convert(value))
+
+
 def exact(value: Any, type_: Type) -> Exact:
     """A number that a kernel was given.
 
@@ -215,7 +300,29 @@ def exact(value: Any, type_: Type) -> Exact:
     Exact
         Without an error.
     """
+    if type_ is UNROUNDED:
+        return Unrounded(WHOLE.convert(value))
     return Exact(EXACT.mpf(value), ZERO, type_)
+
+
+def exactly(value: Any, type_: Type) -> Any:
+    """What a kernel was given in one row.
+
+    Parameters
+    ----------
+    value : number, or k of them
+        Finite.
+    type_ : Type
+        Of what is done with it.
+
+    Returns
+    -------
+    Exact, or tuple of k of them
+        Without an error.
+    """
+    if isinstance(value, list | np.ndarray):
+        return tuple(exact(float(component), type_) for component in value)
+    return exact(float(value), type_)
 
 
 def literal(value: Any, type_: Type) -> Exact:
@@ -234,4 +341,6 @@ def literal(value: Any, type_: Type) -> Exact:
         With one rounding.
     """
     number = EXACT.mpf(value)
+    if type_ is UNROUNDED:
+        return Unrounded(WHOLE.convert(number))
     return Exact(number, abs(number) * type_.unit, type_)

@@ -22,8 +22,56 @@ def _draw_two(draws: Draws) -> dict[str, Scalars]:
     return {"u1": draws("u"), "u2": draws("u")}
 
 
+def uniform_polar(u: Exact) -> tuple[Exact, Exact]:
+    """Cosine and sine of the angle to the normal, of equal density all over.
+
+    Parameters
+    ----------
+    u : Exact
+        Random number.
+
+    Returns
+    -------
+    Exact, Exact
+        u and √(1 − u²).
+    """
+    return u, (1 - u * u).sqrt()
+
+
+def cosine_polar(u: Exact) -> tuple[Exact, Exact]:
+    """Cosine and sine of the angle to the normal, of a density in proportion to it.
+
+    Parameters
+    ----------
+    u : Exact
+        Random number.
+
+    Returns
+    -------
+    Exact, Exact
+        √(1 − u) and √u.
+    """
+    return (1 - u).sqrt(), u.sqrt()
+
+
+def azimuth(u: Exact) -> Exact:
+    """Angle about the normal.
+
+    Parameters
+    ----------
+    u : Exact
+        Random number.
+
+    Returns
+    -------
+    Exact
+        2π u.
+    """
+    return literal(2 * EXACT.pi, u.type) * u
+
+
 def _about_z(cosine: Exact, sine: Exact, u: Exact) -> Vector:
-    phi = literal(2 * EXACT.pi, u.type) * u
+    phi = azimuth(u)
     return sine * phi.cos(), sine * phi.sin(), cosine
 
 
@@ -32,16 +80,14 @@ _CORNERS = "a unit vector"
 UNIFORM = Kernel(
     "uniform hemisphere", "direction", _draw_two,
     lambda given: sample_uniform_hemisphere(given["u1"], given["u2"]),
-    lambda row: _about_z(
-        row["u1"], (1 - row["u1"] * row["u1"]).sqrt(), row["u2"]
-    ),
+    lambda row: _about_z(*uniform_polar(row["u1"]), row["u2"]),
     {"random numbers": f"{_CORNERS}; cos θ = 0 belongs to the hemisphere"},
 )  # fmt: skip
 
 COSINE_WEIGHTED = Kernel(
     "cosine hemisphere", "direction", _draw_two,
     lambda given: sample_cosine_hemisphere(given["u1"], given["u2"]),
-    lambda row: _about_z((1 - row["u1"]).sqrt(), row["u1"].sqrt(), row["u2"]),
+    lambda row: _about_z(*cosine_polar(row["u1"]), row["u2"]),
     {"random numbers": f"{_CORNERS}; cos θ > 0, so that 1/pdf ≤ π 2¹²"},
 )  # fmt: skip
 

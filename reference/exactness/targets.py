@@ -15,11 +15,13 @@ from reference.scene.materials.kinds import Lambertian
 from reference.scene.materials.parameters import tabulate
 from reference.scene.surface import SurfacePoints
 
+# The decimals are meant, which no binary number is.
+_LUMINANCE = tuple(EXACT.mpf(str(w)) for w in luminance_weights())
 _WHITE = tabulate([Lambertian((1.0, 1.0, 1.0))])
 
 
 def _luminance(color: Vector) -> Exact:
-    r, g, b = (literal(w, color[0].type) for w in luminance_weights())
+    r, g, b = (literal(w, color[0].type) for w in _LUMINANCE)
     return color[0] * r + color[1] * g + color[2] * b
 
 

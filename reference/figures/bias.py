@@ -8,7 +8,6 @@ import numpy as np
 from reference.arrays import Vec3s
 from reference.comparison.maps import SIGNED, ErrorMap
 from reference.demo.score import relative_bias
-from reference.figures.bootstrap import Numbers
 from reference.figures.canvas import (
     BIG,
     Tile,
@@ -31,6 +30,7 @@ from reference.figures.tiles import (
     mean_and_error,
     tile_luminance,
 )
+from reference.intervals import Numbers
 from reference.methods.restir_gi import UNBIASED
 from reference.settings import Mis
 

@@ -5,22 +5,21 @@ whatever else the machine does meanwhile slows all of them alike.  The path-trac
 samples in between are the truth in the end.
 """
 
-import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from reference import metrics
-from reference.accumulate import path_samples
+from reference.accumulate import ever_more, path_samples
 from reference.arrays import Masks, Vec3s
 from reference.demo.runs import CONVERGED, Runs
-from reference.figures.batches import merge
-from reference.figures.bootstrap import Numbers
 from reference.figures.record import Work
+from reference.intervals import Numbers
 from reference.methods import Job, Method, Rendering
-from reference.moments import Moments, add_samples, no_samples
+from reference.moments import Moments, merge
+from reference.timing import in_turns, timed
 from reference.world import World
 
 FRAMES = 32  # as in Figure 13
@@ -75,7 +74,7 @@ class Contest:
 
     def path_variances(self) -> Numbers:
         """Mean squared error of one path-traced sample, an estimate a batch."""
-        return np.array([np.mean(b.squares) / (b.count - 1.0) for b in self.batches])
+        return np.array([batch.variance().mean() for batch in self.batches])
 
     def errors(self, name: str, pixels: Masks | None = None) -> Numbers:
         """Mean squared error of each run, without the share of the truth's own.
@@ -98,26 +97,14 @@ class Contest:
         return np.array([metrics.mse(c[some], truth, variance) for c in colors])
 
 
-@dataclass(slots=True, eq=False)
-class _Running:
-    """A run of a contender on its way, with a clock."""
-
-    contender: Contender
-    steps: Rendering
-    times: list[float]
-
-    def advance(self) -> None:
-        start = time.perf_counter()
-        next(self.steps)
-        self.times.append(time.perf_counter() - start)
-
-    def color(self) -> Vec3s:
-        try:
-            step = next(self.steps)
-        except StopIteration as end:
-            color: Vec3s = end.value["color"]
-            return color
-        raise ValueError(f"{self.contender.name} has one more step, {step}")
+def _color(contender: Contender, steps: Rendering) -> Vec3s:
+    """What comes after the last step."""
+    try:
+        step = next(steps)
+    except StopIteration as end:
+        color: Vec3s = end.value["color"]
+        return color
+    raise ValueError(f"{contender.name} has one more step, {step}")
 
 
 def compete(
@@ -147,34 +134,25 @@ def compete(
     Contest
         Run i of every contender has seed i.
     """
-    batches, path_times = [], []
+    batches: list[Moments] = []
+    path_times: list[float] = []
     frame_times: dict[str, list[float]] = {c.name: [] for c in contenders}
     colors: dict[str, list[Vec3s]] = {c.name: [] for c in contenders}
     for run in range(work.runs):
         work.tick(run, work.runs, "runs")
-        running = [
-            _Running(c, c.method.render(_job(world, c, run, work)), [])
-            for c in contenders
-        ]
-        samples = path_samples(
-            world,
-            work.schedule,
-            light="indirect",
-            bounces=bounces,
-            seed=PATH_SEED + run,
-        )
-        moments = no_samples(samples.rows)
-        for _ in range(FRAMES):
-            for one in running:
-                one.advance()
-            start = time.perf_counter()
-            until = moments.count + paths
-            moments = add_samples(moments, samples.radiance, until, work.schedule)
-            path_times.append((time.perf_counter() - start) / paths)
+        running = {
+            c.name: c.method.render(_job(world, c, run, work)) for c in contenders
+        }
+        drawn, turns = paths_beside(world, bounces, run, paths, work), []
+        calls = {name: steps.__next__ for name, steps in running.items()}
+        for turn in in_turns(calls, FRAMES):
+            turns.append(turn)
+            moments, spent = timed(drawn.__next__)
+            path_times.append(spent / paths)
         batches.append(moments)
-        for one in running:
-            frame_times[one.contender.name] += one.times[-CONVERGED:]
-            colors[one.contender.name].append(one.color())
+        for c in contenders:
+            frame_times[c.name] += [turn[c.name].seconds for turn in turns[-CONVERGED:]]
+            colors[c.name].append(_color(c, running[c.name]))
     work.tick(work.runs, work.runs, "runs")
     runs = {
         c.name: Runs(
@@ -188,6 +166,36 @@ def compete(
     }
     seconds = float(np.median(path_times))
     return Contest(world, bounces, batches, merge(batches), seconds, runs)
+
+
+def paths_beside(
+    world: World, bounces: int, run: int, step: int, work: Work
+) -> Iterator[Moments]:
+    """Path tracing between the frames of a run: part of the truth in the end.
+
+    Parameters
+    ----------
+    world : World
+        The scene.
+    bounces : int
+        Of indirect light.
+    run : int
+        Samples of different runs are independent.
+    step : int
+        Samples at a time.
+    work : Work
+        Bands and threads.
+
+    Returns
+    -------
+    iterator of Moments
+        After ever more samples, without end.
+    """
+    seed = PATH_SEED + run
+    drawn = path_samples(
+        world, work.schedule, light="indirect", bounces=bounces, seed=seed
+    )
+    return ever_more(drawn, step, work.schedule)
 
 
 def _job(world: World, contender: Contender, seed: int, work: Work) -> Job:

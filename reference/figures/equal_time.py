@@ -4,7 +4,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from reference.demo.score import relative_bias
-from reference.figures.bootstrap import ratio_interval
 from reference.figures.canvas import (
     COLORS,
     SIDE,
@@ -23,7 +22,8 @@ from reference.figures.contest import (
     compete,
 )
 from reference.figures.paths import path_traced, sized_world
-from reference.figures.record import Deviation, Interval, PaperFigure, Row, Work
+from reference.figures.record import Deviation, PaperFigure, Row, Work
+from reference.intervals import Interval, ratio_interval
 from reference.methods.restir_gi import BIASED, UNBIASED
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from reference.arrays import Scalars, Vec3s, dot
+from reference.exactness.numbers import EXACT, UNROUNDED, exactly
+from reference.exactness.targets import JACOBIAN
 from reference.figures.canvas import COLORS, blank, tidy
 from reference.figures.record import PaperFigure, Row, Work
-from reference.oracle.rungs.exact_formulas import FORMULAS
-from reference.oracle.rungs.exact_numbers import DIGITS, Exact
 from reference.resampling.shift import reconnection_jacobian
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
@@ -149,19 +149,21 @@ def _parts(g: Geometry) -> tuple[Vec3s, Vec3s, Vec3s, Vec3s]:
     return g.x_from, g.x_to, g.position, g.normal
 
 
-def _exact(g: Geometry) -> Exact:
+def _exact(g: Geometry) -> list[Any]:
+    """J of each row, mpf."""
     names = ("x_from", "x_to", "position", "normal")
-    inputs = dict(zip(names, _parts(g), strict=True))
-    return FORMULAS["jacobian"](inputs, {})["jacobian"]
+    rows = zip(*_parts(g), strict=True)
+    given = ((exactly(vector, UNROUNDED) for vector in row) for row in rows)
+    return [JACOBIAN.formula(dict(zip(names, row, strict=True))).value for row in given]
 
 
 def _judged(g: Geometry, dtype: Any) -> tuple[Scalars, Scalars]:
     """Error of each row in eps, and as a share of the bound; 0 for rows without J."""
     found = reconnection_jacobian(*(a.astype(dtype) for a in _parts(g)))
-    eps = DIGITS.mpf(float(np.finfo(dtype).eps))
+    eps = EXACT.mpf(float(np.finfo(dtype).eps))
     error = np.array(
         [
-            float(abs(DIGITS.mpf(float(a)) - b) / (eps * b)) if b > 0 else 0.0
+            float(abs(EXACT.mpf(float(a)) - b) / (eps * b)) if b > 0 else 0.0
             for a, b in zip(found, _exact(g), strict=True)
         ]
     )

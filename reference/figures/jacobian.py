@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from reference.arrays import Masks, Vec3s
-from reference.figures.bootstrap import Numbers
 from reference.figures.canvas import (
     COLORS,
     INK,
@@ -31,6 +30,7 @@ from reference.figures.record import Deviation, PaperFigure, Work
 from reference.figures.regions import floor_points, zones
 from reference.figures.tiles import mean_and_error
 from reference.images import luminance
+from reference.intervals import Numbers
 from reference.methods.restir_gi import UNBIASED
 from reference.scene.catalogue.answers import sunlit_wall_indirect
 from reference.settings import JacobianUse, Mis

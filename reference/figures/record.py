@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from reference.display import Bytes
+from reference.intervals import Interval
 from reference.schedule import Schedule
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
@@ -34,23 +35,6 @@ class Work:
     runs: int
     schedule: Schedule
     tick: Callable[[int, int, str], None] = lambda done, total, unit: None
-
-
-@dataclass(frozen=True, slots=True)
-class Interval:
-    """A number with its 95 % confidence interval.
-
-    Attributes
-    ----------
-    value : float
-        Estimate.
-    low, high : float
-        Ends.
-    """
-
-    value: float
-    low: float
-    high: float
 
 
 @dataclass(frozen=True, slots=True)

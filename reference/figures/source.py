@@ -4,7 +4,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from reference.arrays import Masks
-from reference.figures.bootstrap import mean_interval, ratio_interval
 from reference.figures.canvas import (
     COLORS,
     QUIET,
@@ -24,8 +23,9 @@ from reference.figures.contest import (
     compete,
 )
 from reference.figures.paths import sized_world
-from reference.figures.record import Interval, PaperFigure, Row, Work
+from reference.figures.record import PaperFigure, Row, Work
 from reference.figures.regions import floor_points, zones
+from reference.intervals import Interval, mean_interval, ratio_interval
 from reference.methods.restir_gi import UNBIASED
 from reference.settings import Source
 

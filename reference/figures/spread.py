@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from reference.arrays import Vec3s
-from reference.figures.bootstrap import Numbers
+from reference.intervals import Numbers
 
 
 def spreads(colors: Sequence[Vec3s]) -> Numbers:

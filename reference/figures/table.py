@@ -6,7 +6,8 @@ from typing import Any
 
 from rich.table import Table
 
-from reference.figures.record import Cell, Deviation, Interval, PaperFigure
+from reference.figures.record import Cell, Deviation, PaperFigure
+from reference.intervals import Interval
 
 
 def text(cell: Cell) -> str:

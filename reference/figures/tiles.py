@@ -3,8 +3,8 @@
 import numpy as np
 
 from reference.arrays import Vec3s
-from reference.figures.bootstrap import Numbers
 from reference.images import luminance
+from reference.intervals import Numbers
 
 TILE = 8  # pixels
 

@@ -2,14 +2,13 @@
 
 import json
 import zlib
-from base64 import b64encode
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from reference.errors import UsageError
+from reference.reports.page import base64, render_page
 
 MOST = 256 << 20
 """Bytes of numbers: a browser still opens the page."""
@@ -17,7 +16,7 @@ MOST = 256 << 20
 SCRIPTS = ("data.js", "picture.js", "room.js", "tables.js", "main.js")
 
 
-def page(title: str, runs: list[dict[str, Any]], exposure: float) -> str:
+def page(title: str, runs: list[dict[str, Any]], exposure: float) -> bytes:
     """Write the page.
 
     Parameters
@@ -32,7 +31,7 @@ def page(title: str, runs: list[dict[str, Any]], exposure: float) -> str:
 
     Returns
     -------
-    str
+    bytes
         HTML.
 
     Raises
@@ -51,20 +50,14 @@ def page(title: str, runs: list[dict[str, Any]], exposure: float) -> str:
         )
     manifest["exposure"] = exposure
     text = json.dumps(manifest, allow_nan=False).replace("<", "\\u003c")
-    templates = Environment(
-        loader=PackageLoader("reference.inspector", "templates"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    return templates.get_template("inspector.html").render(
-        title=title,
-        runs=runs,
-        manifest=Markup(text),
-        block=b64encode(zlib.compress(block)).decode(),
-        scripts=SCRIPTS,
-    )
+    values = {
+        "title": title,
+        "runs": runs,
+        "manifest": Markup(text),
+        "block": base64(zlib.compress(block)),
+        "scripts": SCRIPTS,
+    }
+    return render_page("reference.inspector", "inspector.html", values)
 
 
 def packed(value: Any) -> tuple[Any, bytes]:

@@ -10,8 +10,8 @@ import numpy as np
 from reference.accumulate import Pixel
 from reference.arrays import Scalars, Vec3s
 from reference.errors import UsageError
-from reference.methods.aovs import gbuffer_layers
-from reference.methods.method import Job, Progress, Rendering, Shown
+from reference.methods.aovs import GBUFFER, gbuffer_layers
+from reference.methods.method import Job, Method, Progress, Rendering, Shown
 from reference.methods.path import mean_of_paths
 from reference.records import fields_but, nbytes
 from reference.rng import Stream
@@ -122,6 +122,45 @@ class Framed:
     estimates: Callable[[Any], Scalars] = color_of
     develop: Callable[[Job, Scalars], Vec3s] = as_it_is
     size: Callable[[Job, Any], int] = bytes_of_frame
+
+    def method(
+        self,
+        name: str,
+        summary: str,
+        settings: Any,
+        biases: Callable[[Job], tuple[str, ...]],
+    ) -> Method:
+        """Method that makes these frames.
+
+        Parameters
+        ----------
+        name, summary : str
+            On the command line.
+        settings : dataclass instance
+            Defaults; they have ``image``.
+        biases : callable
+            Names what biases the indirect light of a job that shows some.
+
+        Returns
+        -------
+        Method
+            Of 32 frames, and 32 samples of direct light.
+        """
+
+        def named_biases(job: Job) -> tuple[str, ...]:
+            return () if job.light == "direct" or job.bounces == 0 else biases(job)
+
+        return Method(
+            name=name,
+            summary=summary,
+            counts={"frames": 32, "spp": 32},
+            settings=settings,
+            aovs={**PARTS, **self.own, **GBUFFER},
+            render=self.render,
+            biases=named_biases,
+            frames=self.shown,
+            pixel=self.pixel,
+        )
 
     def shown(self, job: Job) -> Iterator[Shown]:
         """Indirect light, frame after frame.

@@ -2,17 +2,17 @@
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
-from math import isfinite
 
 from reference import settings
 from reference.arrays import Scalars
 from reference.biases import biases
-from reference.methods.aovs import GBUFFER, RESERVOIRS, reservoir_layers
-from reference.methods.framed import PARTS, Framed, Image
+from reference.methods.aovs import RESERVOIRS, reservoir_layers
+from reference.methods.framed import Framed, Image
 from reference.methods.method import Job, Method
 from reference.options.storage import stored_bytes
 from reference.records import nbytes
 from reference.restir_gi import Frame, render_frames
+from reference.setting_values import refuse_beyond
 from reference.settings import Settings
 
 LEAST_AND_MOST = {
@@ -49,12 +49,7 @@ class RestirSettings(Settings):
     image: Image = "last"
 
     def __post_init__(self) -> None:
-        for name, (least, most) in LEAST_AND_MOST.items():
-            if not least <= getattr(self, name) <= most:
-                end = f"to {most}" if isfinite(most) else "or more"
-                raise ValueError(
-                    f"{name}={getattr(self, name)} is out of range: {least} {end}"
-                )
+        refuse_beyond(self, LEAST_AND_MOST)
         if self.lattice > 1 and not (self.spatial and self.reuse == "separate"):
             raise ValueError(
                 f"lattice={self.lattice} needs spatial=true and reuse=separate: pixels"
@@ -75,8 +70,6 @@ def named_biases(job: Job) -> tuple[str, ...]:
     tuple of str
         See :func:`reference.biases.biases`.
     """
-    if job.light == "direct" or job.bounces == 0:
-        return ()
     changes = job.animation.changes if job.animation else "nothing"
     return biases(job.settings, job.world.scene, changes)
 
@@ -104,15 +97,8 @@ FRAMED = Framed(_frames, _layers, RESERVOIRS, size=_size)
 
 
 def _method(name: str, summary: str, defaults: Settings) -> Method:
-    return Method(
-        name=name,
-        summary=summary,
-        counts={"frames": 32, "spp": 32},
-        settings=RestirSettings(**asdict(defaults)),
-        aovs={**PARTS, **RESERVOIRS, **GBUFFER},
-        render=FRAMED.render,
-        biases=named_biases,
-        frames=FRAMED.shown,
+    return FRAMED.method(
+        name, summary, RestirSettings(**asdict(defaults)), named_biases
     )
 
 

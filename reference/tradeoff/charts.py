@@ -7,7 +7,7 @@ import numpy as np
 
 from reference.arrays import Scalars
 from reference.figures.canvas import COLORS, INK, QUIET, blank, tidy
-from reference.figures.record import Interval
+from reference.intervals import Interval
 from reference.tradeoff.front import on_front
 from reference.tradeoff.scores import Score
 

@@ -1,17 +1,16 @@
 """The folder of a sweep: figures, numbers, and one page that needs nothing else."""
 
-from base64 import b64encode
 from collections.abc import Callable
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from reference.files import write_file
 from reference.json_text import json_text
 from reference.machine import machine
+from reference.reports.page import render_page
 from reference.tradeoff.change import draw_recoveries
 from reference.tradeoff.charts import LINES, bars, curves, front, neighbours
 from reference.tradeoff.maps import deviations, draw_maps
@@ -54,7 +53,7 @@ def write_results(out: Path, results: Results, store: Store) -> None:
         write_file(out / f"{name}.png", png)
     write_file(out / "numbers.json", json_text(plain).encode())
     write_file(out / "numbers.csv", as_csv(results).encode())
-    write_file(out / "index.html", _page(results, figures).encode())
+    write_file(out / "index.html", _page(results, figures))
 
 
 def _png(picture: "Figure") -> bytes:
@@ -63,26 +62,17 @@ def _png(picture: "Figure") -> bytes:
     return buffer.getvalue()
 
 
-def _page(results: Results, figures: list[tuple[str, str, str, bytes]]) -> str:
-    templates = Environment(
-        loader=PackageLoader("reference.tradeoff", "templates"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    return templates.get_template("tradeoff.html").render(
-        sweep=results.sweep,
-        truth=results.truth,
-        advice=results.advice,
-        columns=COLUMNS,
-        rows=cells(results),
-        machine=machine(),
-        figures=[
-            (name, title, words, b64encode(png).decode())
-            for name, title, words, png in figures
-        ],
-    )
+def _page(results: Results, figures: list[tuple[str, str, str, bytes]]) -> bytes:
+    values = {
+        "sweep": results.sweep,
+        "truth": results.truth,
+        "advice": results.advice,
+        "columns": COLUMNS,
+        "rows": cells(results),
+        "machine": machine(),
+        "figures": figures,
+    }
+    return render_page("reference.tradeoff", "tradeoff.html", values)
 
 
 def _shown(results: Results) -> list[Score]:

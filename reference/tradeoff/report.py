@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from reference.figures.record import Interval
+from reference.intervals import Interval
 from reference.machine import machine
 from reference.tradeoff.front import on_front, rms_percent
 from reference.tradeoff.results import Results

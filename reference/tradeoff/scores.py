@@ -5,10 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from reference.arrays import Scalars
-from reference.figures.bootstrap import ratio_interval
-from reference.figures.record import Deviation, Interval
+from reference.demo.score import relative_bias
+from reference.figures.record import Deviation
 from reference.figures.spread import spreads
 from reference.figures.tiles import tile_means
+from reference.intervals import Interval, ratio_interval
 from reference.moments import Moments
 from reference.tradeoff.points import Point
 from reference.tradeoff.split import Split, split_error
@@ -38,7 +39,7 @@ class Score:
     error : Split
         MSE of a frame, its squared bias and variance.
     deviation : Deviation
-        Of the mean of the picture, relative to the truth.
+        Of the mean luminance of the picture, relative to the truth.
     length : Interval, pixels
         Side of the square in which pixels err alike: √(A Var[mean of A] / Var[pixel])
         for tiles of A pixels; 1 for independent pixels, at most the side of the tile.
@@ -105,7 +106,7 @@ def score(
         _mean_rays(trials),
         trials[0].kept,
         split_error(colors, truth),
-        _deviation(frames, truth),
+        Deviation(*relative_bias(frames, truth)),
         Interval(*(float(np.sqrt(x)) for x in (area.value, area.low, area.high))),
         ratio_interval(spreads(means), alone, counted),
         _share_of_worst(colors, truth),
@@ -120,19 +121,6 @@ def _mean_rays(trials: list[Trial]) -> dict[str, float]:
 def _quartiles(values: Scalars) -> Interval:
     low, middle, high = np.quantile(values, [0.25, 0.5, 0.75])
     return Interval(float(middle), float(low), float(high))
-
-
-def _deviation(frames: list[Scalars], truth: Moments) -> Deviation:
-    """Of the mean of the picture.  The pixels of the truth are independent."""
-    true = float(truth.mean.mean())
-    if true <= 0:
-        return Deviation(0.0, 0.0)
-    means = np.array([f.mean() for f in frames])
-    noise = np.sqrt(np.sum(truth.standard_error() ** 2.0)) / truth.mean.size
-    own = means.std(ddof=1) / np.sqrt(len(means))
-    return Deviation(
-        float(means.mean() / true - 1.0), float(np.hypot(own, noise) / true)
-    )
 
 
 def _share_of_worst(colors: Scalars, truth: Moments) -> float:

@@ -7,19 +7,14 @@ plus the variance of the truth, which is subtracted.  What is between the two is
 variance of a run.
 """
 
-import warnings
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.stats import DegenerateDataWarning, bootstrap
 
 from reference.arrays import Scalars
-from reference.figures.record import Interval
+from reference.intervals import Interval, bootstrap_interval
 from reference.moments import Moments
-
-DRAWS = 2000
-LEVEL = 0.95
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,12 +76,12 @@ def split_error(images: Scalars, truth: Moments) -> Split:
         counts: Scalars = (index[..., None] == np.arange(len(G))).sum(axis=-2) * 1.0
         return counts
 
-    def mse(index: Any, axis: int = -1) -> Scalars:
+    def mse(index: Any) -> Scalars:
         c = weights(index)
         found: Scalars = c @ np.diag(G) / c.sum(axis=-1) - noise
         return found
 
-    def bias2(index: Any, axis: int = -1) -> Scalars:
+    def bias2(index: Any) -> Scalars:
         # Of a run that was drawn twice the product with itself is no product of two.
         c = weights(index)
         pairs = c.sum(axis=-1) ** 2 - (c * c).sum(axis=-1)
@@ -95,32 +90,9 @@ def split_error(images: Scalars, truth: Moments) -> Split:
         found: Scalars = np.where(pairs > 0, total / np.maximum(pairs, 1), whole)
         return found - noise
 
-    def variance(index: Any, axis: int = -1) -> Scalars:
+    def variance(index: Any) -> Scalars:
         return mse(index) - bias2(index)
 
-    return Split(*(_interval(f, len(G)) for f in (mse, bias2, variance)))
-
-
-def _interval(statistic: Any, runs: int) -> Interval:
-    index = np.arange(runs)
-
-    def ends(method: Any) -> list[float]:
-        found = bootstrap(
-            (index,),
-            statistic,
-            n_resamples=DRAWS,
-            vectorized=True,
-            confidence_level=LEVEL,
-            method=method,
-            rng=0,
-        ).confidence_interval
-        return [float(found.low), float(found.high)]
-
-    with warnings.catch_warnings(), np.errstate(divide="ignore", invalid="ignore"):
-        # Runs that are all alike, as those of a black picture, have no spread, by which
-        # BCa would be corrected; percentiles do without.
-        warnings.simplefilter("ignore", DegenerateDataWarning)
-        found = ends("BCa")
-        if not np.isfinite(found).all():
-            found = ends("percentile")
-    return Interval(float(statistic(index)), *found)
+    return Split(
+        *(bootstrap_interval(f, len(G), corrected=True) for f in (mse, bias2, variance))
+    )

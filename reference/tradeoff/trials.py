@@ -1,6 +1,5 @@
 """One run of one operating point, measured: what a worker does."""
 
-import time
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from reference.scene.animation import Animation
 from reference.scene.brightness import brightened
 from reference.scene.named import Named, find_scene_or_file, frames_of
 from reference.schedule import Schedule
+from reference.timing import timed
 from reference.tradeoff.points import Point, settings_of
 from reference.world import World, build_world
 
@@ -107,9 +107,8 @@ def run_trial(task: Task) -> Trial:
     for number in range(task.frames):
         if number == skipped:
             before = Counter(world.caster.counts)
-        start = time.perf_counter()
-        shown = next(frames)
-        seconds.append(time.perf_counter() - start)
+        shown, spent = timed(frames.__next__)
+        seconds.append(spent)
         tiles.append(tile_means(shown.color, task.named.width))
         if number >= skipped:
             mean = mean + (shown.color - mean) / (number - skipped + 1.0)

@@ -8,9 +8,8 @@ Prints medians of the ratios of turns; seconds belong to a machine.
 
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -31,9 +30,9 @@ from reference.scene.catalogue.rooms import cornell_box
 from reference.scene.surface import VisiblePoints
 from reference.schedule import Schedule
 from reference.settings import BIASED, UNBIASED, Settings
+from reference.timing import seconds_in_turns, time_ratio
 from reference.world import World, build_world, next_world
 from tests.benchmarks.scenes import bumpy_box, sized
-from tests.benchmarks.turns import in_turns, ratio
 
 MODULE = "tests.benchmarks.bench_cost"
 WARM = 31  # the frame after the 32 of the paper; every pixel then tries few neighbours
@@ -97,6 +96,23 @@ def following(
     )
 
 
+def in_turns(*calls: Callable[[], object]) -> list[list[float]]:
+    """Seconds of each, in each turn."""
+    return list(seconds_in_turns(dict(enumerate(calls))).values())
+
+
+def ratio(above: list[float], below: list[float]) -> str:
+    found = time_ratio(above, below)
+    return f"{found.value:.2f} [{found.low:.2f}, {found.high:.2f}]"
+
+
+def against_the_first(calls: Mapping[str, Callable[[], object]]) -> dict[str, str]:
+    """Ratio of the time of each to that of the first."""
+    times = seconds_in_turns(calls)
+    first = next(iter(times.values()))
+    return {label: ratio(seconds, first) for label, seconds in times.items()}
+
+
 def frame_against_rays() -> Iterator[str]:
     for scene in (cornell_box(), bumpy_box()):
         world = build_world(sized(scene, 512, 512))
@@ -146,9 +162,8 @@ def motion() -> Iterator[str]:
         for moves in (False, True):
             label = f"{name}, in motion" if moves else f"{name}, at rest"
             steps[label] = one_more(animation, moves)
-    times = in_turns(*steps.values())
-    for label, seconds in zip(steps, times, strict=True):
-        yield f"{label:25} {ratio(seconds, times[0])} x the time of a frame"
+    for label, times in against_the_first(steps).items():
+        yield f"{label:25} {times} x the time of a frame"
 
 
 def one_more(animation: Animation, moves: bool) -> Callable[[], Frame]:
@@ -184,9 +199,9 @@ def paths() -> Iterator[str]:
     for frames in runs.values():
         for _ in range(3):
             next(frames)
-    times = in_turns(*(partial(next, frames) for frames in runs.values()))
-    for label, seconds in zip(runs, times, strict=True):
-        yield f"{label:25} {ratio(seconds, times[0])} x the time of ReSTIR GI"
+    calls = {label: frames.__next__ for label, frames in runs.items()}
+    for label, times in against_the_first(calls).items():
+        yield f"{label:25} {times} x the time of ReSTIR GI"
 
 
 def memory() -> Iterator[str]:

@@ -16,14 +16,16 @@ import platform
 import statistics
 import subprocess
 import sys
-import time
+from dataclasses import astuple
+from functools import partial
 
 import numpy as np
 
+from reference.intervals import bootstrap_interval
+from reference.timing import in_turns, seconds_in_turns, timed
 from reference.version import project_version
 from tests.benchmarks.mitsuba_side import LAUNCH, opened
 from tests.benchmarks.our_side import THREADS, Runner
-from tests.benchmarks.turns import in_turns
 
 FRAMES, WARM, SEEDS, TURNS, COLD_TURNS = 8, 24, 4, 9, 3
 GROUPS = 8  # of launches, each of which estimates the variance of a sample
@@ -66,35 +68,32 @@ def steady(name: str, size: int, bounces: int) -> list[list[float]]:
         runner.step()
     mitsuba.estimate(LAUNCH, 0)
     mitsuba.render(LAUNCH, 0)
-    frames, *launches = in_turns(
-        runner.step,
-        lambda: mitsuba.estimate(LAUNCH, 1),
-        lambda: mitsuba.render(LAUNCH, 1),
-        turns=TURNS,
-    )
+    calls = {
+        "frame": runner.step,
+        "sample": partial(mitsuba.estimate, LAUNCH, 1),
+        "picture": partial(mitsuba.render, LAUNCH, 1),
+    }
+    frames, *launches = seconds_in_turns(calls, TURNS).values()
     return [frames, *([seconds / LAUNCH for seconds in turn] for turn in launches)]
 
 
 def started(module: str, *arguments: object) -> float:
     """Seconds of a process of its own, less those that it says were for translation."""
     words = [sys.executable, "-m", f"tests.benchmarks.{module}", *map(str, arguments)]
-    start = time.perf_counter()
-    done = subprocess.run(words, check=True, capture_output=True, text=True)
-    spent = time.perf_counter() - start
+    run = partial(subprocess.run, words, check=True, capture_output=True, text=True)
+    done, spent = timed(run)
     return spent - float(done.stdout or 0)
 
 
 def cold(name: str, size: int, bounces: int, samples: float) -> list[list[float]]:
     """Seconds from nothing to the error after FRAMES, ours and theirs, in turns."""
     about = name, size, bounces
-    turns = [
-        (
-            started("our_side", *about, FRAMES + 1),
-            started("mitsuba_side", *about, max(1, round(samples))),
-        )
-        for _ in range(COLD_TURNS)
-    ]
-    return [list(column) for column in zip(*turns, strict=True)]
+    calls = {
+        "ours": partial(started, "our_side", *about, FRAMES + 1),
+        "theirs": partial(started, "mitsuba_side", *about, max(1, round(samples))),
+    }
+    turns = list(in_turns(calls, COLD_TURNS))
+    return [[turn[name].result for turn in turns] for name in calls]
 
 
 def ahead(one: list[float], warm: list[float], times: list[float]) -> list[float]:
@@ -102,15 +101,13 @@ def ahead(one: list[float], warm: list[float], times: list[float]) -> list[float
 
     Resampled are our seeds, groups of their launches, and turns.
     """
-    rng = np.random.default_rng(0)
+    errors, others, ratios = map(np.array, (one, warm, times))
 
-    def drawn(values: list[float]) -> np.ndarray:
-        return np.array(values)[rng.integers(len(values), size=(4000, len(values)))]
+    def faster(launch, seed, turn):
+        needed = errors[launch].mean(axis=-1) / others[seed].mean(axis=-1)
+        return np.maximum(needed, 1.0) * np.median(ratios[turn], axis=-1)
 
-    draws = drawn(one).mean(axis=1) / drawn(warm).mean(axis=1)
-    draws = np.maximum(draws, 1.0) * np.median(drawn(times), axis=1)
-    value = max(1.0, np.mean(one) / np.mean(warm)) * statistics.median(times)
-    return [float(value), *map(float, np.quantile(draws, [0.025, 0.975]))]
+    return list(astuple(bootstrap_interval(faster, len(one), len(warm), len(times))))
 
 
 def compared(name: str, size: int, bounces: int, samples: int) -> dict[str, object]:

@@ -9,18 +9,21 @@ options take turns, so that the ratios of times mean something on a busy machine
 """
 
 import sys
-import time
 from dataclasses import replace
+from functools import partial
+from itertools import islice
 
 import numpy as np
 
 from reference.accumulate import path_samples
+from reference.moments import add_samples, no_samples
 from reference.restir_gi import render_frames
 from reference.rng import Stream
 from reference.scene.animation import Animation
 from reference.scene.catalogue.registry import find_animation
 from reference.schedule import Schedule
 from reference.settings import BIASED, UNBIASED, Settings
+from reference.timing import in_turns
 from reference.world import World, build_world
 
 FRAMES, BOUNCES, SAMPLES = 12, 2, 3000
@@ -78,18 +81,15 @@ def main(name: str, runs: int, size: int, chosen: list[str]) -> None:
     squares: dict[str, list[float]] = {n: [] for n in names}
     ratios: dict[str, list[float]] = {n: [] for n in names}
     for seed in range(runs):
-        seconds = {}
-        for option in names:
-            frames = render_frames(
-                first, OPTIONS[option], BOUNCES, seed, Schedule(), animation
-            )
-            start = time.perf_counter()
-            for _ in range(FRAMES):
-                color = next(frames).color
-            seconds[option] = time.perf_counter() - start
+        calls = {
+            option: partial(twelfth, first, animation, OPTIONS[option], seed)
+            for option in names
+        }
+        (turn,) = in_turns(calls, 1)
+        for option, (color, seconds) in turn.items():
             means[option].append(float(color.mean()))
             squares[option].append(float(((color - truth) ** 2).mean()) - noise)
-            ratios[option].append(seconds[option] / seconds["unbiased"])
+            ratios[option].append(seconds / turn["unbiased"].seconds)
     plain = np.mean(squares["unbiased"])
     print(f"{name}, {size} x {size}, {BOUNCES} bounces, frame {FRAMES}, {runs} runs")
     for option in names:
@@ -102,6 +102,14 @@ def main(name: str, runs: int, size: int, chosen: list[str]) -> None:
             f"  time x {np.median(ratios[option]):.2f}",
             flush=True,
         )
+
+
+def twelfth(
+    world: World, animation: Animation, settings: Settings, seed: int
+) -> np.ndarray:
+    """The last of the frames that a run is timed by."""
+    frames = render_frames(world, settings, BOUNCES, seed, Schedule(), animation)
+    return next(islice(frames, FRAMES - 1, None)).color
 
 
 def sized(animation: Animation, size: int) -> Animation:
@@ -125,15 +133,12 @@ def truth_of(world: World) -> tuple[np.ndarray, float, float]:
         world, Schedule(), light="indirect", bounces=BOUNCES, seed=1 << 20,
         stream=Stream.PATH,
     )  # fmt: skip
-    total, squares, means = 0.0, 0.0, []
-    for number in range(SAMPLES):
-        color = samples.radiance(slice(0, samples.rows), number)
-        total, squares = total + color, squares + color**2
-        means.append(color.mean())
-    truth = np.asarray(total) / SAMPLES
-    variance = np.asarray(squares) / SAMPLES - truth**2
-    error = float(np.std(means, ddof=1) / np.sqrt(SAMPLES))
-    return truth, error, float(variance.mean() / SAMPLES)
+    none = no_samples(samples.rows)
+    truth = add_samples(none, samples.radiance, SAMPLES, Schedule())
+    # Pixels are independent of each other; channels of a pixel may err alike.
+    off = truth.standard_error()
+    error = float(np.sqrt((off.sum(axis=1) ** 2).sum()) / off.size)
+    return truth.mean, error, float((off**2).mean())
 
 
 if __name__ == "__main__":

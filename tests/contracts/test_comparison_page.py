@@ -2,7 +2,6 @@
 
 import re
 from base64 import b64decode
-from html.parser import HTMLParser
 
 import numpy as np
 import pytest
@@ -12,6 +11,7 @@ from reference.comparison import compare
 from reference.display import MARKER
 from reference.errors import UsageError
 from reference.images import Image
+from tests.contracts.elements import Page
 
 PICTURES = ["a.png", "b.png", "difference.png", "flip.png", "relative_error.png"]
 
@@ -34,34 +34,6 @@ def noisy():
     a = image(truth * 1.1, method="restir-gi-biased", scene="door-ajar")
     b = image(truth, grey(0.1, 12, 16), method="path", scene="door-ajar", spp="64")
     return a, b
-
-
-class Page(HTMLParser):
-    """Elements of a page, and whether its tags are balanced."""
-
-    def __init__(self, text):
-        super().__init__()
-        self.elements, self.open = [], []
-        self.feed(text)
-        assert self.open == []
-
-    def handle_starttag(self, tag, attrs):
-        """Note an element, and that it must be closed."""
-        self.elements.append((tag, dict(attrs)))
-        if tag not in ("meta", "img", "input"):
-            self.open.append(tag)
-
-    def handle_startendtag(self, tag, attrs):
-        """Note an element that closes itself."""
-        self.elements.append((tag, dict(attrs)))
-
-    def handle_endtag(self, tag):
-        """Close the element that was opened last."""
-        assert self.open.pop() == tag
-
-    def all(self, tag):
-        """Attributes of each element of a kind."""
-        return [attributes for name, attributes in self.elements if name == tag]
 
 
 def test_the_folder(tmp_path, noisy):

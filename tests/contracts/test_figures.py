@@ -11,12 +11,10 @@ from scipy import stats
 from gradient_domain import least_absolute
 from gradient_domain.figures import ablations, gradients, images, rounds
 from hashgrid.figures import turns
-from reference import announced
+from reference import announced, timing
 from reference.cli import main
 from reference.demo.runs import CONVERGED
 from reference.figures import contest, registry, validation
-from reference.figures.batches import merge
-from reference.figures.bootstrap import mean_interval, ratio_interval
 from reference.figures.canvas import Tile, blank, draw_tiles
 from reference.figures.contest import FRAMES, Contender, Contest, compete
 from reference.figures.paths import sized_world
@@ -32,9 +30,10 @@ from reference.figures.spread import spreads
 from reference.figures.table import as_plain, table, text
 from reference.figures.tiles import largest_of_half, rms_without_noise, tile_luminance
 from reference.images import luminance
+from reference.intervals import mean_interval, ratio_interval
 from reference.methods import Progress
 from reference.methods.restir_gi import UNBIASED
-from reference.moments import Moments, add_samples, no_samples
+from reference.moments import Moments, add_samples, merge, no_samples
 from reference.schedule import Schedule
 
 FALSE_ALARM = 1e-6
@@ -448,7 +447,7 @@ def test_the_time_of_a_frame_is_that_of_the_last_ones(monkeypatch):
         return {"color": np.zeros((256, 3))}
 
     clock = SimpleNamespace(perf_counter=lambda: now[0])
-    monkeypatch.setattr(contest, "time", clock)
+    monkeypatch.setattr(timing, "time", clock)
     contenders = [Contender("a", replace(UNBIASED, render=steps), 1)]
     found = compete(sized_world("cornell-box", 16), contenders, 1, SMALL)
     assert found.runs["a"].seconds == 2.0

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from gradient_domain.differences import differences
-from gradient_domain.figures import rounds as module
 from gradient_domain.figures.gradients import times_smaller
 from gradient_domain.figures.rounds import FRAMES, Rounds, Scene, Variant, by_rounds
 from gradient_domain.figures.scores import (
@@ -21,6 +20,7 @@ from gradient_domain.figures.scores import (
 )
 from gradient_domain.figures.toy import VARIANTS, functions, toy
 from gradient_domain.figures.variants import METHODS, PRIMAL, scene_of
+from reference import timing
 from reference.figures.record import Work
 from reference.moments import Moments
 from reference.schedule import Schedule
@@ -51,7 +51,7 @@ def made_of(seeds, clock=None, seconds=0.0):
 def test_copies_have_seeds_of_their_own_and_are_averaged(monkeypatch):
     """Of two methods one takes a third of the other's time: three copies of it."""
     clock = [0.0]
-    monkeypatch.setattr(module.time, "perf_counter", lambda: clock[-1])
+    monkeypatch.setattr(timing.time, "perf_counter", lambda: clock[-1])
     fast, slow = [], []
     variants = {"fast": made_of(fast, clock, 1.0), "slow": made_of(slow, clock, 3.1)}
     found = by_rounds(scene_of("cornell-box", 16), variants, SMALL, 2, like="slow")

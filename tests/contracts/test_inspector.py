@@ -339,7 +339,7 @@ def test_words_of_a_header_stay_words():
     evil = "</script><script>alert(1)</script>"
     run = {"label": "", "name": evil, "words": {evil: evil}, "standing": evil}
     run |= {"replayed": False, "width": 1, "height": 1, "frames": [{"name": evil}]}
-    text = page(evil, [run], 1.0)
+    text = page(evil, [run], 1.0).decode()
     assert "<script>alert" not in text
 
 

@@ -6,7 +6,6 @@ import time
 from collections import Counter
 from dataclasses import replace
 from functools import cache, partial
-from html.parser import HTMLParser
 from io import BytesIO, StringIO
 
 import numpy as np
@@ -35,6 +34,7 @@ from reference.oracle.stage import stage
 from reference.oracle.steps import Step
 from reference.oracle.verdict import Timed, Verdict, climb
 from reference.scene.catalogue.registry import find_scene
+from tests.contracts.elements import Page
 
 CONTRACT = whole_contract()
 
@@ -135,30 +135,6 @@ def printed(plain, width=120):
     file = StringIO()
     Console(file=file, width=width).print(table(plain))
     return file.getvalue()
-
-
-class Page(HTMLParser):
-    """Elements of a page; its tags are balanced."""
-
-    def __init__(self, text):
-        super().__init__()
-        self.elements, self.open = [], []
-        self.feed(text)
-        assert self.open == []
-
-    def handle_starttag(self, tag, attrs):
-        """Note an element, and that it must be closed."""
-        self.elements.append((tag, dict(attrs)))
-        if tag not in ("meta", "img"):
-            self.open.append(tag)
-
-    def handle_endtag(self, tag):
-        """Close the element that was opened last."""
-        assert self.open.pop() == tag
-
-    def all(self, tag):
-        """Attributes of each element of a kind."""
-        return [attributes for name, attributes in self.elements if name == tag]
 
 
 # ---------------------------------------------------------------- for programs

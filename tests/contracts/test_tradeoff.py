@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from reference import intervals
 from reference.accumulate import path_samples
 from reference.cli import main
 from reference.commands import tradeoff as command
@@ -25,7 +26,7 @@ from reference.scene.lights import LatLongEnvironment
 from reference.scene.named import Named
 from reference.scene.validation import validate
 from reference.schedule import Schedule
-from reference.tradeoff import knobs, split
+from reference.tradeoff import knobs
 from reference.tradeoff.change import recoveries
 from reference.tradeoff.points import Point
 from reference.tradeoff.store import open_store
@@ -260,7 +261,7 @@ def test_what_is_written(here, capsys, tmp_path, monkeypatch):
     """Of four of the knobs: the others are no different."""
     few = [k for k in knobs.KNOBS if k.name in ("mode", "radius", "storage")]
     monkeypatch.setattr(knobs, "KNOBS", tuple(few))
-    monkeypatch.setattr(split, "DRAWS", 20)
+    monkeypatch.setattr(intervals, "DRAWS", 20)
     words = ("cornell-box", "--out", tmp_path, *QUICK, "--design", "2", "--json")
     code, printed, told = restir(capsys, *words)
     assert (code, told) == (0, "")

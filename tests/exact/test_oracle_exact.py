@@ -8,6 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 
+from reference.exactness.geometry import cosine_of_degrees
 from reference.oracle.builtin.backend import FLOAT32, FLOAT64
 from reference.oracle.cases import Case
 from reference.oracle.contract.registry import CONTRACT
@@ -17,7 +18,6 @@ from reference.oracle.replay.bounded import Bounded
 from reference.oracle.replay.judges import JUDGES
 from reference.oracle.replay.rules import CONTRACT_RULES
 from reference.oracle.rungs.exact import exact_outputs, examined_exactly
-from reference.oracle.rungs.exact_numbers import cosine_of_degrees
 from reference.oracle.rungs.kernels import kernel_probes
 from reference.oracle.rungs.probe import examined
 

@@ -122,9 +122,22 @@ def test_a_page_of_ours_is_replaced(tmp_path):
 NOTHING = as_plain(Verdict("PASS", [], [], [], []), "nobody", {})
 
 
-@pytest.mark.parametrize("template", sorted(ROOT.glob("reference/**/templates/*.html")))
-def test_every_page_of_a_folder_says_who_made_it(template):
-    text = template.read_bytes()
-    wanted = template.name != "inspector.html"  # a file that is named by the user
-    assert (MADE_BY in text) == wanted
-    assert not wanted or b"{% include" not in text[: text.index(MADE_BY)]
+TEMPLATES = {path.name: path for path in ROOT.glob("reference/**/templates/*.html")}
+PAGES = sorted(TEMPLATES.keys() - {"page.html", "pieces.html"})
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_every_page_of_a_folder_says_who_made_it(name):
+    """The frame does, before anything of a page; one page names no folder as ours."""
+    frame, page = (TEMPLATES[n].read_bytes() for n in ("page.html", name))
+    assert b"{% include" not in frame[: frame.index(MADE_BY)]
+    assert b'{% extends "page.html" %}' in page.splitlines()[0]
+    silent = name == "inspector.html"  # a file that is named by the user
+    assert (b"{% block made_by %}" in page) == silent
+
+
+def test_control_the_templates_are_those_of_all_pages():
+    assert PAGES == [
+        "comparison.html", "demo.html", "inspector.html", "tradeoff.html",
+        "verdict.html",
+    ]  # fmt: skip

@@ -7,7 +7,7 @@ name, or keeps it in a table, runs the edited code, and classes remain what they
 import importlib
 import inspect
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from functools import cache
 from types import FunctionType, ModuleType
@@ -139,3 +139,23 @@ def _rebind(name: str, old: Any, new: Any) -> list[tuple[ModuleType, str, Any]]:
             undo.append((module, name, old))
             setattr(module, name, new)
     return undo
+
+
+def is_refuted(evidence: Callable[[], object]) -> bool:
+    """Whether a test fails: by what it asserts, or because nothing comes out.
+
+    Parameters
+    ----------
+    evidence : callable
+        The test, with its arguments.
+
+    Returns
+    -------
+    bool
+        Any other error is none of a test's.
+    """
+    try:
+        evidence()
+    except (AssertionError, IndexError, ValueError):
+        return True
+    return False

@@ -180,7 +180,8 @@ def test_a_moving_camera_finds_the_same_place_again():
     assert np.median(unmoved[visible.surface.hit]) > 0.06
 
 
-def test_a_moving_shape_is_followed():
+def moved_block():
+    """Two frames between which the tall block moves, and who was seen where before."""
     scene = small(cornell_box())
     animation = with_shape(
         still(scene), "tall block", lambda t: pose(0.0, (0.3 * t, 0.0, 0.0))
@@ -190,6 +191,11 @@ def test_a_moving_shape_is_followed():
     world, visible = seen(frames[1])
     back = motion_between(*reversed(frames))
     row = reproject(before, seen_before, world, visible, back, UNBIASED)
+    return scene, (before, seen_before), (world, visible), back, row
+
+
+def test_a_moving_shape_is_followed():
+    scene, (before, seen_before), (world, visible), back, row = moved_block()
     block = [m.name for m in scene.meshes].index("tall block")
     shape = world.geometry.shape[visible.surface.primitive]
     on_block = visible.surface.hit & (shape == block) & (row != NONE)
@@ -204,15 +210,7 @@ def test_a_moving_shape_is_followed():
 
 
 def test_what_was_hidden_begins_anew():
-    scene = small(cornell_box())
-    animation = with_shape(
-        still(scene), "tall block", lambda t: pose(0.0, (0.3 * t, 0.0, 0.0))
-    )
-    frames = animation(0), animation(1)
-    before, seen_before = seen(frames[0])
-    world, visible = seen(frames[1])
-    back = motion_between(*reversed(frames))
-    row = reproject(before, seen_before, world, visible, back, UNBIASED)
+    scene, (before, seen_before), (world, visible), _, row = moved_block()
     names = [m.name for m in scene.meshes]
     now = world.geometry.shape[visible.surface.primitive]
     was = before.geometry.shape[seen_before.surface.primitive]

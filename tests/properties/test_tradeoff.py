@@ -14,7 +14,8 @@ from numpy.testing import assert_allclose
 from scipy.stats.qmc import LatinHypercube
 
 from reference.errors import UsageError
-from reference.figures.record import Deviation, Interval
+from reference.figures.record import Deviation
+from reference.intervals import Interval
 from reference.methods import method_named
 from reference.moments import Moments
 from reference.setting_values import with_values
@@ -57,7 +58,7 @@ def all_outcomes(values, runs):
 @pytest.mark.parametrize("runs", [3, 4])
 def test_the_split_is_unbiased(runs, monkeypatch):
     """Over all outcomes of a pixel that is 1, 2 or 6 where the truth is 2."""
-    monkeypatch.setattr("reference.tradeoff.split.DRAWS", 2)
+    monkeypatch.setattr("reference.intervals.DRAWS", 2)
     values, true = np.array([1.0, 2.0, 6.0]), known([[2.0] * 3])
     found = [split_error(x, true) for x in all_outcomes(values, runs)]
     bias2 = (values.mean() - 2.0) ** 2
@@ -73,7 +74,7 @@ def test_the_split_is_unbiased(runs, monkeypatch):
 
 def test_the_noise_of_the_truth_is_no_bias(monkeypatch):
     """Over all outcomes of two runs of a truth of two samples, which are 1 or 3."""
-    monkeypatch.setattr("reference.tradeoff.split.DRAWS", 2)
+    monkeypatch.setattr("reference.intervals.DRAWS", 2)
     image = np.repeat([2.0, 2.5, 3.0], 3).reshape(3, 1, 3)
     found = []
     for a, b in product((1.0, 3.0), repeat=2):

@@ -14,8 +14,8 @@ const MOST_POINTS = 12000;
 // How the fate of a candidate is drawn: never by colour alone.
 const STROKES = {
   kept: { width: 4, dash: [], color: "--kept" },
-  competed: { width: 1.5, dash: [], color: "--competed" },
-  hidden: { width: 1.5, dash: [6, 4], color: "--hidden" },
+  competed: { width: 1.5, dash: [], color: "--good" },
+  hidden: { width: 1.5, dash: [6, 4], color: "--bad" },
   dropped: { width: 1, dash: [2, 4], color: "--quiet" },
 };
 

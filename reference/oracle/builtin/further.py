@@ -13,7 +13,12 @@ from reference.options.replay import Replay
 from reference.options.reprojection import reproject
 from reference.options.roulette import tail_weight
 from reference.options.validation import validated
-from reference.oracle.builtin.buffers import Array, as_real, samples_of
+from reference.oracle.builtin.buffers import (
+    Array,
+    as_real,
+    reservoirs_out,
+    samples_of,
+)
 from reference.oracle.builtin.world import surface_of
 from reference.oracle.contract.fields import Precision, dtype_of
 from reference.resampling.packing import paper
@@ -208,16 +213,12 @@ def _pack(
 def _unpack(precision: Precision, words: Array) -> dict[str, Array]:
     codes = np.ascontiguousarray(words).view(paper.RESERVOIR)[:, 0]
     x_v, n_v, r, seed = paper.unpack(codes)
-    reals = {
-        "visible_position": x_v,
-        "visible_normal": n_v,
-        "position": r.y.position,
-        "normal": r.y.normal,
-        "radiance": r.y.radiance,
-        "W": r.W,
-        "M": r.M,
+    return {
+        "visible_position": as_real(precision, x_v),
+        "visible_normal": as_real(precision, n_v),
+        **reservoirs_out(precision, r),
+        "seed": seed,
     }
-    return {**{k: as_real(precision, v) for k, v in reals.items()}, "seed": seed}
 
 
 FURTHER: Mapping[str, Callable[..., dict[str, Array]]] = {

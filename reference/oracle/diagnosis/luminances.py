@@ -3,7 +3,7 @@
 import numpy as np
 
 from reference.oracle.replay.bounded import Bounded
-from reference.oracle.replay.verbs import inner
+from reference.oracle.replay.geometry import sum_of_shares
 
 
 def rec_601(color: Bounded) -> Bounded:
@@ -19,7 +19,7 @@ def rec_601(color: Bounded) -> Bounded:
     Bounded
         (N,)
     """
-    return _shares(color, 0.299, 0.587, 0.114)
+    return sum_of_shares(color, (0.299, 0.587, 0.114))
 
 
 def mean_of_channels(color: Bounded) -> Bounded:
@@ -35,7 +35,7 @@ def mean_of_channels(color: Bounded) -> Bounded:
     Bounded
         (N,)
     """
-    return _shares(color, 1 / 3, 1 / 3, 1 / 3)
+    return sum_of_shares(color, (1 / 3, 1 / 3, 1 / 3))
 
 
 def red_channel(color: Bounded) -> Bounded:
@@ -69,9 +69,3 @@ def largest_channel(color: Bounded) -> Bounded:
     """
     most = color.value.argmax(axis=1)
     return color[np.arange(len(most)), most]
-
-
-def _shares(color: Bounded, red: float, green: float, blue: float) -> Bounded:
-    shares = np.broadcast_to([red, green, blue], color.value.shape)
-    error = color.rounding.unit * shares
-    return inner(color, Bounded(shares, error, color.rounding))

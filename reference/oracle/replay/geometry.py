@@ -6,7 +6,7 @@ from reference.oracle.replay.bounded import Bounded
 from reference.oracle.replay.points import Point, Receiver
 from reference.oracle.replay.verbs import inner, square_root, where_positive
 
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+LUMINANCE = (0.2126, 0.7152, 0.0722)
 
 
 def luminance(color: Bounded) -> Bounded:
@@ -22,9 +22,27 @@ def luminance(color: Bounded) -> Bounded:
     Bounded
         (N,)
     """
-    unit = color.rounding.unit
-    shares = np.broadcast_to(LUMINANCE, color.value.shape)
-    return inner(color, Bounded(shares, unit * shares, color.rounding))
+    return sum_of_shares(color, LUMINANCE)
+
+
+def sum_of_shares(color: Bounded, shares: tuple[float, float, float]) -> Bounded:
+    """Sum of the channels, each times its share, which the type may have to round.
+
+    Parameters
+    ----------
+    color : Bounded
+        (N, 3)
+    shares : three floats
+        Of red, green and blue.
+
+    Returns
+    -------
+    Bounded
+        (N,)
+    """
+    rounding = color.rounding
+    of_rows = np.broadcast_to(shares, color.value.shape)
+    return inner(color, Bounded(of_rows, rounding.unit * of_rows, rounding))
 
 
 def cosine_at(x: Receiver, y: Point) -> Bounded:

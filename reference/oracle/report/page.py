@@ -1,11 +1,8 @@
 """The folder of a verdict: one page that needs nothing else, and its numbers."""
 
-from base64 import b64encode
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
-
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from reference.comparison.maps import ErrorMap
 from reference.display import encode_png
@@ -15,6 +12,7 @@ from reference.oracle.report.maps import error_maps
 from reference.oracle.report.table import left_running
 from reference.oracle.report.worst import answers_of, worst_answer
 from reference.oracle.verdict import Verdict
+from reference.reports.page import render_page
 
 
 def write_page(out: Path, verdict: Verdict, plain: Mapping[str, Any]) -> None:
@@ -38,7 +36,7 @@ def write_page(out: Path, verdict: Verdict, plain: Mapping[str, Any]) -> None:
     page = _page(plain, maps)
     make_folder(out)
     write_file(out / "verdict.json", json_text(plain).encode())
-    write_file(out / "index.html", page.encode(errors="backslashreplace"))
+    write_file(out / "index.html", page)
 
 
 def pieces(value: Any, missing: str = "–") -> list[str]:
@@ -69,22 +67,14 @@ def _maps(verdict: Verdict, pass_name: str) -> list[ErrorMap]:
     return [] if worst is None else error_maps(worst)
 
 
-def _page(plain: Mapping[str, Any], maps: Mapping[str, list[ErrorMap]]) -> str:
-    templates = Environment(
-        loader=PackageLoader("reference.oracle.report", "templates"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
+def _page(plain: Mapping[str, Any], maps: Mapping[str, list[ErrorMap]]) -> bytes:
+    pictures = {
+        name: [encode_png(error.pixels()) for error in each]
+        for name, each in maps.items()
+    }
+    return render_page(
+        "reference.oracle.report",
+        "verdict.html",
+        {"verdict": plain, "maps": maps, "pictures": pictures},
+        {"pieces": pieces, "left_running": left_running},
     )
-    templates.filters["pieces"] = pieces
-    templates.filters["left_running"] = left_running
-    return templates.get_template("verdict.html").render(
-        verdict=plain,
-        maps=maps,
-        pictures={name: [_embedded(m) for m in each] for name, each in maps.items()},
-    )
-
-
-def _embedded(error: ErrorMap) -> str:
-    return b64encode(encode_png(error.pixels())).decode()

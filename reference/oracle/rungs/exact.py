@@ -2,15 +2,16 @@
 
 from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
 from reference.arrays import Scalars
+from reference.exactness.numbers import Exact
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
 from reference.oracle.replay.judgement import Judgement
-from reference.oracle.rungs.exact_formulas import FORMULAS
-from reference.oracle.rungs.exact_numbers import rounded
+from reference.oracle.rungs.exact_formulas import FORMULAS, rows_of
 from reference.oracle.rungs.probe import Finding
 from reference.oracle.rungs.replayed import replayed
 
@@ -38,13 +39,23 @@ def exact_outputs(case: Case) -> dict[str, Scalars]:
         and the density.  Decisions are 0 or 1, and as exact.  Where W overflows, from
         a quarter of the largest number of the inputs' type on, it is that number.
     """
-    found = FORMULAS[case.pass_name](case.inputs, case.settings)
-    outputs = {name: rounded(values) for name, values in found.items()}
+    formula = FORMULAS[case.pass_name]
+    found = [formula(row, case.settings) for row in rows_of(case)]
+    outputs = {
+        name: np.array([_nearest(one[name]) for one in found]) for name in found[0]
+    }
     if "W" in outputs:
         outputs["W"] = _up_to_the_largest(outputs["W"], case.inputs["w"])
     for array in outputs.values():
         array.setflags(write=False)
     return outputs
+
+
+def _nearest(value: Any) -> Any:
+    """Nearest float64: infinite beyond the largest, perhaps rounded twice near 0."""
+    if isinstance(value, tuple):
+        return [_nearest(component) for component in value]
+    return float(value.value if isinstance(value, Exact) else value)
 
 
 def _up_to_the_largest(W: Scalars, w: Scalars) -> Scalars:

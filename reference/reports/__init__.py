@@ -1,0 +1,1 @@
+"""What all pages share: one environment of templates, one frame and one style."""
