@@ -13,7 +13,7 @@ import numpy as np
 from reference.arrays import Indices, Masks, Scalars, Vec3s, zero_vectors
 from reference.direct_light import met_lights
 from reference.light_shares import share_of_chance, share_of_choice
-from reference.records import take
+from reference.records import keep
 from reference.rng import Draw
 from reference.scene.emitters import Emitters
 from reference.scene.hits import Hits
@@ -106,16 +106,15 @@ def reflected(
         f L_e cos θ over the density of the place on the light, that of choosing the
         light not among it; 0 for lights that are gone.
     """
-    value = zero_vectors(len(points))
-    rows = np.flatnonzero((lights.light != GONE) & points.hit)
-    if world.emitters is None or len(rows) == 0:
+    value, able = zero_vectors(len(points)), (lights.light != GONE) & points.hit
+    if world.emitters is None or not able.any():
         return value
-    x, some = take(points, rows), take(lights, rows)
+    x, some = keep(points, able), keep(lights, able)
     light = light_samples(world, x, some)
     found = scattering(world.materials, x, light.wi) * light.weight
     if chance == "balance":
         found *= share_of_choice(world, x, light.wi, light.pdf)[:, None]
-    value[rows] = found * world.emitters.probability[some.light][:, None]
+    value[able] = found * world.emitters.probability[some.light][:, None]
     return value
 
 
@@ -163,6 +162,8 @@ def renumbered(
     lights: LightPoints, before: Emitters | None, now: Emitters | None
 ) -> LightPoints:
     """Points on lights by the list of another frame; `GONE` where it has none such."""
+    if now is before:
+        return lights
     # One entry more than there are lights: a light that is gone stays gone.
     row = np.append(same_lights(before, now), GONE)[lights.light]
     return replace(lights, light=row)
@@ -182,8 +183,6 @@ def same_lights(before: Emitters | None, now: Emitters | None) -> Indices:
     size = len(before.probability)
     if now is None:
         return np.full(size, GONE)
-    if now is before:
-        return np.arange(size)
     # A shape keeps its number while the scene moves, and lights of it come and go.
     shapes: Indices = now.entry[before.primitive].astype(np.int64)
     if before.cells is not None or now.cells is not None:

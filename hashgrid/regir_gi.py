@@ -99,25 +99,28 @@ def render_cell_frames(
 
 def next_frame(frame: FrameContext[CellSettings], last: CellFrame | None) -> CellFrame:
     """One frame: paths that look into cells, cells for the next frame, ReSTIR PT."""
-    caches = last.caches if last else {}
+    before = last.caches if last else {}
 
     def drawn(rows: slice) -> Suffixes:
         x_1, number = cut(frame.visible.surface, rows), frame.numbers(rows)
         uniforms = frame.uniforms_of(Stream.PATH, number)
         leaving = leave(frame.world, start(x_1), 1, uniforms, x_1.hit)
-        return draw_suffixes(frame, caches, number, x_1, leaving, 1)
+        return draw_suffixes(frame, before, number, points=x_1, leaving=leaving, v=1)
 
+    # Steps 2 and 3, wherever a path looks into a cell.
     paths = in_bands(frame.schedule, frame.pixels, drawn)
     # Whatever a cell knew, it is one new path of the pixel.
     new = Reservoirs(paths.kept.y, paths.kept.W, np.ones(frame.pixels))
     kept = reused(frame, last, lambda rows: cut(new, rows))
+    # Step 1, for the next frame.
+    caches = store(frame, paths.records)
     return CellFrame(
         number=frame.number,
         world=frame.world,
         visible=frame.visible,
         reservoirs=kept,
         color=kept.y.value * kept.W[:, None],
-        caches=store(frame, paths.records),
+        caches=caches,
     )
 
 
@@ -216,7 +219,9 @@ def draw_suffixes(
     records: CacheRecords | None = None
     if not is_last and onward is not None:
         # ... and those that go on: with the suffix of x_(v+1).
-        rest = draw_suffixes(frame, caches, number, step.points, onward, v + 1)
+        rest = draw_suffixes(
+            frame, caches, number, points=step.points, leaving=onward, v=v + 1
+        )
         y = prepend(step, rest.kept.y, rest.first)
         p_hat = luminance(y.value)
         longer = Candidates(y, p_hat, p_hat * rest.kept.W, 0 * p_hat)
@@ -228,8 +233,11 @@ def draw_suffixes(
     wi = np.where(step.joinable[:, None], -step.points.wo, bsdf.wi)
     first = FirstDirections(wi, step.weight, step.pdf, bsdf.delta)
     if s.looks_up(v) and v in caches:
-        kept = resample_bounce(frame, caches[v], number, points, v, kept)  # step 2
-        first = reconnect(frame, points, kept, first)  # step 3
+        # Step 2, and step 3.
+        kept = resample_bounce(
+            frame, caches[v], number=number, points=points, v=v, own=kept
+        )
+        first = reconnect(frame, points, kept, first)
     if s.stores(v):
         # Step 1, of paths that can be reconnected; the others count as nulls.
         W = np.where(kept.y.joint == 2, kept.W, 0.0)
@@ -297,12 +305,12 @@ def store(
         vertex = np.repeat(group, frame.pixels)
         pixel = np.tile(np.arange(frame.pixels), len(group))
         cache = insert(
-            frame.world,
-            lattice_of(frame.world.camera, s.facings),
-            points,
-            reservoirs,
-            reconnectable(frame, points) & s.inserts(reservoirs.W),
-            vertex_uniforms(frame, pixel, vertex, Stream.CELLS),
+            world=frame.world,
+            lattice=lattice_of(frame.world.camera, s.facings),
+            points=points,
+            reservoirs=reservoirs,
+            active=reconnectable(frame, points) & s.inserts(reservoirs.W),
+            uniforms=vertex_uniforms(frame, pixel, vertex, Stream.CELLS),
         )
         found = PathCache(cache, (frame.bounces + 2 - vertex).astype(np.int8))
         caches |= {v: found for v in group if s.looks_up(v)}

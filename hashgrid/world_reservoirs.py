@@ -117,16 +117,22 @@ def next_frame(
     paths = concatenate([x for _, x, _ in visited])
     vertex = concatenate([np.full(len(x.pixel), v) for v, x, _ in visited])
     cache = insert(
-        world,
-        lattice_of(world.camera, s.facings),
-        paths.points,
-        concatenate([reservoirs for _, _, reservoirs in visited]),
+        world=world,
+        lattice=lattice_of(world.camera, s.facings),
+        points=paths.points,
+        reservoirs=concatenate([reservoirs for _, _, reservoirs in visited]),
         # Light in single directions is not reused, nor that of rough dielectrics.
-        (roughness(world.materials, paths.points) >= 0) & (s.cells > 0),
-        vertex_uniforms(frame, paths.pixel, vertex, Stream.CELLS),
+        active=(roughness(world.materials, paths.points) >= 0) & (s.cells > 0),
+        uniforms=vertex_uniforms(frame, paths.pixel, vertex, Stream.CELLS),
     )
     return LightFrame(
-        frame.number, world, frame.visible, paths.pixel, vertex, cache, color
+        number=frame.number,
+        world=world,
+        visible=frame.visible,
+        pixel=paths.pixel,
+        vertex=vertex,
+        cache=cache,
+        color=color,
     )
 
 
@@ -200,8 +206,8 @@ def visit(
         shines = np.flatnonzero((r.W > 0) & r.y.value.any(axis=1))
         if len(shines):
             some = take(x, shines)
-            sample_s = light_samples(world, some, take(r.y, shines))
-            seen = sees_light(world, some, sample_s, np.ones(len(shines), bool))
+            to_light = light_samples(world, some, take(r.y, shines))
+            seen = sees_light(world, some, to_light, np.ones(len(shines), bool))
             weight = np.where(seen, r.W[shines], 0.0)
             light[shines] = r.y.value[shines] * weight[:, None]
     # On to x_(v+1).
@@ -256,7 +262,7 @@ def reuse(
 
     Notes
     -----
-    [Boisse21, section 3], with MIS weights of [Lin22].
+    [Boisse21], with MIS weights of [Lin22].
     """
     s = frame.settings
     uniforms = vertex_uniforms(frame, vertices.pixel, v, Stream.CELLS)

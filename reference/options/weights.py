@@ -58,8 +58,6 @@ class ShiftedSource:
 
     Attributes
     ----------
-    q : Pixels
-        K pixels.
     q_n : NeighborPixels
         The neighbours.
     reservoirs : Reservoirs
@@ -68,7 +66,6 @@ class ShiftedSource:
         All.
     """
 
-    q: Pixels
     q_n: NeighborPixels
     reservoirs: Reservoirs
     rows: Indices
@@ -76,9 +73,9 @@ class ShiftedSource:
 
     def shifted(self, at: Indices) -> Shifted:
         """p̂_q of the neighbours' samples, 0 where hidden, and the Jacobian."""
-        y, W = self.reservoirs.y.y, self.reservoirs.W
-        p, J = self.q.target(y), self.q_n.jacobian()
-        seen = self.q.sees(y, (W > 0) & (p > 0) & (J > 0))
+        q, y, W = self.q_n.q, self.reservoirs.y.y, self.reservoirs.W
+        p, J = q.target(y), self.q_n.jacobian()
+        seen = q.sees(y, (W > 0) & (p > 0) & (J > 0))
         return np.where(seen, p, p * 0)[at], J[at]
 
     def inverse(self, samples: WeighedSamples, at: Indices) -> Shifted:
@@ -132,7 +129,7 @@ def weighed(q: Pixels, source: Source) -> OwnSource | ShiftedSource:
         r = source.reservoirs
         made = r.W > 0
         p, _ = source.inverse(r.y, made, made)
-        return ShiftedSource(q, source, replace(r, y=WeighedSamples(r.y, p)), rows)
+        return ShiftedSource(source, replace(r, y=WeighedSamples(r.y, p)), rows)
     if isinstance(source, InitialSamples):
         pdf = source.pdf
         with np.errstate(over="ignore"):

@@ -73,8 +73,8 @@ def test_control_numbers_of_the_neighbour_lead_elsewhere(monkeypatch):
     """What is replayed before the joint is this path's own prefix."""
     resample_bounce = hashgrid.regir_gi.resample_bounce
 
-    def of_the_neighbour(frame, lookup, number, *rest):
-        kept = resample_bounce(frame, lookup, number, *rest)
+    def of_the_neighbour(frame, lookup, number, **rest):
+        kept = resample_bounce(frame, lookup, number=number, **rest)
         return replace(kept, y=replace(kept.y, number=np.roll(number, 1)))
 
     monkeypatch.setattr(hashgrid.regir_gi, "resample_bounce", of_the_neighbour)
