@@ -7,10 +7,9 @@ them: each frame adds one candidate, and the picture shows the work of many. The
 comes as one candidate of weight :math:`\hat p(y)\,W M`, and the new sample as another.
 
 .. literalinclude:: /../reference/passes/temporal.py
-   :pyobject: temporal_competition
+   :pyobject: temporal_resampling
 
-.. literalinclude:: /../reference/passes/resample.py
-   :pyobject: resample
+While nothing moves ``past`` is the pixel's own reservoir, and no sample is shifted.
 
 Two things keep it honest. :math:`M` is capped, or the past would outweigh every new
 sample and the picture would no longer follow the light; and the running sum :math:`w`

@@ -6,13 +6,13 @@ Neighbours see nearly the same scene, and each has a reservoir of its own. Mergi
 theirs into mine multiplies the samples once more:
 
 .. literalinclude:: /../reference/passes/spatial.py
-   :pyobject: spatial_competitions
+   :pyobject: spatial_resampling
 
-.. literalinclude:: /../reference/passes/spatial.py
-   :pyobject: _compete
+A neighbour's sample was drawn for another point. Its weight is changed by the Jacobian
+of the shift, and is zero where this pixel does not see it:
 
-.. literalinclude:: /../reference/passes/resample.py
-   :pyobject: resample
+.. literalinclude:: /../reference/resampling/reuse.py
+   :pyobject: shifted
 
 Now the question is who *could* have made the sample that is kept. Dividing the sum of
 weights by the sum of all :math:`M_k` takes it for granted that every neighbour could.
@@ -26,8 +26,8 @@ and the result is too dark. Unbiased is
 the sum over those whose domain :math:`D_k` holds the sample. For each neighbour that
 costs a visibility ray.
 
-.. literalinclude:: /../reference/resampling/mis.py
-   :pyobject: one_over_m
+.. literalinclude:: /../reference/resampling/reuse.py
+   :pyobject: could_have_made
 
 .. literalinclude:: /../reference/resampling/mis.py
    :pyobject: one_over_z
