@@ -12,10 +12,9 @@ from reference.frame import FrameContext, frames
 from reference.options.boiling import boiling_filter
 from reference.options.fused import fused_resampling
 from reference.options.history import moved_history
-from reference.options.jacobian import departs, with_jacobian
+from reference.options.jacobian import with_jacobian
 from reference.options.masks import who_draws, who_keeps
-from reference.options.neighborhood import is_special, special_neighbors
-from reference.options.replay import remembers
+from reference.options.neighborhood import special_neighbors
 from reference.options.roulette import tail_weights
 from reference.options.storage import stored
 from reference.options.visibility import finally_seen, trusting, without_hidden
@@ -191,7 +190,9 @@ def _draw(
 ) -> InitialSamples:
     s, numbers = frame.settings, frame.numbers(r)
     tail = tail_weights(frame) if s.roulette < 1 else None
-    drawn = who_draws(frame, history, r)
+    ages = isfinite(s.max_age)
+    masked = s.lattice > 1 or s.checkerboard or s.validate_every > 0
+    drawn = who_draws(frame, history, r) if masked else None
     # Light that is not reused is wanted of every pixel in every frame.
     idle = reuses_all(frame.world, s.source, s.glossy_samples)
     new = initial_samples(
@@ -203,7 +204,7 @@ def _draw(
         directions=frame.uniforms(Stream.INITIAL, r),
         paths=frame.uniforms(Stream.PATH, r),
         speculars=frame.uniforms(Stream.SPECULAR, r),
-        numbers=numbers if remembers(frame) else None,
+        numbers=numbers if frame.changes == "scene" or ages else None,
         tail=tail(numbers) if tail else None,
         active=drawn if idle else None,
     )
@@ -296,7 +297,7 @@ def _spatial_input(
     past = _past(history, "spatial", q, rows, own.y)
     uniforms = frame.uniforms(Stream.SPATIAL, rows)
     here = FrameReservoirs(frame.world, frame.visible, temporal)
-    if is_special(s):
+    if s.reuse != "separate" or s.boost_below > 0 or s.lattice > 1:
         source = here if s.reuse == "separate" else None
         around = special_neighbors(frame, history, source, q, rows, uniforms, tries)
     else:
@@ -368,7 +369,7 @@ def pixels_of(frame: FrameContext[Settings], rows: slice | Indices) -> Pixels:
     """K pixels, about to resample."""
     s = frame.settings
     q = Pixels(frame.world, select(frame.visible.surface, rows), s)
-    if departs(s):
+    if s.jacobian != "multiplied" or isfinite(s.jacobian_limit):
         q = with_jacobian(q)
     return q if s.visibility == "all" else trusting(q)
 

@@ -11,11 +11,6 @@ from reference.resampling.reservoir import Samples
 from reference.settings import Settings
 
 
-def departs(settings: Settings) -> bool:
-    """Whether Equation 11 is used otherwise than the paper means it."""
-    return settings.jacobian != "multiplied" or isfinite(settings.jacobian_limit)
-
-
 def with_jacobian(q: Pixels) -> Pixels:
     """Pixels q that use the Jacobian as their settings say.
 

@@ -18,12 +18,6 @@ from reference.settings import Settings
 Neighbors = list[tuple[NeighborPixels, Scalars]]
 
 
-def is_special(settings: Settings) -> bool:
-    """Whether neighbours are other than the temporal reservoirs of this frame."""
-    s = settings
-    return s.reuse != "separate" or s.boost_below > 0 or s.lattice > 1
-
-
 def special_neighbors(
     frame: FrameContext[Settings],
     history: History | None,

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from math import isfinite
 
 import numpy as np
 
@@ -72,8 +71,3 @@ def replay_of(frame: FrameContext[Settings]) -> Replay:
         return frame.uniforms_of(Stream.PATH, numbers)
 
     return Replay(frame.bounces, uniforms, tail_weights(frame))
-
-
-def remembers(frame: FrameContext[Settings]) -> bool:
-    """Samples keep their suffix: their radiance or their age will be asked for."""
-    return frame.changes == "scene" or isfinite(frame.settings.max_age)

@@ -383,7 +383,6 @@ ELSEWHERE = {
     "initial.initial_samples": "traces rays: tests of the frame loop",
     "initial.reuses_all": "of a scene",
     "history_search.find_history": "of a whole frame",
-    "jacobian.departs": "of settings",
     "jacobian.with_jacobian": "of settings",
     "neighbors.neighbors_of": "of a whole frame",
     "roulette.tail_weights": "of a frame",
