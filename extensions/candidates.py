@@ -56,11 +56,11 @@ def draw_paths(
     kept: Candidates | None = None
     for vertex in range(1, bounces + 2):
         is_last = vertex == bounces + 1
-        by_chance = not is_last or world.seeks_lights
-        active = step.points.hit & by_chance
+        may_hit = not is_last or world.seeks_lights
+        active = step.points.hit & may_hit
         leaving = leave(world, step, vertex, uniforms, active)
         if vertex > 1:
-            met = leaving if by_chance else None
+            met = leaving if may_hit else None
             lights = find_lights(world, step, vertex, uniforms, met)
             found = replace(lights, y=ended(step, trunk.paths, vertex, lights.y))
             u = uniforms.draw(2 * vertex - 1)[3]

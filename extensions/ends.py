@@ -1,4 +1,4 @@
-"""Lights that end paths: those that are chosen, and those that are met by chance."""
+"""Lights that end paths: by light sampling, or as emitter hits."""
 
 from dataclasses import dataclass, replace
 
@@ -7,8 +7,8 @@ import numpy as np
 from extensions.paths import Paths, Technique
 from extensions.walking import Leaving, Step
 from reference.arrays import Indices, Masks, Scalars, Vec3s
-from reference.direct_light import choose_light, met_lights
-from reference.light_shares import share_of_chance
+from reference.direct_light import choose_light, emitter_hits
+from reference.light_mis import bsdf_sampling_weight
 from reference.records import scatter, where
 from reference.resampling.reservoir import Candidates, merge
 from reference.resampling.target import luminance
@@ -97,15 +97,15 @@ def _chosen(world: World, step: Step, u: Draw) -> Candidates:
 def _met(world: World, step: Step, leaving: Leaving) -> Candidates:
     """Lights that the rays met."""
     bsdf, size = leaving.bsdf, len(step.points)
-    rows, some, by_choice = met_lights(world, step.points, bsdf, leaving.hits)
-    radiance, pdf_light = scatter(rows, some, size), scatter(rows, by_choice, size)
-    share = share_of_chance(bsdf.pdf, bsdf.delta, pdf_light)
+    rows, some, p_light = emitter_hits(world, step.points, bsdf, leaving.hits)
+    radiance, pdf_light = scatter(rows, some, size), scatter(rows, p_light, size)
+    weight = bsdf_sampling_weight(bsdf.pdf, bsdf.delta, pdf_light)
     found = Lights(
-        technique=np.full(size, Technique.CHANCE, np.int8),
+        technique=np.full(size, Technique.EMITTER_HIT, np.int8),
         joins=step.joinable & ~bsdf.delta,
         wi=bsdf.wi,
         radiance=radiance,
-        reflected=bsdf.weight * radiance * share[:, None],
+        reflected=bsdf.weight * radiance * weight[:, None],
         pdf_light=pdf_light,
         pdf=bsdf.pdf,
     )

@@ -14,7 +14,7 @@ class Technique(IntEnum):
 
     NOTHING = 0
     NEXT_EVENT = 1
-    CHANCE = 2
+    EMITTER_HIT = 2
 
 
 @dataclass(frozen=True, slots=True)

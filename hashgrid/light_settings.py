@@ -39,7 +39,7 @@ class LightSettings:
     facings : int
         Parts of each component of the normal that cells tell apart.
     chance : 'delta-lobes' or 'balance'
-        Which light is left to rays that meet lights by chance.
+        Which light is left to emitter hits.
     image : 'last' or 'mean'
         The last frame, as a renderer shows it, or the mean of all.
     """

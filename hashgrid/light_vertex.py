@@ -11,7 +11,7 @@ from hashgrid.light_settings import LightSettings
 from hashgrid.lights import in_sight, same_lights
 from hashgrid.vertex_numbers import decisions, of_vertices
 from reference.arrays import Indices, Masks, Vec3s, dot, zero_vectors
-from reference.direct_light import found_by_chance
+from reference.direct_light import weighted_emitter_hits
 from reference.resampling.generalized import resample
 from reference.resampling.reservoir import (
     Reservoirs,
@@ -166,7 +166,7 @@ class Vertex:
             goes_on = goes_on & self._may_meet(bsdf)
         hits = world.caster.from_surface(walk.points, bsdf.wi, goes_on, "bounce")
         met = zero_vectors(len(walk.pixel))
-        rows, radiance = found_by_chance(world, walk.points, bsdf, hits)
+        rows, radiance = weighted_emitter_hits(world, walk.points, bsdf, hits)
         counts = self._may_meet(bsdf)[rows, None]
         met[rows] = np.where(counts, bsdf.weight[rows] * radiance, 0.0)
         points = surface_points(world.geometry, hits, walk.points.position, bsdf.wi)
@@ -174,7 +174,7 @@ class Vertex:
         return onward, met
 
     def _may_meet(self, bsdf: BsdfSamples) -> Masks:
-        """Whose rays may meet lights by chance."""
+        """Whose rays may hit an emitter."""
         emitters = self.world.emitters
         able = emitters is not None and emitters.can_be_hit
         if self.settings.chance == "balance":

@@ -13,7 +13,7 @@ import numpy as np
 from extensions.connection import roughness
 from reference.arrays import Indices, Masks, Scalars, Vec3s, zero_vectors
 from reference.direct_light import sees_light
-from reference.light_shares import share_of_choice
+from reference.light_mis import light_sampling_weight
 from reference.records import take
 from reference.rng import Draw
 from reference.scene.emitters import Emitters
@@ -114,7 +114,7 @@ def reflected(
     lights : LightPoints
         N points on lights.
     chance : 'delta-lobes' or 'balance'
-        Which part of the light is left to rays that meet lights by chance: what delta
+        Which part of the light is left to emitter hits: what delta
         lobes reflect, or the share of the balance heuristic against drawing by power.
 
     Returns
@@ -140,7 +140,7 @@ def _reflected(
     light = _seen_from(world, points, lights)
     value = scattering(world.materials, points, light.wi) * light.weight
     if chance == "balance":
-        value *= share_of_choice(world, points, light.wi, light.pdf)[:, None]
+        value *= light_sampling_weight(world, points, light.wi, light.pdf)[:, None]
     scaled: Vec3s = value * world.emitters.probability[lights.light][:, None]
     return scaled
 

@@ -74,8 +74,8 @@ def light_cache(work: Work) -> PaperFigure:
             f"{COUNTED} frames after the first {WARM}, of {work.runs} runs at"
             f" {work.size} x {work.size}. MSE is the spread of frames of one number"
             " over the runs. 'times smaller' is that of next-event estimation with one"
-            " light a vertex, drawn by power and not weighted against chance, in the"
-            " same time; 'than paths' that of the path tracer, which is. Intervals:"
+            " light a vertex, drawn by power and not weighted against BSDF sampling, in"
+            " the same time; 'than paths' that of the path tracer, which is. Intervals:"
             " 95 %, bootstrap over runs; tails are heavy, and intervals of few runs"
             " too narrow.",
             "Pictures: next-event estimation has as many frames as fit into the time"

@@ -8,7 +8,7 @@ from reference.arrays import Scalars
 from reference.exactness.draws import Draws, weights
 from reference.exactness.kernel import Inputs, Kernel, Row
 from reference.exactness.numbers import Exact, exact
-from reference.light_shares import balance
+from reference.light_mis import balance
 from reference.resampling.jacobian_limits import clamp_jacobian, within_limit
 from reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
 from reference.resampling.pairwise import pairwise_canonical, pairwise_donor

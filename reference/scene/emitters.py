@@ -74,7 +74,7 @@ class Emitters:
 
     @property
     def can_be_hit(self) -> bool:
-        """Whether a ray can find a light by chance."""
+        """Whether a ray can hit an emitter."""
         return len(self.primitive) > 0 or self.environment is not None
 
     def sides(self, primitive: Indices) -> Indices:

@@ -155,7 +155,7 @@ LIGHT_MUTANTS = [
         "np.where(seen | shines, kept.W, 0.0)",
     ),
     Mutant(
-        "light met by chance counts whole beside what was chosen",
+        "an emitter hit counts whole beside light sampling",
         (),
         VERTEX,
         "np.where(counts, bsdf.weight[rows] * radiance, 0.0)",

@@ -54,8 +54,8 @@ class Joints:
     def chosen(self):
         """(N,) bool: light follows that is chosen, and no direction is drawn at x_c."""
         paths = self.paths
-        by_choice = paths.technique == Technique.NEXT_EVENT
-        return (paths.end == paths.joint) & by_choice
+        by_light_sampling = paths.technique == Technique.NEXT_EVENT
+        return (paths.end == paths.joint) & by_light_sampling
 
     def point(self, u):
         """x_c, where the ray of the first two numbers meets its plane."""

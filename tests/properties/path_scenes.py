@@ -62,7 +62,7 @@ def near():
 
 
 def bright():
-    """Mirrors under a ceiling that shines, which is often met by chance."""
+    """Mirrors under a ceiling that shines, which rays often hit."""
     found, ceiling = find_scene("cornell-box"), {"emission": (1.0, 1.0, 1.0)}
     reflecting = {"material": FLOORS["mirror"]}
     meshes = tuple(

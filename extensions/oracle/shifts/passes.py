@@ -59,7 +59,7 @@ PATH_JACOBIAN = Pass(
 RECORD = (
     index("joint", "c of the base path; 0 where it is replayed whole"),
     index("end", "index of its last surface point, 2 to V; 0 for no path"),
-    index("technique", "1: its light was chosen; 2: met by chance; 0: no path"),
+    index("technique", "1: its light was sampled; 2: an emitter hit; 0: no path"),
     vector(
         "incoming", "light that arrives at x_c, over all densities beyond, W/(m² sr)"
     ),

@@ -31,7 +31,7 @@ class Kinds:
     Attributes
     ----------
     joins, chosen : (N,) bool
-        Joined, else replayed whole; the light was chosen, else met by chance.
+        Joined, else replayed whole; the light was sampled, else an emitter hit.
     last : (N,) int
         m, index of the last point of the offset walk that takes part.
     """

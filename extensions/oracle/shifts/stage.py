@@ -37,7 +37,7 @@ BLOCKS: dict[str, Material | None] = {
 }
 """Materials of both blocks of a Cornell box.
 
-In the bright box the ceiling shines, so that light is often met by chance.
+In the bright box the ceiling shines, so that rays often hit an emitter.
 Of the rough metal √alpha is above the usual threshold of 0.2, and alpha is not.
 """
 

@@ -10,8 +10,8 @@ from extensions.oracle.shifts.stage import Frame
 from extensions.oracle.shifts.walks import Walk
 from extensions.paths import Paths, Technique
 from reference.arrays import Masks, Scalars, Vec3s, dot
-from reference.direct_light import choose_light, met_lights
-from reference.light_shares import share_of_chance
+from reference.direct_light import choose_light, emitter_hits
+from reference.light_mis import bsdf_sampling_weight
 from reference.oracle.cases import Buffers
 from reference.records import scatter, take
 from reference.rng import Uniforms
@@ -165,9 +165,9 @@ def lights(world: World, walk: Walk, paths: Paths, uniforms: Uniforms) -> Vec3s:
         x, leaving = walk.steps[v - 1].points, walk.leavings[v - 1]
         here = (paths.end == v) & x.hit
         light = choose_light(world, x, uniforms.draw(2 * v - 1), here & chosen)
-        rows, radiance, by_choice = met_lights(world, x, leaving.bsdf, leaving.hits)
+        rows, radiance, p_light = emitter_hits(world, x, leaving.bsdf, leaving.hits)
         bsdf = take(leaving.bsdf, rows)
-        share = share_of_chance(bsdf.pdf, bsdf.delta, by_choice)
+        share = bsdf_sampling_weight(bsdf.pdf, bsdf.delta, p_light)
         met = leaving.bsdf.weight * scatter(rows, radiance * share[:, None], len(paths))
         found = np.where((here & chosen)[:, None], light.value, found)
         found = np.where((here & ~chosen)[:, None], met, found)

@@ -140,11 +140,11 @@ def share_of(case: Case, rounding: Rounding, rules: ShiftRules) -> Bounded:
     """
     given = case.inputs
     name = "base_pdf_onward" if rules.share == "base" else "pdf_onward"
-    by_chance, by_choice = (told(given[n], rounding) for n in (name, "pdf_light"))
-    of_choice, of_chance = share(by_choice, by_chance), share(by_chance, by_choice)
+    p_bsdf, p_light = (told(given[n], rounding) for n in (name, "pdf_light"))
+    of_light, of_bsdf = share(p_light, p_bsdf), share(p_bsdf, p_light)
     technique = 2 if rules.share == "other" else 1
     choice = (given["technique"] == technique) | (rules.share == "choice")
-    found = choose(choice, of_choice, of_chance)
+    found = choose(choice, of_light, of_bsdf)
     alone = (given["joint"] != given["end"]) | (rules.share == "none")
     return choose(alone, constant(1.0, found), found)
 

@@ -47,7 +47,7 @@ def mirror_floor() -> Scene:
     Returns
     -------
     Scene
-        The lamp is met by way of the floor too: by chance alone.
+        Rays hit the lamp by way of the floor too, where light sampling finds nothing.
     """
     return _on(mirror((0.9, 0.9, 0.92)), "mirror-floor")
 
