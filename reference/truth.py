@@ -38,7 +38,7 @@ def accumulate_truth(
     checkpoint: Path,
     every: float,
     tick: Callable[[int, int, str], None],
-    elsewhere: Callable[[Job], Source] | None = None,
+    source_of: Callable[[Job], Source] | None = None,
 ) -> Checkpoint:
     """Accumulate the truth of a scene, from a checkpoint if there is one.
 
@@ -54,8 +54,8 @@ def accumulate_truth(
         Time between checkpoints.
     tick : callable
         Told the samples so far, their number in the end, and "samples".
-    elsewhere : callable, optional
-        Gives the samples of a job that other processes draw; by default this one does.
+    source_of : callable, optional
+        Draws the samples of a job, say in other processes; by default this one does.
 
     Returns
     -------
@@ -64,7 +64,7 @@ def accumulate_truth(
     """
     spp = job.counts["spp"]
     return accumulate_resumably(
-        (elsewhere or _here)(job),
+        (source_of or _in_this_process)(job),
         spp,
         checkpoint,
         identity(scene, job),
@@ -73,7 +73,7 @@ def accumulate_truth(
     )
 
 
-def _here(job: Job) -> Source:
+def _in_this_process(job: Job) -> Source:
     samples = path_samples(
         job.world,
         job.schedule,

@@ -220,8 +220,8 @@ def _judge_renderer(arguments: argparse.Namespace) -> Verdict:
         cluster = _cluster(arguments, stack)
         pictures = None
         if cluster is not None:  # whose machines have clocks of their own
-            elsewhere = Renderer(*about, layer=arguments.layer)
-            pictures = partial(_ahead, cluster, elsewhere, remaining)
+            remote = Renderer(*about, layer=arguments.layer)
+            pictures = partial(_ahead, cluster, remote, remaining)
         rungs = renderer_rungs(renderer, truth, arguments.bound, remaining, pictures)
         verdict = climb(
             {},

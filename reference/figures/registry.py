@@ -1,9 +1,8 @@
-"""The figures by name: those of the ReSTIR GI paper, and what packages announce."""
+"""The figures by name: those of the ReSTIR GI paper, and those of plug-ins."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from reference.announced import announced, announced_names
 from reference.errors import UsageError
 from reference.figures import (
     bias,
@@ -16,6 +15,7 @@ from reference.figures import (
     validation,
 )
 from reference.figures.record import PaperFigure, Work
+from reference.plugins import find_plugin, plugin_names
 from reference.suggestions import unknown
 
 
@@ -69,7 +69,7 @@ def figure_names() -> list[str]:
     list of str
         The paper's first.  Nothing is imported.
     """
-    theirs = [name for name in announced_names(GROUP) if name not in FIGURES]
+    theirs = [name for name in plugin_names(GROUP) if name not in FIGURES]
     return [*FIGURES, *theirs]
 
 
@@ -97,7 +97,7 @@ def find_figure(name: str) -> Entry:
     for entry in _ENTRIES:
         if name in entry.numbers:
             return entry
-    found = announced(GROUP, name, Entry, "figure")
+    found = find_plugin(GROUP, name, Entry, "figure")
     if found is not None:
         return found
     names = figure_names()

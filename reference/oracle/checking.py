@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from reference.errors import UsageError
-from reference.oracle.afar import Reached, rungs_afar
 from reference.oracle.backends.open import open_backend
 from reference.oracle.backends.running import Limits
 from reference.oracle.cases import UnaskedError
 from reference.oracle.contract.fields import Precision
+from reference.oracle.distributed import Reached, distributed_rungs
 from reference.oracle.golden import read_golden
 from reference.oracle.ladder import golden_rungs, ladder, statistical_rungs
 from reference.oracle.parts import whole_contract
@@ -91,7 +91,7 @@ def judge(
             rungs = ladder(passes, opened)
             if statistics and executor:
                 reached = Reached(backend, limits or Limits(), given)
-                runs = rungs_afar(reached, opened, executor, remaining)
+                runs = distributed_rungs(reached, opened, executor, remaining)
                 rungs = chain(rungs, runs)
             elif statistics:
                 runs = statistical_rungs(passes, opened, remaining)

@@ -114,7 +114,7 @@ def statistical_rungs(
         From the seed of a batch to its replicates and those of the seeds after it, by
         other processes; the first batch is made here.
     laws : mapping of str to callable, optional
-        What takes the step of each scene elsewhere.
+        What takes the step of each scene in another process.
 
     Yields
     ------

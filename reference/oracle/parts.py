@@ -1,6 +1,6 @@
 """Parts of the contract beside its core: passes, with all that is needed to judge them.
 
-Whoever has passes of their own announces a `Part` through the entry-point group
+Whoever has passes of their own registers a `Part` through the entry-point group
 ``restir.passes``; the further passes of this floor are one such part.  From then on the
 ladder asks for them, golden folders hold them and the diagnosis knows their mistakes.
 """
@@ -84,21 +84,21 @@ class Part:
 
 @cache
 def parts() -> tuple[Part, ...]:
-    """All parts beside the core, ours first, then those that packages announce.
+    """All parts beside the core, ours first, then those of plug-ins.
 
     Returns
     -------
     tuple of Part
-        In the order of the names under which they are announced.
+        In the order of the names under which they are registered.
 
     Raises
     ------
     UsageError
-        A package announces what is no part, or a pass that exists.
+        A package registers what is no part, or a pass that exists.
     """
     found = [resolve_name(place) for place in OWN]
-    announced = sorted(entry_points(group=GROUP), key=lambda point: point.name)
-    for point in announced:
+    points = sorted(entry_points(group=GROUP), key=lambda point: point.name)
+    for point in points:
         part = point.load()
         if not isinstance(part, Part):
             raise UsageError(

@@ -1,4 +1,4 @@
-"""A part of the contract that another package announces: asked, judged and named."""
+"""A part of the contract that another package registers: asked, judged and named."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -59,7 +59,7 @@ PART = Part(
 )
 
 
-def announce(monkeypatch, *found):
+def register(monkeypatch, *found):
     points = [
         SimpleNamespace(name=f"p{i}", load=lambda part=part: part)
         for i, part in enumerate(found)
@@ -69,8 +69,8 @@ def announce(monkeypatch, *found):
 
 
 @pytest.fixture
-def announced(monkeypatch):
-    announce(monkeypatch, PART)
+def registered(monkeypatch):
+    register(monkeypatch, PART)
     yield
     parts.cache_clear()
 
@@ -94,7 +94,7 @@ def asked(verdict):
     ]
 
 
-@pytest.mark.usefixtures("announced")
+@pytest.mark.usefixtures("registered")
 def test_it_is_asked_on_its_rungs_and_passes():
     verdict = doubling(2)
     assert verdict.status == "PASS"
@@ -103,7 +103,7 @@ def test_it_is_asked_on_its_rungs_and_passes():
     assert "gbuffer" in verdict.absent
 
 
-@pytest.mark.usefixtures("announced")
+@pytest.mark.usefixtures("registered")
 def test_its_mistakes_are_named():
     verdict = doubling(3)
     assert verdict.status == "FAIL"
@@ -111,31 +111,31 @@ def test_its_mistakes_are_named():
     assert [h.name for h in found.matches] == ["tripled"]
 
 
-@pytest.mark.usefixtures("announced")
+@pytest.mark.usefixtures("registered")
 def test_what_is_no_known_mistake_has_no_name():
     (found,) = doubling(4).diagnoses
     assert found.matches == ()
 
 
-@pytest.mark.usefixtures("announced")
+@pytest.mark.usefixtures("registered")
 def test_it_is_in_the_contract():
     assert list(whole_contract())[-1] == "doubled"
 
 
 def test_two_parts_cannot_have_the_same_pass(monkeypatch):
-    announce(monkeypatch, PART, replace(PART, title="again"))
+    register(monkeypatch, PART, replace(PART, title="again"))
     with pytest.raises(UsageError, match="several parts have a pass doubled"):
         parts()
 
 
 def test_the_core_is_not_replaced(monkeypatch):
-    announce(monkeypatch, replace(PART, passes=(replace(DOUBLED, name="merge"),)))
+    register(monkeypatch, replace(PART, passes=(replace(DOUBLED, name="merge"),)))
     with pytest.raises(UsageError, match="several parts have a pass merge"):
         parts()
 
 
 def test_what_is_no_part_is_refused(monkeypatch):
-    announce(monkeypatch, "no part")
+    register(monkeypatch, "no part")
     with pytest.raises(UsageError, match=r"p0 of restir\.passes is str"):
         parts()
 

@@ -23,7 +23,7 @@ def found_in(precision, backend):
     return texts
 
 
-def test_the_part_is_announced():
+def test_the_part_is_registered():
     assert PART in parts()
 
 

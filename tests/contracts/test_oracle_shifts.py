@@ -241,5 +241,5 @@ def test_a_backend_without_these_passes_is_not_waited_for(monkeypatch):
     assert {"joinable", "path_jacobian", "shift"} <= set(verdict.absent)
 
 
-def test_it_is_announced():
+def test_it_is_registered():
     assert PART in parts()

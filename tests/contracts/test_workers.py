@@ -17,12 +17,12 @@ from reference.cli import main
 from reference.commands import reference as command
 from reference.errors import UsageError
 from reference.exr import read_exr
-from reference.oracle.afar import Reached, rungs_afar
 from reference.oracle.backends.inside import InsideBackend
 from reference.oracle.backends.running import Limits
 from reference.oracle.blackbox.renderer import Renderer
 from reference.oracle.builtin.backend import BuiltIn
 from reference.oracle.cases import for_ever
+from reference.oracle.distributed import Reached, distributed_rungs
 from reference.oracle.ladder import statistical_rungs
 from reference.oracle.parts import whole_contract
 from reference.oracle.rungs.means import mean_over_runs, replicates
@@ -185,7 +185,7 @@ def test_a_cluster_gathers_the_statistics_of_a_backend(tmp_path):
     ]
     with cluster(tmp_path) as (address, (first, _)), workers(1, address) as executor:
         there = []
-        for _, _, take in rungs_afar(reached, backend, executor, forever):
+        for _, _, take in distributed_rungs(reached, backend, executor, forever):
             there.append(take())
             first.kill()
     assert len(here) == 5

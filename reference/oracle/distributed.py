@@ -109,7 +109,7 @@ def law(reached: Reached, scene: str) -> Step:
     return law_step(whole_contract(), reached.open(), scene)
 
 
-def rungs_afar(
+def distributed_rungs(
     reached: Reached,
     backend: Backend,
     executor: Executor,
