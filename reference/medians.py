@@ -1,4 +1,4 @@
-"""Medians, with intervals that hold whatever the law."""
+"""Medians, with intervals that hold for every distribution."""
 
 from collections.abc import Sequence
 

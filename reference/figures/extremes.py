@@ -12,8 +12,8 @@ import numpy as np
 from reference.arrays import Scalars, Vec3s, dot
 from reference.figures.canvas import COLORS, blank, tidy
 from reference.figures.record import PaperFigure, Row, Work
-from reference.oracle.rungs.exact_formulas import FORMULAS
-from reference.oracle.rungs.exact_numbers import DIGITS, Exact
+from reference.oracle.levels.exact_formulas import FORMULAS
+from reference.oracle.levels.exact_numbers import DIGITS, Exact
 from reference.resampling.shift import reconnection_jacobian
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load

@@ -10,20 +10,20 @@ from reference.arrays import Indices, Masks
 from reference.oracle.buffers import given, prefixed, receivers, reservoirs, samples
 from reference.oracle.cases import Case
 from reference.oracle.contract.fields import Precision, Value
-from reference.oracle.sight import made_it
-from reference.oracle.stage import CAPS, NEIGHBORS, SIMILARITY, Stage
+from reference.oracle.prepared_frame import CAPS, NEIGHBORS, SIMILARITY, PreparedFrame
+from reference.oracle.visibility import made_it
 from reference.passes.receivers import sees
 from reference.records import take
 from reference.resampling.reservoir import Samples
 from reference.rng import Stream
 
 
-def frame_cases(at: Stage, precision: Precision) -> Iterator[Case]:
+def frame_cases(at: PreparedFrame, precision: Precision) -> Iterator[Case]:
     """One case of each pass of the algorithm, and of each weight of Algorithm 4.
 
     Parameters
     ----------
-    at : Stage
+    at : PreparedFrame
         A frame of a scene.
     precision : 'float32' or 'float64'
         In which the inputs are given.
@@ -91,13 +91,15 @@ def frame_cases(at: Stage, precision: Precision) -> Iterator[Case]:
     yield case("shade", "", {}, x | kept)
 
 
-def _sees(at: Stage, viewer: Indices, y: Samples, made: Masks) -> NDArray[np.uint32]:
+def _sees(
+    at: PreparedFrame, viewer: Indices, y: Samples, made: Masks
+) -> NDArray[np.uint32]:
     x = take(at.last.visible.surface.viewpoints, np.maximum(viewer, 0))
     asked = (viewer >= 0) & ~made
     return (sees(at.world, x, y, asked) | made).astype(np.uint32)
 
 
-def _who_sees(at: Stage) -> NDArray[np.uint32]:
+def _who_sees(at: PreparedFrame) -> NDArray[np.uint32]:
     """Bits of pass ``spatial``."""
     rows = np.arange(len(at.neighbors))
     around = [at.neighbors[:, k] for k in range(NEIGHBORS)]
@@ -107,7 +109,7 @@ def _who_sees(at: Stage) -> NDArray[np.uint32]:
     return _bits(at, [rows, *around], lent, makers)
 
 
-def _who_sees_when_moved(at: Stage, rows: Indices) -> NDArray[np.uint32]:
+def _who_sees_when_moved(at: PreparedFrame, rows: Indices) -> NDArray[np.uint32]:
     """Bits of pass ``moved``."""
     here = np.arange(len(rows))
     lent = [at.initial.y, take(at.last.temporal.y, rows)]
@@ -115,7 +117,10 @@ def _who_sees_when_moved(at: Stage, rows: Indices) -> NDArray[np.uint32]:
 
 
 def _bits(
-    at: Stage, viewers: list[Indices], lent: list[Samples], makers: list[Indices]
+    at: PreparedFrame,
+    viewers: list[Indices],
+    lent: list[Samples],
+    makers: list[Indices],
 ) -> NDArray[np.uint32]:
     words = np.zeros((len(at.neighbors), len(viewers)), np.uint32)
     places = [y.position for y in lent]

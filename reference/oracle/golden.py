@@ -25,13 +25,13 @@ from reference.oracle.builtin.backend import BuiltIn
 from reference.oracle.cases import Case
 from reference.oracle.contract.fields import Passes, Precision
 from reference.oracle.exr_frames import write_frames
+from reference.oracle.levels.exact import exact_outputs, examined_exactly
+from reference.oracle.levels.kernels import kernel_probes
+from reference.oracle.levels.lattice import lattice_probes
+from reference.oracle.levels.probe import Probe
+from reference.oracle.levels.replayed import replayed
 from reference.oracle.parts import parts
 from reference.oracle.raw import read_cases, write_cases
-from reference.oracle.rungs.exact import exact_outputs, examined_exactly
-from reference.oracle.rungs.kernels import kernel_probes
-from reference.oracle.rungs.lattice import lattice_probes
-from reference.oracle.rungs.probe import Probe
-from reference.oracle.rungs.replayed import replayed
 from reference.version import project_version
 
 MANIFEST, FORM = "manifest.json", "restir-golden 1"
@@ -223,7 +223,7 @@ def _entry(probe: Probe) -> dict[str, Any]:
     return {
         "name": case.name,
         "pass": case.pass_name,
-        "rung": probe.rung,
+        "rung": probe.level,
         "rows": case.rows,
         "random": case.random,
         "width": case.width,

@@ -12,13 +12,13 @@ from reference.arrays import Indices, Masks, Vec3s
 from reference.oracle.buffers import given, prefixed
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision, Value
-from reference.oracle.sight import made_it
+from reference.oracle.visibility import made_it
 from reference.rng import KeyedUniforms, Stream
 
 Array = NDArray[Any]
 
 
-class Theatre(Protocol):
+class Harness(Protocol):
     """What stands around the passes: rays, and who sees whom."""
 
     def receivers(self) -> dict[str, Array]:
@@ -85,7 +85,7 @@ Ask = Callable[[Case], Buffers]
 
 def run_frames(
     ask: Ask,
-    theatre: Theatre,
+    harness: Harness,
     neighbors: Callable[[int], Indices],
     run: Run,
     precision: Precision,
@@ -96,7 +96,7 @@ def run_frames(
     ----------
     ask : callable
         Gives the outputs of a case.
-    theatre : Theatre
+    harness : Harness
         Rays.
     neighbors : callable
         (N, K) neighbours of each row in a frame, or −1.
@@ -114,7 +114,7 @@ def run_frames(
     -----
     [Ouyang21, Fig. 4].
     """
-    x = theatre.receivers()
+    x = harness.receivers()
     rows = len(x["visible_position"])
     temporal = spatial = _empty(rows)
     shown = []
@@ -133,7 +133,7 @@ def run_frames(
             {"visible_normal": x["visible_normal"], "u": u},
             source=run.source,
         )
-        new = prefixed("new", theatre.trace(drawn["direction"].astype(float), frame))
+        new = prefixed("new", harness.trace(drawn["direction"].astype(float), frame))
         # Algorithm 3.
         inputs = x | prefixed("past", temporal) | new
         inputs |= {"new_pdf": drawn["pdf"], "u": at(Stream.TEMPORAL).draw(0)[0]}
@@ -147,7 +147,7 @@ def run_frames(
         inputs = x | temporal | prefixed("past", spatial)
         inputs |= {
             "neighbors": around,
-            "visible": _bits(theatre, temporal, spatial, around),
+            "visible": _bits(harness, temporal, spatial, around),
             "u_own": at(Stream.SPATIAL).draw(63)[0],
             "u_neighbors": np.stack(decide, axis=1),
         }
@@ -166,7 +166,7 @@ def _empty(rows: int) -> dict[str, Array]:
 
 
 def _bits(
-    theatre: Theatre, own: Buffers, past: Buffers, around: Indices
+    harness: Harness, own: Buffers, past: Buffers, around: Indices
 ) -> NDArray[np.uint32]:
     rows, count = np.arange(len(around)), around.shape[1]
     viewers = [rows, *(around[:, k] for k in range(count))]
@@ -177,7 +177,7 @@ def _bits(
     for column, viewer in enumerate(viewers):
         for bit, (r, row) in enumerate(lent):
             at = np.maximum(row, 0)
-            seen = theatre.sees(np.maximum(viewer, 0), places[bit], r["normal"][at])
+            seen = harness.sees(np.maximum(viewer, 0), places[bit], r["normal"][at])
             made = made_it(viewer, places[bit], makers, places)
             words[:, column] |= (seen | made).astype(np.uint32) << np.uint32(bit)
     return words

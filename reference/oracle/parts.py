@@ -21,10 +21,10 @@ from reference.oracle.diagnosis.hypothesis import Hypothesis
 from reference.oracle.replay.judges import JUDGES, Judge
 
 if TYPE_CHECKING:
-    from reference.oracle.rungs.probe import Probe
+    from reference.oracle.levels.probe import Probe
 
 GROUP = "restir.passes"
-OWN = ("reference.oracle.rungs.further_part:FURTHER_PART",)
+OWN = ("reference.oracle.levels.further_part:FURTHER_PART",)
 
 PassFunction = Callable[..., dict[str, NDArray[Any]]]
 Frames = Callable[[Precision, frozenset[str]], "list[Probe]"]
@@ -65,12 +65,12 @@ class Part:
         The project's own passes: a precision, the buffers and the settings give the
         outputs.
     probes : callable
-        From a precision to what a backend is asked, on any rungs.
+        From a precision to what a backend is asked, on any levels.
     hypotheses : tuple of Hypothesis
         Known mistakes; `Rules.part` holds what these judges calculate with.
     frames : callable
-        What takes longer to make, for rung L3: from a precision, and the names of the
-        passes that have answered the probes of that rung.
+        What takes longer to make, for level L3: from a precision, and the names of the
+        passes that have answered the probes of that level.
     """
 
     title: str

@@ -18,8 +18,8 @@ from reference.oracle.cases import (
 )
 from reference.oracle.contract.fields import Passes
 from reference.oracle.diagnosis.hypothesis import Departure
+from reference.oracle.levels.probe import Answer, Finding, Probe, examined
 from reference.oracle.loop import Ask
-from reference.oracle.rungs.probe import Answer, Finding, Probe, examined
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,7 +28,7 @@ class Step:
 
     Attributes
     ----------
-    rung : str
+    level : str
         "L0" to "L4".
     title : str
         What it is.
@@ -46,7 +46,7 @@ class Step:
         Calls of which nothing is known, and why, a line each.
     """
 
-    rung: str
+    level: str
     title: str
     answers: list[Answer] = field(default_factory=list)
     findings: list[Finding] = field(default_factory=list)
@@ -62,17 +62,17 @@ class Step:
         return [f.text for f in (*found, *self.findings) if not f.passed]
 
 
-Rung = tuple[str, str, Callable[[], Step]]
+Level = tuple[str, str, Callable[[], Step]]
 
 
 def asked(
-    rung: str, title: str, passes: Passes, backend: Backend, probes: Sequence[Probe]
+    level: str, title: str, passes: Passes, backend: Backend, probes: Sequence[Probe]
 ) -> Step:
     """A step of probes: ask a backend, and examine what it answers.
 
     Parameters
     ----------
-    rung, title : str
+    level, title : str
         Of the step.
     passes : mapping of str to Pass
         The contract.
@@ -97,7 +97,7 @@ def asked(
             unasked.append(f"{probe.case.name}: {known.reason}")
         else:
             answers.append(examined(passes, backend.precision, probe, known))
-    return Step(rung, title, answers, unasked=unasked)
+    return Step(level, title, answers, unasked=unasked)
 
 
 def _canary() -> None:
@@ -182,7 +182,7 @@ class Asker:
 
 
 def taken(
-    rung: str,
+    level: str,
     title: str,
     passes: Passes,
     backend: Backend,
@@ -193,7 +193,7 @@ def taken(
 
     Parameters
     ----------
-    rung, title : str
+    level, title : str
         Of the step.
     passes : mapping of str to Pass
         The contract.
@@ -223,4 +223,4 @@ def taken(
             continue
         if ask.answered:
             found.append(finding)
-    return Step(rung, title, findings=found, relies_on=relies_on, unasked=unasked)
+    return Step(level, title, findings=found, relies_on=relies_on, unasked=unasked)

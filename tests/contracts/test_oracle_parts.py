@@ -16,11 +16,11 @@ from reference.oracle.checking import judge
 from reference.oracle.contract.fields import Pass, real
 from reference.oracle.diagnosis.hypothesis import mistake
 from reference.oracle.golden import expected
+from reference.oracle.levels.kernels import kernel_probes
+from reference.oracle.levels.replayed import replayed
 from reference.oracle.parts import Part, parts, whole_contract
 from reference.oracle.replay.bounded import constant, exact, rounding_of
 from reference.oracle.replay.judgement import Judgement, beside
-from reference.oracle.rungs.kernels import kernel_probes
-from reference.oracle.rungs.replayed import replayed
 
 DOUBLED = Pass(
     name="doubled",
@@ -40,8 +40,8 @@ def judge_doubled(case, outputs, rules, precision):
 def probes(precision):
     x = {"x": np.arange(1, 9).astype(precision)}
     return [
-        replayed(rung, Case(f"doubled-{rung}", "doubled", {}, x))
-        for rung in ["L0", "L3"]
+        replayed(level, Case(f"doubled-{level}", "doubled", {}, x))
+        for level in ["L0", "L3"]
     ]
 
 
@@ -88,7 +88,7 @@ def doubling(factor):
 
 def asked(verdict):
     return [
-        (timed.step.rung, timed.step.title)
+        (timed.step.level, timed.step.title)
         for timed in verdict.steps
         if any(a.probe.case.pass_name == "doubled" for a in timed.step.answers)
     ]

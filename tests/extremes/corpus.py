@@ -19,8 +19,8 @@ from reference.exr import write_exr
 from reference.exr_parts import MAGIC
 from reference.images import Image
 from reference.oracle.golden import write_golden
+from reference.oracle.levels.kernels import kernel_probes
 from reference.oracle.parts import whole_contract
-from reference.oracle.rungs.kernels import kernel_probes
 
 CORNERS = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 FACES = [(0, 1, 2), (0, 2, 3)]

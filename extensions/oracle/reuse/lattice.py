@@ -16,7 +16,7 @@ from reference.arrays import Indices, Scalars
 from reference.oracle.buffers import given
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision, Value
-from reference.oracle.rungs.probe import Examine, Finding, Probe
+from reference.oracle.levels.probe import Examine, Finding, Probe
 
 PIXELS, CELLS = 3, 4
 NOTHING = CELLS
@@ -43,7 +43,7 @@ def lattice_probes(precision: Precision) -> list[Probe]:
     Returns
     -------
     list of Probe
-        Of rung L1; exact, so that a right backend cannot fail.
+        Of level L1; exact, so that a right backend cannot fail.
     """
     unbiased = [mis for mis in WEIGHTS if mis != "1/M"]
     return [_probe(mis, c, precision) for mis in unbiased for c in range(PIXELS)]

@@ -8,7 +8,7 @@ import numpy as np
 from extensions.connection import CRITERIA, Criterion
 from extensions.oracle.shifts.passes import SHIFT
 from extensions.oracle.shifts.rows import buffers, eventful
-from extensions.oracle.shifts.stage import frame_of
+from extensions.oracle.shifts.scenes import frame_of
 from reference.oracle.buffers import given
 from reference.oracle.cases import Case
 from reference.oracle.contract.fields import Precision, Value, dtype_of
@@ -35,7 +35,7 @@ class Place:
     Attributes
     ----------
     scene : str
-        Of `extensions.oracle.shifts.stage.BLOCKS`.
+        Of `extensions.oracle.shifts.scenes.BLOCKS`.
     kind : str
         Of `KINDS`.
     frame : int

@@ -8,7 +8,7 @@ import numpy as np
 
 from extensions.connection import Criterion, segment
 from extensions.donors import PointDonor
-from extensions.oracle.shifts.stage import frame_of
+from extensions.oracle.shifts.scenes import frame_of
 from extensions.paths import Paths
 from extensions.shifting import Shift
 from reference.arrays import Indices, Scalars, Vec3s, divide_or_zero

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from extensions.connection import Criterion
-from extensions.oracle.shifts.stage import Frame
+from extensions.oracle.shifts.scenes import Frame
 from extensions.oracle.shifts.tables import (
     columns,
     connection,

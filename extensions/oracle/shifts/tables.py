@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from extensions.connection import NEVER_JOINED, Criterion, segment
-from extensions.oracle.shifts.stage import Frame
+from extensions.oracle.shifts.scenes import Frame
 from extensions.oracle.shifts.walks import Walk
 from extensions.paths import Paths, Technique
 from reference.arrays import Masks, Scalars, Vec3s, dot

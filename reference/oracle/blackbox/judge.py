@@ -13,7 +13,7 @@ from reference.arrays import Scalars
 from reference.oracle.blackbox.renderer import Renderer
 from reference.oracle.blackbox.truth import TILES, Truth, statistics
 from reference.oracle.cases import NO_TIME, Failure, UnaskedError
-from reference.oracle.rungs.probe import Finding
+from reference.oracle.levels.probe import Finding
 from reference.oracle.statistics.betting import Bets, e_value, interval_bets, place
 from reference.oracle.statistics.families import average_e
 from reference.oracle.statistics.intervals import (
@@ -21,7 +21,7 @@ from reference.oracle.statistics.intervals import (
     student_deviations,
     truth_interval,
 )
-from reference.oracle.steps import Rung, Step
+from reference.oracle.steps import Level, Step
 
 ALPHA = 5e-7
 DEVIATIONS = 6.0
@@ -38,14 +38,14 @@ FIRST_SEED = 100
 Pictures = Callable[[Iterator[int]], Iterator[NDArray[Any] | Failure]]
 
 
-def renderer_rungs(
+def renderer_levels(
     renderer: Renderer,
     truth: Callable[[], Truth],
     bound: float | None,
     remaining: Callable[[], float],
     pictures: Pictures | None = None,
-) -> Iterator[Rung]:
-    """Rungs for pictures.
+) -> Iterator[Level]:
+    """Levels for pictures.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def renderer_rungs(
 
     Yields
     ------
-    rung, title : str
+    level, title : str
         Of the next step.
     callable
         Takes it.

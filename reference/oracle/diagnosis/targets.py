@@ -190,7 +190,7 @@ TARGETS = (
     ),
     _departure(
         "target-doubled",
-        "the target is twice as large: right in law",
+        "the target is twice as large: the same distribution",
         "2 p̂",
         _scattered(_doubled),
     ),
@@ -235,7 +235,7 @@ TARGETS = (
     ),
     _departure(
         "largest-channel",
-        "the largest channel stands for luminance: right in law",
+        "the largest channel stands for luminance: the same distribution",
         "Y = max(R, G, B)",
         _with_light(largest_channel),
     ),

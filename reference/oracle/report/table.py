@@ -19,9 +19,9 @@ def table(plain: Mapping[str, Any]) -> Group:
     Returns
     -------
     Group
-        A line for each rung, two for each wrong pass, and last the verdict.
+        A line for each level, two for each wrong pass, and last the verdict.
     """
-    parts: list[Table | Text] = [_rungs(plain)] if plain["steps"] else []
+    parts: list[Table | Text] = [_levels(plain)] if plain["steps"] else []
     wrong = [p for p in plain["passes"] if p["status"] in ("wrong", "departs")]
     if wrong:
         parts.append(_wrong(wrong))
@@ -31,7 +31,7 @@ def table(plain: Mapping[str, Any]) -> Group:
     parts += [_text(f"{s['rung']} {s['title']}: {s['more']}") for s in more]
     for step in plain["steps"]:
         if lines := step["unasked"]:
-            where = f"{step['rung']} {step['title']}"
+            where = f"{step['level']} {step['title']}"
             parts.append(_text(f"{where}: nothing is known of {_some(lines)}"))
     if plain["left"]:
         parts.append(_text(f"no time for: {', '.join(plain['left'])}"))
@@ -85,9 +85,9 @@ def _text(text: str) -> Text:
     return Text(printable(text))
 
 
-def _rungs(plain: Mapping[str, Any]) -> Table:
+def _levels(plain: Mapping[str, Any]) -> Table:
     made = Table()
-    made.add_column("rung")
+    made.add_column("level")
     made.add_column("step")
     for title in ("seconds", "asked", "unanswered", "failed"):
         made.add_column(title, justify="right")

@@ -5,10 +5,11 @@ patch, or nothing, with probability 1/5, so that a reservoir of patch x has W = 
 The radiances are such that p̂_q(x) · 5 mu_q(x) is a whole number: then so are all
 weights that arrive at q, whoever drew them, and a decision between whole numbers w of S
 is integrated by the midpoints of S cells, each at least 1 / 2S away from the threshold:
-no rounding excuses a flip.  What must come out, E[W 1{y = x}] = mu_q(x), knows nothing
+no rounding flips one.  What must come out, E[W 1{y = x}] = mu_q(x), knows nothing
 of what the weights are divided by: any division that is unbiased passes, and no other.
 With another target or another order of the stream the weights are not whole, and the
-sums are not the expectation: such a backend fails although its law may be right.
+sums are not the expectation: such a backend fails although its distribution may be
+right.
 """
 
 from itertools import product
@@ -20,7 +21,7 @@ from reference.arrays import Indices, Scalars
 from reference.oracle.buffers import given, prefixed
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision, Value
-from reference.oracle.rungs.patches import (
+from reference.oracle.levels.patches import (
     NOTHING,
     OUTCOMES,
     PLACE,
@@ -31,7 +32,7 @@ from reference.oracle.rungs.patches import (
     theory,
     whole_weight,
 )
-from reference.oracle.rungs.probe import Examine, Finding, Probe
+from reference.oracle.levels.probe import Examine, Finding, Probe
 
 ROUNDINGS = 256
 """Of one contribution, in units of half an eps: W and J have some 20 operations, whose
@@ -49,7 +50,7 @@ def lattice_probes(precision: Precision) -> list[Probe]:
     Returns
     -------
     list of Probe
-        Of rung L1; exact, so that a right backend cannot fail.
+        Of level L1; exact, so that a right backend cannot fail.
     """
     return [
         _merge(precision),

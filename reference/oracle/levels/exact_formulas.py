@@ -11,7 +11,7 @@ import numpy as np
 from reference.arrays import Masks, Vec3s
 from reference.oracle.cases import Buffers
 from reference.oracle.contract.fields import Value
-from reference.oracle.rungs.exact_numbers import (
+from reference.oracle.levels.exact_numbers import (
     DIGITS,
     Exact,
     cosine_of_degrees,

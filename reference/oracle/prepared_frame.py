@@ -37,7 +37,7 @@ SIMILARITY: dict[str, Value] = {
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stage:
+class PreparedFrame:
     """A frame of a scene about to be resampled.
 
     Attributes
@@ -80,7 +80,7 @@ class Stage:
         return KeyedUniforms(pixel, FRAMES, self.seed, stream)
 
 
-def stage(scene: Scene, size: int, seed: int) -> Stage:
+def prepare_frame(scene: Scene, size: int, seed: int) -> PreparedFrame:
     """Render the frames before, and draw the samples of the next.
 
     Parameters
@@ -94,7 +94,7 @@ def stage(scene: Scene, size: int, seed: int) -> Stage:
 
     Returns
     -------
-    Stage
+    PreparedFrame
         With size² rows.
 
     Raises
@@ -129,4 +129,6 @@ def stage(scene: Scene, size: int, seed: int) -> Stage:
     draws = [uniforms(Stream.SPATIAL).draw(s) for s in range(NEIGHBORS)]
     rows = np.arange(size * size)
     found = find_neighbors(rows, last.visible, size, UNBIASED, draws)
-    return Stage(scene.name, world, last, initial, np.stack(found, axis=1), seed)
+    return PreparedFrame(
+        scene.name, world, last, initial, np.stack(found, axis=1), seed
+    )

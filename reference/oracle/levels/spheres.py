@@ -13,9 +13,9 @@ import numpy as np
 
 from reference.arrays import Masks
 from reference.oracle.contract.fields import Precision
+from reference.oracle.levels.probe import Finding
+from reference.oracle.levels.sphere import ALBEDO, Sphere, points_inside, ring
 from reference.oracle.loop import Ask, Run, run_frames
-from reference.oracle.rungs.probe import Finding
-from reference.oracle.rungs.sphere import ALBEDO, Sphere, points_inside, ring
 
 ROUNDINGS = 512
 """Of one estimate, in units of half an eps, times the largest 1 / cos: two merges of
