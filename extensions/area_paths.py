@@ -127,5 +127,12 @@ def draw_area_paths(
     width = world.camera.width
     x, y = pixel % width + place[0], pixel // width + place[1]
     points = first_hits(world, x, y)
-    tree = draw_paths(world, points, bounces, criterion, number, uniforms)
+    tree = draw_paths(
+        world,
+        points,
+        bounces=bounces,
+        criterion=criterion,
+        number=number,
+        uniforms=uniforms,
+    )
     return replace(tree, y=AreaPaths(x, y, tree.y))

@@ -4,9 +4,9 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from extensions.area_donor import AreaDonor, AreaShift
 from extensions.area_paths import draw_area_paths, target
 from extensions.area_settings import AreaSettings
+from extensions.area_shift import AreaNeighbor, AreaShift
 from extensions.frame_loop import Moment, PathFrame, path_frames
 from extensions.windows import resample_past, windows
 from reference.passes.neighbors import find_neighbors
@@ -51,16 +51,30 @@ def render_area_frames(
 
     Notes
     -----
-    [Zhang24].  Which pixels lend, and how far they are trusted, is decided by what
-    their centres see: never by a sample.
+    [Zhang24].  Which pixels are reused, and how far they are trusted, is decided by
+    what their centres see: never by a sample.
     """
-    return path_frames(_frame, world, settings, bounces, seed, schedule, animation)
+    return path_frames(
+        _frame,
+        world,
+        settings=settings,
+        bounces=bounces,
+        seed=seed,
+        schedule=schedule,
+        animation=animation,
+    )
 
 
 def _frame(moment: Moment, last: PathFrame | None, schedule: Schedule) -> PathFrame:
     kept = area_reused(moment, last, lambda r: area_drawn(moment, r), schedule)
     color = kept.y.paths.value * kept.W[:, None]
-    return PathFrame(moment.number, moment.world, moment.visible, kept, color)
+    return PathFrame(
+        moment.number,
+        moment.world,
+        visible=moment.visible,
+        reservoirs=kept,
+        color=color,
+    )
 
 
 def area_reused(
@@ -117,11 +131,11 @@ def area_drawn(moment: Moment, rows: slice) -> Reservoirs:
     tree = draw_area_paths(
         moment.world,
         np.arange(rows.start, rows.stop),
-        moment.uniforms(rows, Stream.PIXEL).draw(0),
-        moment.bounces,
-        moment.shift.criterion,
-        number,
-        moment.shift.uniforms(number),
+        place=moment.uniforms(rows, Stream.PIXEL).draw(0),
+        bounces=moment.bounces,
+        criterion=moment.shift.criterion,
+        number=number,
+        uniforms=moment.shift.uniforms(number),
     )
     return finalize(tree, tree.M)
 
@@ -135,14 +149,24 @@ def _temporal(
     stands = last.world is moment.world
     past = windows(last, moment, here)
     before = [
-        AreaDonor(shift, here, last.reservoirs, part.rows, part.dx, part.dy, stands)
+        AreaNeighbor(
+            shift,
+            here,
+            last.reservoirs,
+            rows=part.rows,
+            dx=part.dx,
+            dy=part.dy,
+            same_domain=stands,
+        )
         for part in past
     ]
     shares = [part.share for part in past]
     u = moment.uniforms(rows, Stream.TEMPORAL)
     decisions = [*u.draw(0)[: len(before)], u.draw(1)[0]]
     own = _own(moment, new, rows)
-    return resample_past(own, before, shares, decisions, s, target)
+    return resample_past(
+        own, before, shares=shares, decisions=decisions, settings=s, target=target
+    )
 
 
 def _spatial(moment: Moment, fresh: Reservoirs, rows: slice) -> Reservoirs:
@@ -150,13 +174,23 @@ def _spatial(moment: Moment, fresh: Reservoirs, rows: slice) -> Reservoirs:
     here = np.arange(rows.start, rows.stop)
     uniforms = moment.uniforms(rows, Stream.SPATIAL)
     draws = [uniforms.draw(k) for k in range(s.neighbors)]
-    donors = [_own(moment, cut(fresh, rows), rows)]
-    for row in find_neighbors(here, moment.visible, width, s, draws):
+    neighbors = [_own(moment, cut(fresh, rows), rows)]
+    for row in find_neighbors(
+        here, moment.visible, width=width, settings=s, draws=draws
+    ):
         dx, dy = here % width - row % width, here // width - row // width
-        way = _within(moment), here, fresh, row, dx.astype(float), dy.astype(float)
-        donors.append(AreaDonor(*way))
+        neighbors.append(
+            AreaNeighbor(
+                _within(moment),
+                here,
+                fresh,
+                rows=row,
+                dx=dx.astype(float),
+                dy=dy.astype(float),
+            )
+        )
     decisions = [np.zeros(len(here)), *(draw[2] for draw in draws)]
-    return resample(donors, decisions, s.mis, s.spatial_cap, target)
+    return resample(neighbors, decisions, s.mis, s.spatial_cap, target)
 
 
 def _within(moment: Moment) -> AreaShift:
@@ -164,9 +198,9 @@ def _within(moment: Moment) -> AreaShift:
     return AreaShift(moment.shift, "move", moment.world, moment.world)
 
 
-def _own(moment: Moment, reservoirs: Reservoirs, rows: slice) -> AreaDonor:
+def _own(moment: Moment, reservoirs: Reservoirs, rows: slice) -> AreaNeighbor:
     here, none = np.arange(rows.start, rows.stop), np.zeros(len(reservoirs.M))
     at = np.arange(len(here))
-    return AreaDonor(
-        _within(moment), here, reservoirs, at, none, none, same_domain=True
+    return AreaNeighbor(
+        _within(moment), here, reservoirs, rows=at, dx=none, dy=none, same_domain=True
     )

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from extensions.area_donor import Primary
+from extensions.area_shift import Primary
 from extensions.pt_settings import PathSettings
 
 

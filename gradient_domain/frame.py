@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from extensions.area_donor import AreaShift
+from extensions.area_shift import AreaShift
 from extensions.frame_loop import Moment, PathFrame
 from gradient_domain.differences import Differences
 from gradient_domain.paired_domain import MINUS, contribution

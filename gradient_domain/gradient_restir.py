@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from extensions.area_donor import AreaShift
 from extensions.area_restir import area_drawn, area_reused
+from extensions.area_shift import AreaShift
 from extensions.frame_loop import Moment, path_frames
 from extensions.windows import Window, resample_past
 from gradient_domain.candidates import choose_pair, paired
@@ -164,7 +164,10 @@ def _with_past(
     assert last.pairs is not None
     inner, inner_then = (inner_shift(moment, w) for w in (moment.world, last.world))
     between = AreaShift(moment.shift, s.primary, last.world, moment.world)
-    forward, backward = OuterShift(between, inner), OuterShift(between.back, inner_then)
+    forward, backward = (
+        OuterShift(between, inner),
+        OuterShift(between.inverse, inner_then),
+    )
     stands = last.world is moment.world
     own = _own(moment, some, new, sign)
     before, shares = [], []

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from extensions.area_donor import AreaShift
 from extensions.area_paths import AreaPaths, Placed
+from extensions.area_shift import AreaShift
 from gradient_domain.paired_domain import PairedPaths, PairValue
 from gradient_domain.pairs import Pairs
 from reference.arrays import Indices, Scalars

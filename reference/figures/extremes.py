@@ -129,7 +129,7 @@ def _moved(g: Geometry, offset: float, dtype: Any) -> Geometry:
 
 
 def _geometry(cosine: Scalars, ratio: Scalars) -> Geometry:
-    """Patches seen at a cosine, from a distance of ratio times the donor's."""
+    """Patches seen at a cosine, from a distance of ratio times the source's."""
     rng = np.random.default_rng(0)
     count = len(cosine)
 

@@ -7,9 +7,9 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from extensions.area_donor import AreaDonor, AreaShift, kept_in_place
 from extensions.area_restir import render_area_frames
 from extensions.area_settings import AreaSettings
+from extensions.area_shift import AreaNeighbor, AreaShift, kept_in_place
 from extensions.frame_loop import Moment
 from extensions.windows import windows
 from reference.path_tracer import first_hits
@@ -129,7 +129,7 @@ def donor_of(primary):
     """All pixels of the last frame offered to the pixels that their hits fall into."""
     last, moment = frames()
     shown = windows(last, moment, ROWS)[0]
-    return last, AreaDonor(
+    return last, AreaNeighbor(
         AreaShift(moment.shift, primary, last.world, moment.world),
         ROWS,
         last.reservoirs,

@@ -58,14 +58,14 @@ REUSE_MISTAKES: tuple[Hypothesis, ...] = (
     ),
     _known(
         "reuse-nulls-not-counted",
-        "donors without a sample do not count",
+        "sources without a sample do not count",
         "M_k = 0 where W_k = 0",
         "M_k counts where W_k = 0 too",
         nulls_count=False,
     ),
     _known(
         "reuse-empty-slots-counted",
-        "slots without a donor count",
+        "slots without a source count",
         "ΣM_k over all slots",
         "M_k = 0 where there_k = 0",
         empty_count=True,
@@ -93,7 +93,7 @@ REUSE_MISTAKES: tuple[Hypothesis, ...] = (
     ),
     _known(
         "reuse-z-of-everybody",
-        "Z counts donors who could not have made the sample",
+        "Z counts sources that could not have made the sample",
         "Z = Σ M_k",
         Z,
         everybody_holds=True,
@@ -135,14 +135,14 @@ REUSE_MISTAKES: tuple[Hypothesis, ...] = (
     ),
     _known(
         "reuse-pairs-canonical-in-s",
-        "the confidence of the canonical sample is among those of the donors",
+        "the confidence of the canonical sample is among those of the sources",
         "S = ΣM_k",
         "S = Σ M_k of k ≠ c",
         canonical_in_s=True,
     ),
     _known(
         "reuse-defensive-without-canonical",
-        "the canonical share is not taken from the donors",
+        "the canonical share is not taken from the sources",
         "T = S for defensive weights",
         "T = S + M_c",
         defensive_total=False,
@@ -163,7 +163,7 @@ REUSE_MISTAKES: tuple[Hypothesis, ...] = (
     ),
     _known(
         "reuse-pairs-exchanged",
-        "donor and receiver have each other's target",
+        "source and receiver have each other's target",
         "m_k = M_k / T · S p_c(k) / (S p_c(k) + M_c p_k(k))",
         DONOR,
         exchanged=True,
@@ -184,7 +184,7 @@ REUSE_MISTAKES: tuple[Hypothesis, ...] = (
     ),
     _known(
         "reuse-capped-beforehand",
-        "donors are capped, and not what is kept of them",
+        "sources are capped, and not what is kept of them",
         "M_k = min(M_k, cap)",
         CAP,
         departure="confidence",

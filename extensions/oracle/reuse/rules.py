@@ -14,11 +14,11 @@ class ReuseRules:
     jacobian : 'times', 'none', 'over' or 'twice'
         In the weight of a sample that was shifted.
     target_base : bool
-        The donors' target takes the place of the receiver's.
+        The sources' target takes the place of the receiver's.
     nulls_count : bool
-        M of donors without a sample.
+        M of sources without a sample.
     empty_count : bool
-        M of slots without a donor.
+        M of slots without a source.
     normalization : str
         What is divided by, whatever is asked for, but for weights in pairs; 'asked'
         for that.
@@ -32,20 +32,20 @@ class ReuseRules:
     maker_divides : bool
         The balance heuristic is divided by the maker's target, not the receiver's.
     canonical_in_s : bool
-        S of the donors' weights has the confidence of the canonical slot in it.
+        S of the sources' weights has the confidence of the canonical slot in it.
     defensive_total : bool
-        T of the donors' weights has it, where it should.
+        T of the sources' weights has it, where it should.
     canonical_share : 'of all', 'whole' or 'none'
         Of the canonical sample.
     exchanged : bool
-        In pairs, the targets of donor and receiver.
+        In pairs, the targets of source and receiver.
     beside_confidence : bool
         Weights in pairs are multiplied by M_k as well.
     divided_again : bool
         Weights in pairs are divided by ΣM as well.
     capped : 'M', 'before', 'weights', 'W' or 'never'
-        What is capped: M on the way out, M of all donors beforehand, M in their weights
-        but not in Z, W with M, or nothing.
+        What is capped: M on the way out, M of all sources beforehand, M in their
+        weights but not in Z, W with M, or nothing.
     u_turned : bool
         1 − u decides.
     """

@@ -68,15 +68,15 @@ def arriving(t: Tables, rules: ReuseRules) -> list[Bounded]:
 
 def _in_pairs(t: Tables, rules: ReuseRules) -> list[Bounded]:
     """Weights m_k that stand in place of M_k, each below 1."""
-    c, donors = t.canonical, t.donors
-    if not donors:
+    c, sources = t.canonical, t.sources
+    if not sources:
         return [t.one]
-    S, defensive = total([t.M[k] for k in donors]), t.mis == "defensive"
+    S, defensive = total([t.M[k] for k in sources]), t.mis == "defensive"
     m = list(t.M)
     m[c] = _canonical(t, S, S + t.M[c] if defensive else S, defensive, rules)
     S = S + t.M[c] if rules.canonical_in_s else S
     T = S + t.M[c] if defensive and rules.defensive_total else S
-    for k in donors:
+    for k in sources:
         p, p_c = t.made[k], t.here[k]
         if rules.exchanged:
             p, p_c = p_c, p
@@ -93,7 +93,7 @@ def _canonical(
     if rules.canonical_share == "none":
         return t.one - t.one
     p_c = t.M[c] * t.here[c]
-    parts = [t.M[k] / T * _share(p_c, S * t.elsewhere[:, c, k]) for k in t.donors]
+    parts = [t.M[k] / T * _share(p_c, S * t.at_others[:, c, k]) for k in t.sources]
     if defensive:
         parts.append(t.M[c] / T)
         return total(parts)
@@ -138,7 +138,7 @@ def _at(t: Tables, k: int, kept: Indices) -> Bounded:
     if k == t.canonical:
         return of_kept(t.here, kept)
     row = np.arange(len(kept))
-    return choose(kept == k, t.made[k], t.elsewhere[row, kept, k])
+    return choose(kept == k, t.made[k], t.at_others[row, kept, k])
 
 
 def _held(t: Tables, k: int, p: Bounded, kept: Indices, rules: ReuseRules) -> Bounded:

@@ -86,12 +86,19 @@ def shift_case(place: Place, precision: Precision) -> Case:
         Always the same.
     """
     criterion = KINDS[place.kind]
-    frame = frame_of(place.scene, SIZE, SEED, place.frame, BOUNCES, criterion)
+    frame = frame_of(
+        place.scene,
+        SIZE,
+        seed=SEED,
+        frame=place.frame,
+        bounces=BOUNCES,
+        criterion=criterion,
+    )
     grid = np.arange(SIZE * SIZE).reshape(SIZE, SIZE)
     to = np.roll(grid, (-place.down, -place.right), axis=(0, 1)).ravel()
     start = np.flatnonzero(frame.paths.value.any(axis=1))
-    inputs = buffers(frame, criterion, start, to[start], BOUNCES)
-    rows = eventful(frame, criterion, start, to[start], inputs)
+    inputs = buffers(frame, criterion, start=start, to=to[start], bounces=BOUNCES)
+    rows = eventful(frame, criterion, start=start, to=to[start], inputs=inputs)
     inputs = {name: array[rows] for name, array in inputs.items()}
     name = f"shift-{place.scene}-{place.kind}"
     settings = settings_of(float(frame.world.geometry.extent), criterion, place)

@@ -99,7 +99,7 @@ CONNECTION = (
 
 SHIFT = Pass(
     name="shift",
-    summary="What a path is worth at another pixel, and the Jacobian of its shift",
+    summary="Value of a path at another pixel, and the Jacobian of its shift",
     formula=(
         "D(x, y) = y − x, d = |D|;\n"
         "came_v, v = 2 to V: pass joinable of x_(v−1) and x_v, with d from position to "

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from extensions.connection import Criterion
-from extensions.oracle.shifts.scenes import Frame
+from extensions.oracle.shifts.scenes import DrawnPaths
 from extensions.oracle.shifts.tables import (
     columns,
     connection,
@@ -27,13 +27,13 @@ ROWS = 6
 
 
 def buffers(
-    frame: Frame, criterion: Criterion, start: Indices, to: Indices, bounces: int
+    frame: DrawnPaths, criterion: Criterion, start: Indices, to: Indices, bounces: int
 ) -> dict[str, Any]:
     """All buffers of shifts.
 
     Parameters
     ----------
-    frame : Frame
+    frame : DrawnPaths
         Paths of a frame.
     criterion : Criterion
         When points may be joined.
@@ -49,7 +49,13 @@ def buffers(
     """
     paths = take(frame.paths, start)
     base, offset = (
-        _side(frame, criterion, take(frame.points, at), paths, bounces)
+        _side(
+            frame,
+            criterion,
+            points=take(frame.points, at),
+            paths=paths,
+            bounces=bounces,
+        )
         for at in (start, to)
     )
     return {
@@ -85,14 +91,16 @@ class _Side:
 
 
 def _side(
-    frame: Frame,
+    frame: DrawnPaths,
     criterion: Criterion,
     points: SurfacePoints,
     paths: Paths,
     bounces: int,
 ) -> _Side:
     uniforms = frame.numbers(paths.number)
-    walk = walked(frame.world, criterion, points, uniforms, bounces + 1)
+    walk = walked(
+        frame.world, criterion, points=points, uniforms=uniforms, slots=bounces + 1
+    )
     table = columns(frame.world, walk)
     hit = table.pop("hit") == 1
     x = at_slot(walk, _before(paths))
@@ -130,7 +138,7 @@ def _throughput(weight: Any, last: Indices) -> Any:
 
 
 def eventful(
-    frame: Frame,
+    frame: DrawnPaths,
     criterion: Criterion,
     start: Indices,
     to: Indices,
@@ -140,7 +148,7 @@ def eventful(
 
     Parameters
     ----------
-    frame : Frame
+    frame : DrawnPaths
         Paths of a frame.
     criterion : Criterion
         When points may be joined.
@@ -157,7 +165,7 @@ def eventful(
     shift = Shift(criterion, frame.numbers)
     value, _ = shift(frame.world, frame.points, to, frame.paths, start)
     joint, end, hit = inputs["joint"], inputs["end"], inputs["hit"]
-    back = inputs["joint_normal"] * (
+    facing = inputs["joint_normal"] * (
         inputs["joint_position"] - inputs["position"][:, 0]
     )
     kinds = np.stack(
@@ -168,7 +176,7 @@ def eventful(
             value.any(axis=1),
             hit.cumprod(axis=1).sum(axis=1) >= np.where(joint > 0, joint - 1, end),
             inputs["seen"],
-            back.sum(axis=1) > 0,
+            facing.sum(axis=1) > 0,
             inputs["left"].any(axis=1),
             inputs["delta"].any(axis=1),
             inputs["joint_alpha"] < 1.0,

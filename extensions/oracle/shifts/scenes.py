@@ -43,7 +43,7 @@ Of the rough metal √alpha is above the usual threshold of 0.2, and alpha is no
 
 
 @dataclass(frozen=True, slots=True)
-class Numbers:
+class PathNumbers:
     """Random numbers of paths by their numbers: pixel, and frame times pixels.
 
     Attributes
@@ -75,7 +75,7 @@ class Numbers:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Frame:
+class DrawnPaths:
     """Paths of a frame, one for each pixel.
 
     Attributes
@@ -84,7 +84,7 @@ class Frame:
         The scene.
     points : SurfacePoints
         What the pixels see.
-    numbers : Numbers
+    numbers : PathNumbers
         Random numbers.
     paths : Paths
         One for each pixel.
@@ -92,7 +92,7 @@ class Frame:
 
     world: World
     points: SurfacePoints
-    numbers: Numbers
+    numbers: PathNumbers
     paths: Paths
 
 
@@ -132,7 +132,7 @@ def _other(scene: str, mesh: Mesh) -> Mesh:
 @cache
 def frame_of(
     scene: str, size: int, seed: int, frame: int, bounces: int, criterion: Criterion
-) -> Frame:
+) -> DrawnPaths:
     """Paths of a frame.
 
     Parameters
@@ -150,11 +150,18 @@ def frame_of(
 
     Returns
     -------
-    Frame
+    DrawnPaths
         Always the same.
     """
     world, points = room(scene, size)
-    numbers = Numbers(size * size, seed)
+    numbers = PathNumbers(size * size, seed)
     number = np.arange(size * size) + frame * size * size
-    drawn = draw_paths(world, points, bounces, criterion, number, numbers(number))
-    return Frame(world, points, numbers, drawn.y)
+    drawn = draw_paths(
+        world,
+        points,
+        bounces=bounces,
+        criterion=criterion,
+        number=number,
+        uniforms=numbers(number),
+    )
+    return DrawnPaths(world, points, numbers, drawn.y)

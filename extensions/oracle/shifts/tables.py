@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from extensions.connection import NEVER_JOINED, Criterion, segment
-from extensions.oracle.shifts.scenes import Frame
+from extensions.oracle.shifts.scenes import DrawnPaths
 from extensions.oracle.shifts.walks import Walk
 from extensions.paths import Paths, Technique
 from reference.arrays import Masks, Scalars, Vec3s, dot
@@ -76,13 +76,13 @@ def lobes_of(table: MaterialTable, points: SurfacePoints) -> tuple[Scalars, Mask
 
 
 def connection(
-    frame: Frame, criterion: Criterion, x: SurfacePoints, paths: Paths
+    frame: DrawnPaths, criterion: Criterion, x: SurfacePoints, paths: Paths
 ) -> dict[str, Any]:
     """What joins points to the joints of paths.
 
     Parameters
     ----------
-    frame : Frame
+    frame : DrawnPaths
         The scene.
     criterion : Criterion
         When points may be joined.
@@ -116,12 +116,12 @@ def connection(
     }
 
 
-def joints(frame: Frame, paths: Paths) -> dict[str, Any]:
+def joints(frame: DrawnPaths, paths: Paths) -> dict[str, Any]:
     """Reconnection vertices as buffers.
 
     Parameters
     ----------
-    frame : Frame
+    frame : DrawnPaths
         The scene.
     paths : Paths
         N rows.
@@ -175,7 +175,7 @@ def lights(world: World, walk: Walk, paths: Paths, uniforms: Uniforms) -> Vec3s:
 
 
 def filled(there: Masks, offset: Buffers, base: Buffers) -> dict[str, Any]:
-    """Numbers of the offset walk, and the base path's where it has none.
+    """PathNumbers of the offset walk, and the base path's where it has none.
 
     Parameters
     ----------

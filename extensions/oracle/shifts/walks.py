@@ -60,8 +60,12 @@ def walked(
     steps, leavings = [start(points)], []
     for vertex in range(1, slots + 1):
         step = steps[-1]
-        leavings.append(leave(world, step, vertex, uniforms, step.points.hit))
-        steps.append(arrive(world, criterion, step, vertex, leavings[-1]))
+        leavings.append(
+            leave(world, step, vertex=vertex, uniforms=uniforms, active=step.points.hit)
+        )
+        steps.append(
+            arrive(world, criterion, step=step, vertex=vertex, leaving=leavings[-1])
+        )
     weights = tuple(step.weight for step in steps[1:])
     return Walk(tuple(steps[:-1]), tuple(leavings), weights)
 

@@ -87,7 +87,7 @@ MOVED = Pass(
 
 NEIGHBORS = Pass(
     name="neighbors",
-    summary="Which pixels lend their samples",
+    summary="Neighbours whose samples a pixel reuses",
     formula=(
         "N = width · height; r = max(radius · width, min_radius);\n"
         "for each k: offset = r √u₀ (cos 2πu₁, sin 2πu₁), each component rounded to the"

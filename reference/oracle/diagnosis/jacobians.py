@@ -73,7 +73,7 @@ def _cut_at_0(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
 _TABLE = (
     (
         "jacobian-inverted",
-        "the weight is divided by the Jacobian, or donor and receiver change places",
+        "the weight is divided by the Jacobian, or source and receiver change places",
         "w = p̂ W M / J",
         _inverse,
         ("the paper's Algorithm 4, line 11", "bevy-hikari #21", "C2-Renderer fcd7c28"),

@@ -94,8 +94,8 @@ def _closed(
     if rules.cap_when == "first":
         Z = rules.capped(Z, closing.cap)
     divisor = (
-        _donor_target(slots, kept, y, p_hat, closing)
-        if rules.divides_by_donor
+        _source_target(slots, kept, y, p_hat, closing)
+        if rules.divides_by_source_target
         else p_hat
     )
     W = rules.finalized(total, divisor, Z)
@@ -177,7 +177,7 @@ def _where_holds(p: Bounded, seen: Masks, M: Bounded) -> Bounded:
     return Bounded(value, error, M.rounding)
 
 
-def _donor_target(
+def _source_target(
     slots: list[Slot], kept: Indices, y: Point, p_hat: Bounded, closing: Closing
 ) -> Bounded:
     rules = Rules()

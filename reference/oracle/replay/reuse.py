@@ -172,7 +172,7 @@ def _reused(
     M = rules.reused_confidence(M)
     if rules.cap_when == "arrival":
         M = rules.capped(M, float(case.settings["cap"]))
-    at = x_from if x_from and rules.donors_target else x
+    at = x_from if x_from and rules.source_target else x
     p_hat = rules.reuse_target(case.settings["target"], at, y)
     J = rules.jacobian(x_from, x, y) if x_from else constant(1.0, W)
     w = _weighted(rules, p_hat, W, M, J)
@@ -212,7 +212,7 @@ def _neighbor(
     none = constant(0.0, M)
     there = there | rules.none_is_first
     M = rules.reused_confidence(choose(there | rules.rejected_counts, M, none))
-    at = x_from if rules.donors_target else x
+    at = x_from if rules.source_target else x
     p_hat = rules.reuse_target(case.settings["target"], at, y)
     trusted = M * constant(rules.neighbor_trust, M) if rules.neighbor_trust != 1 else M
     J = rules.jacobian(x_from, x, y)

@@ -18,7 +18,7 @@ class Domain:
     Attributes
     ----------
     x : Receiver
-        Visible points of the donors.
+        Visible points of the sources.
     sees : (S, N) bool
         Whether they see the sample of each slot.
     """

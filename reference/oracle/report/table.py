@@ -31,7 +31,7 @@ def table(plain: Mapping[str, Any]) -> Group:
     parts += [_text(f"{s['rung']} {s['title']}: {s['more']}") for s in more]
     for step in plain["steps"]:
         if lines := step["unasked"]:
-            where = f"{step['level']} {step['title']}"
+            where = f"{step['rung']} {step['title']}"
             parts.append(_text(f"{where}: nothing is known of {_some(lines)}"))
     if plain["left"]:
         parts.append(_text(f"no time for: {', '.join(plain['left'])}"))

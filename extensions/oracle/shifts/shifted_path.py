@@ -14,7 +14,7 @@ from reference.oracle.replay.verbs import choose, times
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Shifted:
+class ShiftedPath:
     """Of shifted paths.
 
     Attributes
@@ -29,10 +29,10 @@ class Shifted:
     jacobian: Bounded
 
 
-def worth_replayed(
+def shifted_by_replay(
     case: Case, last: Indices, rounding: Rounding, rules: ShiftRules
-) -> Shifted:
-    """Worth of paths that are replayed whole.
+) -> ShiftedPath:
+    """Value and Jacobian of paths that are replayed whole.
 
     Parameters
     ----------
@@ -47,20 +47,20 @@ def worth_replayed(
 
     Returns
     -------
-    Shifted
+    ShiftedPath
         N rows.
     """
     light = told(case.inputs["light"], rounding)
     value = throughput(case, last, rounding, rules.end_throughput) * light
     one = constant(1.0, value[:, 0])
     density = told(case.inputs["density"], rounding)
-    return Shifted(value, one / density if rules.replayed_over_density else one)
+    return ShiftedPath(value, one / density if rules.replayed_over_density else one)
 
 
-def worth_joined(
+def shifted_by_joining(
     case: Case, last: Indices, rounding: Rounding, rules: ShiftRules
-) -> Shifted:
-    """Worth of paths that are joined.
+) -> ShiftedPath:
+    """Value and Jacobian of paths that are joined.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def worth_joined(
 
     Returns
     -------
-    Shifted
+    ShiftedPath
         N rows.
     """
     given = case.inputs
@@ -87,7 +87,7 @@ def worth_joined(
     before = throughput(case, last, rounding, rules.throughput)
     value = before * (left / p_left[:, None]) * (onward / q[:, None])
     value = times(value, share_of(case, rounding, rules)) * incoming
-    return Shifted(value, _jacobian(case, last, rounding, rules))
+    return ShiftedPath(value, _jacobian(case, last, rounding, rules))
 
 
 def throughput(case: Case, last: Indices, rounding: Rounding, whose: str) -> Bounded:
@@ -170,7 +170,7 @@ def _jacobian(
     offset = (rules.spread_to or rules.spread)(abs(steep), squared)
     offset = right if rules.bases_distance else offset
     onward = _onward(case, rounding, rules)
-    return jacobian_of(base, offset, (p[0], p[1]), onward, rules)
+    return jacobian_of(base, offset, p=(p[0], p[1]), p_onward=onward, rules=rules)
 
 
 def _onward(

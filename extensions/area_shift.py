@@ -42,8 +42,8 @@ class AreaShift:
     world_to: World
 
     @property
-    def back(self) -> "AreaShift":
-        """The other way."""
+    def inverse(self) -> "AreaShift":
+        """From the paths' pixels back to where they were made."""
         return AreaShift(self.shift, self.primary, self.world_to, self.world_from)
 
     def __call__(
@@ -86,23 +86,23 @@ class AreaShift:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class AreaDonor:
-    """Donors and receivers that are pixels with an area.
+class AreaNeighbor:
+    """Neighbours and receivers that are pixels with an area.
 
     Attributes
     ----------
     shift : AreaShift
-        From the donors to the K receivers.
+        From the neighbours to the K receivers.
     pixel : (K,) int
         Rows of the image that the receivers are.
     reservoirs : Reservoirs
         N rows of `AreaPaths`, a pixel each.
     rows : (K,) int
-        Row that is offered to each pixel, or ``NONE``.
+        Row of each pixel's neighbour, or ``NONE``.
     dx, dy : (K,) float64, pixels
-        How far places move from the donor to the receiver, if x_1 moves.
+        How far places move from the neighbour to the receiver, if x_1 moves.
     same_domain : bool
-        Donor and receiver are one pixel of one image, and nothing is shifted.
+        Neighbour and receiver are one pixel of one image, and nothing is shifted.
     """
 
     shift: AreaShift
@@ -114,12 +114,12 @@ class AreaDonor:
     same_domain: bool = False
 
     def shifted(self, at: Indices) -> tuple[Placed, Scalars]:
-        """Values of the donors' paths at the receivers.
+        """Values of the neighbours' paths at the receivers.
 
         Parameters
         ----------
         at : (A,) int
-            Receivers, none without a donor.
+            Receivers, none without a neighbour.
 
         Returns
         -------
@@ -130,14 +130,14 @@ class AreaDonor:
         return self.shift(samples, self.pixel[at], self.dx[at], self.dy[at])
 
     def inverse(self, samples: Any, at: Indices) -> tuple[Placed, Scalars]:
-        """Values of the receivers' paths at their donors.
+        """Values of the receivers' paths at their neighbours.
 
         Parameters
         ----------
         samples : AreaPaths
             K rows, at the receivers.
         at : (A,) int
-            Which of them, none without a donor.
+            Which of them, none without a neighbour.
 
         Returns
         -------
@@ -145,7 +145,7 @@ class AreaDonor:
             As of `AreaShift`.
         """
         some = take(samples, at)
-        return self.shift.back(some, self.rows[at], -self.dx[at], -self.dy[at])
+        return self.shift.inverse(some, self.rows[at], -self.dx[at], -self.dy[at])
 
 
 def kept_in_place(
