@@ -28,8 +28,8 @@ PATH_REUSE = Pass(
         real("jacobian", "of its shift to the receiver; 0: no such path", "K"),
         real(
             "target_at",
-            "row s, column k: p̂ of the sample of slot s at source k, times the Jacobian "
-            "of the shift there from the receiver; 0 where k cannot make it",
+            "row s, column k: p̂ of the sample of slot s at source k, times the Jacobian"
+            " of the shift there from the receiver; 0 where k cannot make it",
             "K",
             "K",
         ),
