@@ -61,18 +61,18 @@ def roughness(table: MaterialTable, points: SurfacePoints) -> Scalars:
     Returns
     -------
     (N,) float64
-        1 for paint and for the base under a smooth coat, √alpha for microfacets, −1 for
-        what scatters into single directions alone, for rough dielectrics, which see
-        both sides, and for misses.
+        1 for diffuse surfaces and for the base under a smooth coat, √alpha for
+        microfacets, −1 for what scatters into single directions alone, for rough
+        dielectrics, which see both sides, and for misses.
 
     Notes
     -----
     The thresholds of the literature are in this unit; alpha is its square.
     """
     kind = table.kind
-    painted = (kind == Kind.LAMBERTIAN) | (kind == Kind.SMOOTH_COATED)
+    diffuse = (kind == Kind.LAMBERTIAN) | (kind == Kind.SMOOTH_COATED)
     single = np.isin(kind, NEVER_JOINED)
-    rough = np.where(painted, 1.0, np.where(single, -1.0, np.sqrt(table.alpha)))
+    rough = np.where(diffuse, 1.0, np.where(single, -1.0, np.sqrt(table.alpha)))
     return np.where(points.hit, rough[points.material], -1.0)
 
 

@@ -68,7 +68,7 @@ def specular_floor(work: Work) -> PaperFigure:
             " noise is taken off. Intervals: 95 %, bootstrap over runs.",
             f"{np.mean(floor):.0%} of the pixels see the floor. What it mirrors cannot"
             " be joined at the next point: pure reconnection takes over nothing there.",
-            "Replay alone loses paths on the painted walls, where joined ones stay.",
+            "Replay alone loses paths on the diffuse walls, where joined ones stay.",
         ),
     )
 

@@ -27,7 +27,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         Of this command.
     """
     parser.add_argument(
-        "scene", metavar="SCENE", help="built-in scene or file, of paint alone"
+        "scene",
+        metavar="SCENE",
+        help="built-in scene or file, of diffuse surfaces alone",
     )
     add_reading(parser)
     parser.add_argument(

@@ -175,7 +175,7 @@ def scene_probes(
     Parameters
     ----------
     scene : str
-        Built-in, of paint alone.
+        Built-in, of diffuse surfaces alone.
     precision : 'float32' or 'float64'
         Of the backend.
     seed : int

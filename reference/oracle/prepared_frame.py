@@ -20,7 +20,7 @@ from reference.settings import UNBIASED
 from reference.world import World, build_world
 
 SCENES = ("cornell-box", "door-ajar", "sunlit-wall", "grazing-light", "many-lights")
-"""Of paint alone, and unlike: corners, a slit, grazing angles, small lights."""
+"""All diffuse, and unlike: corners, a slit, grazing angles, small lights."""
 
 FRAMES, NEIGHBORS = 4, 3
 """Frames before the one that is asked for, and neighbours of each pixel."""
@@ -86,7 +86,7 @@ def prepare_frame(scene: Scene, size: int, seed: int) -> PreparedFrame:
     Parameters
     ----------
     scene : Scene
-        Of paint alone.
+        Of diffuse surfaces alone.
     size : int, pixels
         Width and height.
     seed : int
@@ -100,13 +100,14 @@ def prepare_frame(scene: Scene, size: int, seed: int) -> PreparedFrame:
     Raises
     ------
     UsageError
-        The scene has other materials than paint, of which the contract does not speak.
+        The scene has other than diffuse materials, of which the contract does not
+        speak.
     """
     camera = replace(scene.camera, width=size, height=size)
     world = build_world(validate(replace(scene, camera=camera)))
     if world.materials.kinds != (Kind.LAMBERTIAN,):
         raise UsageError(
-            f"scene {scene.name!r} has other materials than paint, of which the"
+            f"scene {scene.name!r} has other than diffuse materials, of which the"
             f" contract does not speak; name another, as {SCENES[0]}"
         )
     frames = render_frames(world, UNBIASED, 1, seed, Schedule())

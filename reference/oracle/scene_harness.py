@@ -139,7 +139,7 @@ def open_harness(scene: str, size: int, runs: int, seed: int) -> SceneHarness:
     Parameters
     ----------
     scene : str
-        Of paint alone.
+        Of diffuse surfaces alone.
     size : int, pixels
         Width and height.
     runs : int

@@ -72,7 +72,7 @@ def test_a_folder_with_expected_outputs_passes(golden, capsys, tmp_path):
         (["check", "./no-such {directory}"], "cannot run ./no-such"),
         (["check", "'unbalanced {directory}"], "is no command line"),
         (["golden", "nowhere", "--out", "x"], "nowhere"),
-        (["golden", "glossy-floor", "--out", "x"], "other materials than paint"),
+        (["golden", "glossy-floor", "--out", "x"], "other than diffuse materials"),
     ],
 )
 def test_bad_requests_are_one_line(capsys, arguments, words):

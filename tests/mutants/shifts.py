@@ -12,7 +12,7 @@ DONORS = "extensions.donors"
 
 ROUGH = "np.minimum(roughness(table, x_from), roughness(table, x_to))"
 SINGLE = "np.where(single, -1.0, np.sqrt(table.alpha))"
-PAINTED = "(kind == Kind.LAMBERTIAN) | (kind == Kind.SMOOTH_COATED)"
+DIFFUSE = "(kind == Kind.LAMBERTIAN) | (kind == Kind.SMOOTH_COATED)"
 FAR = "far = distance > criterion.distance * geometry.extent"
 JOINABLE = "(distance > 0) & far & (rough >= max(criterion.roughness, 0.0))"
 SPREAD = "spread = divide_or_zero(cosine, distance**2)"
@@ -97,7 +97,7 @@ CRITERION = [
         "what lies under a smooth coat is smooth",
         (),
         CONNECTION,
-        PAINTED,
+        DIFFUSE,
         "kind == Kind.LAMBERTIAN",
     ),
     Mutant(

@@ -194,7 +194,7 @@ def joints(w, criterion, visited, paths):
 
 
 def least_roughness(table, points):
-    """Root of the GGX width, 1 for paint and for what lies under smooth coats."""
+    """Root of the GGX width; 1 for diffuse surfaces, also under smooth coats."""
     kind, width = table.kind[points.material], table.alpha[points.material]
     rough = np.isin(kind, (Kind.ROUGH_CONDUCTOR, Kind.ROUGH_COATED))
     painted = np.isin(kind, (Kind.LAMBERTIAN, Kind.SMOOTH_COATED))

@@ -46,8 +46,8 @@ def _lobes(alpha: Array, single: Array) -> _Lobes:
     turn = np.arange(len(alpha)) % 2 == 0
     alone = np.where(turn, Kind.SMOOTH_CONDUCTOR, Kind.DIELECTRIC)
     rough = np.where(turn, Kind.ROUGH_CONDUCTOR, Kind.ROUGH_COATED)
-    painted = np.where(turn, Kind.LAMBERTIAN, Kind.SMOOTH_COATED)
-    kind = np.where(single == 1, alone, np.where(alpha == 1, painted, rough))
+    diffuse = np.where(turn, Kind.LAMBERTIAN, Kind.SMOOTH_COATED)
+    kind = np.where(single == 1, alone, np.where(alpha == 1, diffuse, rough))
     width = np.where((single == 1) | (alpha == 1), 0.0, alpha)
     return _Lobes(kind.astype(np.int8), width)
 

@@ -66,7 +66,7 @@ def lobes_of(table: MaterialTable, points: SurfacePoints) -> tuple[Scalars, Mask
     Returns
     -------
     (N,) float64, (N,) bool
-        1 for paint and for what lies under a smooth coat; 0 for misses.
+        1 for diffuse surfaces and for what lies under a smooth coat; 0 for misses.
     """
     kind = table.kind[points.material]
     rough = (kind == Kind.ROUGH_CONDUCTOR) | (kind == Kind.ROUGH_COATED)

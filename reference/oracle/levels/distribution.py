@@ -61,7 +61,7 @@ def same_distribution(
     precision : 'float32' or 'float64'
         Of the backend.
     scene : str
-        Built-in, of paint alone.
+        Built-in, of diffuse surfaces alone.
     tests : int
         Scenes that are tested, among which alpha is shared.
     alpha : float

@@ -130,7 +130,7 @@ _ENTRIES = (
     Entry(
         "glass-floor",
         speculars.glass_floor,
-        "a room on a pane of glass over a painted ground",
+        "a room on a pane of glass over a diffuse ground",
     ),
     Entry(
         "moving-camera",

@@ -51,7 +51,7 @@ def replace_word(
     element, name : str
         Row of the table that a reader judges.
     where : str
-        'material "paint"'.
+        'material "wall"'.
     problem : str
         What is not modelled.
     """
@@ -73,7 +73,7 @@ def named(element: str, entry: dict[str, Any], index: int) -> str:
     Returns
     -------
     str
-        'material "paint"' or 'material 3'.
+        'material "wall"' or 'material 3'.
     """
     name = entry.get("name")
     if not isinstance(name, str) or not name:

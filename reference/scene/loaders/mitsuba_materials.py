@@ -141,7 +141,7 @@ class Materials:
         return Look(material, attribute=attribute)
 
     def _reflectance(self, node: Node, default: float) -> Texture:
-        return self.textures.read(node, REFLECTANCE[node.kind], default, painted=True)
+        return self.textures.read(node, REFLECTANCE[node.kind], default, diffuse=True)
 
     def _mask(self, node: Node, look: Look | None) -> Look | None:
         opacity = self.textures.read(node, "opacity", 0.5)

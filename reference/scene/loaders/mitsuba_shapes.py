@@ -118,8 +118,8 @@ def _look(node: Node, materials: Materials, emits: bool) -> Look | None:
     bsdfs = node.inside("bsdf")
     if not bsdfs:
         # Mitsuba's defaults: lamps are black, other shapes half white.
-        paint = (0.0,) * 3 if emits else (0.5,) * 3
-        return Look(Lambertian(paint, two_sided=False))
+        grey = (0.0,) * 3 if emits else (0.5,) * 3
+        return Look(Lambertian(grey, two_sided=False))
     look = materials.of(bsdfs[0])
     if look is None and emits:
         materials.ledger.replace(
