@@ -16,7 +16,7 @@ from reference.world import World
 
 
 @dataclass(frozen=True, slots=True)
-class Placed:
+class PlacedValue:
     """What of N paths depends on the pixel that they belong to.
 
     Attributes
@@ -56,16 +56,16 @@ class AreaPaths:
         return len(self.x)
 
     @property
-    def value(self) -> Placed:
+    def value(self) -> PlacedValue:
         """N rows, as they are here."""
-        return Placed(self.x, self.y, self.paths.value, np.ones(len(self)))
+        return PlacedValue(self.x, self.y, self.paths.value, np.ones(len(self)))
 
-    def moved(self, value: Placed, jacobian: Scalars) -> "AreaPaths":
+    def moved(self, value: PlacedValue, jacobian: Scalars) -> "AreaPaths":
         """The same paths in other pixels.
 
         Parameters
         ----------
-        value : Placed
+        value : PlacedValue
             There.
         jacobian : (N,) float64, sr/sr
             Of the whole shift; densities at the joint change by their part of it.
@@ -79,12 +79,12 @@ class AreaPaths:
         return AreaPaths(value.x, value.y, paths)
 
 
-def target(value: Placed) -> Scalars:
+def target(value: PlacedValue) -> Scalars:
     """Luminance of the contribution.
 
     Parameters
     ----------
-    value : Placed
+    value : PlacedValue
         N rows.
 
     Returns

@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from extensions.area_paths import AreaPaths, Placed
+from extensions.area_paths import AreaPaths, PlacedValue
 from extensions.shifting import Shift
 from reference.arrays import Indices, Masks, Scalars, Vec3s, dot
 from reference.caster import STOP
@@ -48,7 +48,7 @@ class AreaShift:
 
     def __call__(
         self, samples: AreaPaths, pixel: Indices, dx: Scalars, dy: Scalars
-    ) -> tuple[Placed, Scalars]:
+    ) -> tuple[PlacedValue, Scalars]:
         """Shift paths.
 
         Parameters
@@ -62,7 +62,7 @@ class AreaShift:
 
         Returns
         -------
-        Placed, (N,) float64
+        PlacedValue, (N,) float64
             N rows, and the Jacobian of place and path; 0 where the path falls out of
             the pixel, or out of sight.
         """
@@ -82,7 +82,7 @@ class AreaShift:
         everyone = np.arange(len(at))
         value, jacobian = self.shift(world_to, points, everyone, samples.paths, at)
         value, jacobian = scatter(at, value, size), scatter(at, jacobian, size)
-        return Placed(x, y, value, jacobian), jacobian * factor
+        return PlacedValue(x, y, value, jacobian), jacobian * factor
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,7 +113,7 @@ class AreaNeighbor:
     dy: Scalars
     same_domain: bool = False
 
-    def shifted(self, at: Indices) -> tuple[Placed, Scalars]:
+    def shifted(self, at: Indices) -> tuple[PlacedValue, Scalars]:
         """Values of the neighbours' paths at the receivers.
 
         Parameters
@@ -123,13 +123,13 @@ class AreaNeighbor:
 
         Returns
         -------
-        Placed, (A,) float64
+        PlacedValue, (A,) float64
             As of `AreaShift`.
         """
         samples = take(self.reservoirs.y, self.rows[at])
         return self.shift(samples, self.pixel[at], self.dx[at], self.dy[at])
 
-    def inverse(self, samples: Any, at: Indices) -> tuple[Placed, Scalars]:
+    def inverse(self, samples: Any, at: Indices) -> tuple[PlacedValue, Scalars]:
         """Values of the receivers' paths at their neighbours.
 
         Parameters
@@ -141,7 +141,7 @@ class AreaNeighbor:
 
         Returns
         -------
-        Placed, (A,) float64
+        PlacedValue, (A,) float64
             As of `AreaShift`.
         """
         some = take(samples, at)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from extensions.area_paths import AreaPaths, Placed
+from extensions.area_paths import AreaPaths, PlacedValue
 from reference.arrays import Indices, Scalars, Vec3s, divide_or_zero, plus, saturate
 from reference.resampling.target import luminance
 
@@ -24,7 +24,7 @@ class PairValue:
     ----------
     k : (N,) int8
         0 where the base path is one of pixel i, 1 where of j.
-    base : Placed
+    base : PlacedValue
         The base path, in its pixel.
     offset : (N, 3)
         Contribution f of the offset path, 0 where the inner shift does not exist.
@@ -35,7 +35,7 @@ class PairValue:
     """
 
     k: Indices
-    base: Placed
+    base: PlacedValue
     offset: Vec3s
     inner: Scalars
     sign: Indices

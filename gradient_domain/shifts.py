@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from extensions.area_paths import AreaPaths, Placed
+from extensions.area_paths import AreaPaths, PlacedValue
 from extensions.area_shift import AreaShift
 from gradient_domain.paired_domain import PairedPaths, PairValue
 from gradient_domain.pairs import Pairs
@@ -25,7 +25,12 @@ class InnerShift:
     within: AreaShift
 
     def __call__(
-        self, base: AreaPaths, placed: Placed, k: Indices, pairs: Pairs, sign: Indices
+        self,
+        base: AreaPaths,
+        placed: PlacedValue,
+        k: Indices,
+        pairs: Pairs,
+        sign: Indices,
     ) -> PairValue:
         """Worth of base paths, with their offset paths.
 
@@ -33,7 +38,7 @@ class InnerShift:
         ----------
         base : AreaPaths
             N rows, where ``placed`` says.
-        placed : Placed
+        placed : PlacedValue
             What they are there.
         k : (N,) int8
             To which pixel of the pair they belong.

@@ -14,7 +14,7 @@ from reference.signals import Interrupted
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class SampleSource:
     """Where samples come from.
 
     Attributes
@@ -34,7 +34,7 @@ class Source:
 
 
 def accumulate_resumably(
-    source: Source,
+    source: SampleSource,
     spp: int,
     path: Path,
     run: Mapping[str, str],
@@ -45,7 +45,7 @@ def accumulate_resumably(
 
     Parameters
     ----------
-    source : Source
+    source : SampleSource
         What to add.
     spp : int
         Samples in the end.

@@ -11,7 +11,7 @@ from reference.images import Image, to_image
 from reference.methods import Job
 from reference.moments import Moments, add_samples
 from reference.options import as_text
-from reference.resumable import Source, accumulate_resumably
+from reference.resumable import SampleSource, accumulate_resumably
 from reference.scene.scene import Scene
 from reference.version import project_version
 
@@ -38,7 +38,7 @@ def accumulate_truth(
     checkpoint: Path,
     every: float,
     tick: Callable[[int, int, str], None],
-    source_of: Callable[[Job], Source] | None = None,
+    source_of: Callable[[Job], SampleSource] | None = None,
 ) -> Checkpoint:
     """Accumulate the truth of a scene, from a checkpoint if there is one.
 
@@ -73,7 +73,7 @@ def accumulate_truth(
     )
 
 
-def _in_this_process(job: Job) -> Source:
+def _in_this_process(job: Job) -> SampleSource:
     samples = path_samples(
         job.world,
         job.schedule,
@@ -86,7 +86,7 @@ def _in_this_process(job: Job) -> Source:
     def advance(before: Moments, until: int) -> Moments:
         return add_samples(before, samples.radiance, until, job.schedule)
 
-    return Source(samples.rows, advance, lambda: job.world.caster.counts)
+    return SampleSource(samples.rows, advance, lambda: job.world.caster.counts)
 
 
 def identity(scene: Scene, job: Job) -> dict[str, str]:

@@ -15,7 +15,7 @@ from reference.figures.contest import FRAMES, Contender, Contest, compete
 from reference.figures.paths import sized_world
 from reference.figures.record import Deviation, Interval, PaperFigure, Row, Work
 from reference.figures.regions import floor_points
-from reference.figures.registry import Entry
+from reference.figures.registry import FigureEntry
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.figure import Figure
@@ -109,4 +109,4 @@ def _picture(contest: Contest, work: Work) -> "Figure":
     return picture
 
 
-FIGURE = Entry(NAME, specular_floor, 16, ())
+FIGURE = FigureEntry(NAME, specular_floor, 16, ())

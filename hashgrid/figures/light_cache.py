@@ -16,7 +16,7 @@ from reference.figures.bootstrap import mean_interval, ratio_interval
 from reference.figures.canvas import BIG, Tile, blank, draw_tiles, exposure_of, shown
 from reference.figures.paths import sized_world
 from reference.figures.record import Deviation, Interval, PaperFigure, Row, Work
-from reference.figures.registry import Entry
+from reference.figures.registry import FigureEntry
 from reference.schedule import Schedule
 from reference.world import World
 
@@ -135,4 +135,4 @@ def _picture(grid: list[list[Tile]], names: list[str]) -> "Figure":
     return picture
 
 
-FIGURE = Entry(NAME, light_cache, 16, ())
+FIGURE = FigureEntry(NAME, light_cache, 16, ())

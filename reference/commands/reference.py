@@ -15,7 +15,7 @@ from reference.distributed import sampled_by
 from reference.exr import write_exr
 from reference.images import Image
 from reference.metadata import Words, header, metadata
-from reference.methods.path import PATH, PathSettings
+from reference.methods.path import PATH, PathTracerSettings
 from reference.options import with_values
 from reference.truth import accumulate_truth, checkpoint_beside, truth_image
 from reference.workers import workers
@@ -82,7 +82,7 @@ def run(arguments: argparse.Namespace) -> None:
     UsageError
         Bad input, all of it found before the first ray but a full disk.
     """
-    settings = with_values(PathSettings(), arguments.set)
+    settings = with_values(PathTracerSettings(), arguments.set)
     out = arguments.out
     if arguments.png:
         check_file(out.with_suffix(".png"), ".png")

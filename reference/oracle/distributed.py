@@ -24,7 +24,7 @@ from reference.oracle.ladder import distribution_step, statistical_levels
 from reference.oracle.levels.distribution import SCENES
 from reference.oracle.levels.means import replicates
 from reference.oracle.parts import whole_contract
-from reference.oracle.steps import Asker, Level, Step
+from reference.oracle.steps import Asker, Level, LevelStep
 from reference.workers import ahead
 
 AHEAD = 32
@@ -91,7 +91,7 @@ def batch(reached: Reached, seed: int) -> NDArray[np.float64]:
     return replicates(Asker(whole_contract(), backend), backend.precision, seed)
 
 
-def distribution(reached: Reached, scene: str) -> Step:
+def distribution(reached: Reached, scene: str) -> LevelStep:
     """Step of the distribution test in one scene, with the backend of this process.
 
     Parameters
@@ -103,7 +103,7 @@ def distribution(reached: Reached, scene: str) -> Step:
 
     Returns
     -------
-    Step
+    LevelStep
         As if it had been taken here.
     """
     return distribution_step(whole_contract(), reached.open(), scene)
@@ -135,7 +135,7 @@ def distributed_levels(
     """
     found = {s: executor.submit(distribution, reached, s) for s in SCENES}
 
-    def distribution_of(scene: str) -> Step:
+    def distribution_of(scene: str) -> LevelStep:
         try:
             return found[scene].result(min(max(remaining(), 0.0), TIMEOUT_MAX))
         except TimeoutError as error:

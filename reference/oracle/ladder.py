@@ -20,7 +20,7 @@ from reference.oracle.levels.spheres import furnace, half_lit
 from reference.oracle.loop import Ask
 from reference.oracle.parts import Frames, no_frames, parts
 from reference.oracle.prepared_frame import SCENES, prepare_frame
-from reference.oracle.steps import Level, Step, asked, taken
+from reference.oracle.steps import Level, LevelStep, asked, taken
 from reference.scene.catalogue.registry import find_scene
 
 SIZE, SEED = 48, 1
@@ -80,7 +80,7 @@ def _asked_of_part(
     title: str,
     probes: list[Probe],
     frames: Frames,
-) -> Step:
+) -> LevelStep:
     """A step of a part: frames are made for a backend that has the passes alone."""
     step = asked(level, title, passes, backend, probes)
     names = {a.probe.case.pass_name for a in step.answers if a.finding is not None}
@@ -100,7 +100,7 @@ def statistical_levels(
     backend: Backend,
     remaining: Callable[[], float],
     batches: Batches | None = None,
-    distributions: Mapping[str, Callable[[], Step]] | None = None,
+    distributions: Mapping[str, Callable[[], LevelStep]] | None = None,
 ) -> Iterator[Level]:
     """Levels of whole runs, which take as long as they may.
 
@@ -159,7 +159,7 @@ def golden_levels(
     for level in sorted({probe.level for probe in probes}):
         chosen = [probe for probe in probes if probe.level == level]
 
-        def take(level: str = level, chosen: list[Probe] = chosen) -> Step:
+        def take(level: str = level, chosen: list[Probe] = chosen) -> LevelStep:
             return asked(level, "golden", passes, backend, chosen)
 
         yield level, "golden", take
@@ -190,12 +190,12 @@ def scene_probes(
     return tuple(replayed("L3", case) for case in frame_cases(at, precision))
 
 
-def _spheres(passes: Passes, backend: Backend) -> Step:
+def _spheres(passes: Passes, backend: Backend) -> LevelStep:
     tests = [partial(test, precision=backend.precision) for test in (furnace, half_lit)]
     return taken("L2", "spheres", passes, backend, tests, ("target",))
 
 
-def _relations(passes: Passes, backend: Backend) -> Step:
+def _relations(passes: Passes, backend: Backend) -> LevelStep:
     at = prepare_frame(find_scene(SCENES[0]), SIZE // 2, SEED)
     tests = [
         test
@@ -211,7 +211,7 @@ def _mean(
     backend: Backend,
     remaining: Callable[[], float],
     batches: Batches | None,
-) -> Step:
+) -> LevelStep:
     found: list[Mean] = []
 
     def test(ask: Ask) -> Finding:
@@ -225,7 +225,7 @@ def _mean(
     return replace(step, title=title, certified=found[0].certified, more=found[0].more)
 
 
-def distribution_step(passes: Passes, backend: Backend, scene: str) -> Step:
+def distribution_step(passes: Passes, backend: Backend, scene: str) -> LevelStep:
     """Step of the distribution test in one scene.
 
     Parameters
@@ -239,7 +239,7 @@ def distribution_step(passes: Passes, backend: Backend, scene: str) -> Step:
 
     Returns
     -------
-    Step
+    LevelStep
         Of level L4.
     """
 

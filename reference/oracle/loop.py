@@ -64,7 +64,7 @@ class Run:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Shown:
+class LoopFrame:
     """What a frame leaves, N rows.
 
     Attributes
@@ -89,7 +89,7 @@ def run_frames(
     neighbors: Callable[[int], Indices],
     run: Run,
     precision: Precision,
-) -> list[Shown]:
+) -> list[LoopFrame]:
     """Frames of a backend's passes.
 
     Parameters
@@ -107,7 +107,7 @@ def run_frames(
 
     Returns
     -------
-    list of Shown
+    list of LoopFrame
         One a frame.
 
     Notes
@@ -156,7 +156,7 @@ def run_frames(
         )
         # Equation 8.
         kept = {name: spatial[name] for name in ("position", "normal", "radiance", "W")}
-        shown.append(Shown(call("shade", x | kept)["color"], spatial))
+        shown.append(LoopFrame(call("shade", x | kept)["color"], spatial))
     return shown
 
 

@@ -23,7 +23,7 @@ from reference.oracle.loop import Ask
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Step:
+class LevelStep:
     """A part of the ladder, judged as one.
 
     Attributes
@@ -62,12 +62,12 @@ class Step:
         return [f.text for f in (*found, *self.findings) if not f.passed]
 
 
-Level = tuple[str, str, Callable[[], Step]]
+Level = tuple[str, str, Callable[[], LevelStep]]
 
 
 def asked(
     level: str, title: str, passes: Passes, backend: Backend, probes: Sequence[Probe]
-) -> Step:
+) -> LevelStep:
     """A step of probes: ask a backend, and examine what it answers.
 
     Parameters
@@ -83,7 +83,7 @@ def asked(
 
     Returns
     -------
-    Step
+    LevelStep
         With an answer to each question that was asked, in the same order.
     """
     outcomes = backend.run(passes, [probe.case for probe in probes])
@@ -97,7 +97,7 @@ def asked(
             unasked.append(f"{probe.case.name}: {known.reason}")
         else:
             answers.append(examined(passes, backend.precision, probe, known))
-    return Step(level, title, answers, unasked=unasked)
+    return LevelStep(level, title, answers, unasked=unasked)
 
 
 def _canary() -> None:
@@ -188,7 +188,7 @@ def taken(
     backend: Backend,
     tests: Iterable[Callable[[Ask], Finding]],
     relies_on: tuple[Departure, ...] = (),
-) -> Step:
+) -> LevelStep:
     """A step of tests that ask the backend themselves.
 
     Parameters
@@ -206,7 +206,7 @@ def taken(
 
     Returns
     -------
-    Step
+    LevelStep
         Without findings of tests in which nothing was the backend's own.
     """
     found, unasked = [], []
@@ -223,4 +223,4 @@ def taken(
             continue
         if ask.answered:
             found.append(finding)
-    return Step(level, title, findings=found, relies_on=relies_on, unasked=unasked)
+    return LevelStep(level, title, findings=found, relies_on=relies_on, unasked=unasked)

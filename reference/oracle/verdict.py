@@ -8,7 +8,7 @@ from reference.oracle.cases import UnaskedError
 from reference.oracle.contract.fields import Passes, Precision
 from reference.oracle.diagnosis.diagnose import Diagnosis, diagnose
 from reference.oracle.levels.probe import Answer
-from reference.oracle.steps import Level, Step
+from reference.oracle.steps import Level, LevelStep
 
 Status = Literal["PASS", "FAIL", "UNDECIDED"]
 
@@ -19,13 +19,13 @@ class Timed:
 
     Attributes
     ----------
-    step : Step
+    step : LevelStep
         What was found.
     seconds : float
         Of wall time.
     """
 
-    step: Step
+    step: LevelStep
     seconds: float
 
 
@@ -78,7 +78,7 @@ class Verdict:
         return [d for d in self.diagnoses if departs(d)]
 
     @property
-    def binding(self) -> list[Step]:
+    def binding(self) -> list[LevelStep]:
         """Steps whose findings hold for a backend that departs as this one does."""
         kinds = {h.departure for d in self.departures for h in d.matches}
         steps = [timed.step for timed in self.steps]

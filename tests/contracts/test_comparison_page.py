@@ -36,7 +36,7 @@ def noisy():
     return a, b
 
 
-class Page(HTMLParser):
+class ComparisonPage(HTMLParser):
     """Elements of a page, and whether its tags are balanced."""
 
     def __init__(self, text):
@@ -107,7 +107,7 @@ def test_the_same_images_make_the_same_page(tmp_path, noisy):
 def test_the_page_needs_no_network_and_no_other_file(tmp_path, noisy):
     compare(*noisy, tmp_path)
     text = (tmp_path / "index.html").read_text(encoding="utf-8")
-    page = Page(text)
+    page = ComparisonPage(text)
     assert not re.search(r"https?:|@import|url\(", text)
     assert not page.all("link")
     assert all("src" not in script for script in page.all("script"))
@@ -116,7 +116,7 @@ def test_the_page_needs_no_network_and_no_other_file(tmp_path, noisy):
 
 def test_every_picture_has_a_text(tmp_path, noisy):
     compare(*noisy, tmp_path)
-    page = Page((tmp_path / "index.html").read_text(encoding="utf-8"))
+    page = ComparisonPage((tmp_path / "index.html").read_text(encoding="utf-8"))
     assert len(page.all("img")) == 6
     assert all(attributes["alt"] for attributes in page.all("img"))
     assert all("aria-label" in attributes for attributes in page.all("svg"))
@@ -139,7 +139,7 @@ def test_names_and_metadata_cannot_break_out_of_the_page(tmp_path):
     compare(
         image(grey(1), k=evil), image(grey(1), **{evil: "v"}), tmp_path, (evil, evil)
     )
-    page = Page((tmp_path / "index.html").read_text(encoding="utf-8"))
+    page = ComparisonPage((tmp_path / "index.html").read_text(encoding="utf-8"))
     assert len(page.all("script")) == 3  # two of values, one of ours
     assert len(page.all("img")) == 5
 

@@ -27,7 +27,7 @@ from reference.figures.record import (
     Work,
 )
 from reference.figures.regions import floor_points, zones
-from reference.figures.registry import FIGURES, Entry, figure_names, find_figure
+from reference.figures.registry import FIGURES, FigureEntry, figure_names, find_figure
 from reference.figures.spread import spreads
 from reference.figures.table import as_plain, table, text
 from reference.figures.tiles import largest_of_half, rms_without_noise, tile_luminance
@@ -149,7 +149,9 @@ def test_a_figure_of_another_package(restir, tmp_path, monkeypatch):
 
 def planted(*names):
     """Registry of figures that take no time."""
-    return {name: Entry(name, lambda work, n=name: drawn(n), 2, ()) for name in names}
+    return {
+        name: FigureEntry(name, lambda work, n=name: drawn(n), 2, ()) for name in names
+    }
 
 
 def drawn(name):

@@ -1,4 +1,4 @@
-"""glTF against files written here: values, pixels, and the fate of every word."""
+"""glTF against files written here: values, pixels, and the use of every word."""
 
 import json
 

@@ -32,7 +32,7 @@ from reference.oracle.report.page import pieces, write_page
 from reference.oracle.report.plain import as_plain
 from reference.oracle.report.table import table
 from reference.oracle.report.worst import answers_of, worst_answer, worst_rows
-from reference.oracle.steps import Step
+from reference.oracle.steps import LevelStep
 from reference.oracle.verdict import Timed, Verdict, run_ladder
 from reference.scene.catalogue.registry import find_scene
 
@@ -64,10 +64,10 @@ def verdict_of(change, budget=np.inf, findings=()):
     """Verdict on the built-in backend with changed answers."""
 
     def step(level):
-        return Step(level, "asked", [answered(change, p) for p in probes()[level]])
+        return LevelStep(level, "asked", [answered(change, p) for p in probes()[level]])
 
     def spheres():
-        return Step("L2", "spheres", findings=list(findings))
+        return LevelStep("L2", "spheres", findings=list(findings))
 
     levels = [("L0", "asked", partial(step, "L0")), ("L2", "spheres", spheres)]
     levels.append(("L3", "asked", partial(step, "L3")))
@@ -139,7 +139,7 @@ def printed(plain, width=120):
     return file.getvalue()
 
 
-class Page(HTMLParser):
+class VerdictPage(HTMLParser):
     """Elements of a page; its tags are balanced."""
 
     def __init__(self, text):
@@ -182,7 +182,7 @@ def test_control_a_right_backend_has_no_wrong_pass(fine, tmp_path):
     assert max(x for p in plain["passes"] for x in p["excess"].values()) <= 1
     text = written(tmp_path, verdict, plain)
     assert "Wrong:" not in text
-    assert not Page(text).all("img")
+    assert not VerdictPage(text).all("img")
     assert "PASS: float32: all that was asked is right" in printed(plain)
 
 
@@ -283,7 +283,7 @@ def test_an_empty_verdict(tmp_path):
     assert plain["headline"] == "nothing was judged"
     text = written(tmp_path, EMPTY, plain)
     assert "None was run" in text
-    Page(text)
+    VerdictPage(text)
     assert printed(plain) == "UNDECIDED: nobody: nothing was judged\n"
 
 
@@ -297,7 +297,7 @@ def test_without_time_nothing_is_said(tmp_path):
 
 def with_mean(verdict, status, **more):
     """A verdict with a step of statistics."""
-    mean = Timed(Step("L4", "mean", findings=[Finding(True)], **more), 1.0)
+    mean = Timed(LevelStep("L4", "mean", findings=[Finding(True)], **more), 1.0)
     return replace(verdict, status=status, steps=[*verdict.steps, mean])
 
 
@@ -416,7 +416,7 @@ def test_the_page_tells_all(wrong, tmp_path):
 
 def test_the_page_needs_no_network_and_no_other_file(wrong, tmp_path):
     text = written(tmp_path, *wrong)
-    page = Page(text)
+    page = VerdictPage(text)
     assert not re.search(r"https?:|@import|url\(", text)
     assert not page.all("link")
     assert not page.all("script")
@@ -436,7 +436,7 @@ def test_what_a_backend_says_cannot_break_out(wrong, tmp_path):
     verdict, _ = wrong
     plain = as_plain(verdict, EVIL, CONTRACT)
     text = written(tmp_path, verdict, plain)
-    page = Page(text)
+    page = VerdictPage(text)
     assert not page.all("script")
     assert all(i["src"].startswith("data:") for i in page.all("img"))
     assert "&lt;script&gt;alert(1)&lt;/script&gt;" in text

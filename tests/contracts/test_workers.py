@@ -28,7 +28,7 @@ from reference.oracle.levels.means import mean_over_runs, replicates
 from reference.oracle.parts import whole_contract
 from reference.oracle.steps import Asker
 from reference.scene.named import Named
-from reference.tradeoff.points import Point
+from reference.tradeoff.points import Design
 from reference.tradeoff.store import open_store
 from reference.tradeoff.sweep import Sweep, run_sweep
 from reference.tradeoff.trials import run_trial
@@ -38,7 +38,7 @@ pytestmark = pytest.mark.slow
 
 
 def sweep_of(*values, runs=3):
-    points = tuple(Point("restir-gi-unbiased", v) for v in ((), *values))
+    points = tuple(Design("restir-gi-unbiased", v) for v in ((), *values))
     return Sweep(Named("cornell-box", False, 16, 16), 1, 4, runs, 0, points, ())
 
 

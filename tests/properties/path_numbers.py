@@ -116,7 +116,7 @@ class Joints:
 
 
 @dataclass(frozen=True)
-class Shifted:
+class ShiftedPaths:
     """Paths of a frame that were shifted and have one joint."""
 
     joints: Joints
@@ -156,7 +156,7 @@ def joined(name, kind, frame, kinds=PLAIN):
     rows = np.flatnonzero(single)
     joints = Joints(w, x_from, y, paths).of(rows)
     at = at[rows]
-    return Shifted(joints, jacobian[at], take(there, at), take(x_to, at), shift)
+    return ShiftedPaths(joints, jacobian[at], take(there, at), take(x_to, at), shift)
 
 
 @cache

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
-from extensions.area_paths import Placed
+from extensions.area_paths import PlacedValue
 from extensions.area_restir import area_drawn
 from extensions.frame_loop import Moment
 from gradient_domain.candidates import choose_pair, paired
@@ -64,7 +64,7 @@ def values(rng, size=64):
     inner = np.where(rng.random(size) < 1 / 3, 0.0, rng.lognormal(size=size))
     offset = rng.random((size, 3)) * (inner > 0)[:, None]
     none = np.zeros(size)
-    base = Placed(none, none, rng.random((size, 3)), none + 1.0)
+    base = PlacedValue(none, none, rng.random((size, 3)), none + 1.0)
     k = rng.integers(0, 2, size).astype(np.int8)
     return PairValue(k, base, offset, inner, np.zeros(size, np.int8))
 
@@ -103,7 +103,7 @@ def test_parts_of_both_signs_make_the_whole():
 def test_channels_of_both_signs_do_not_cancel():
     """Luminance of the difference may be 0 where the difference is not."""
     none = np.zeros(1)
-    base = Placed(none, none, np.array([[1.0, 0.0, 0.0]]), none + 1)
+    base = PlacedValue(none, none, np.array([[1.0, 0.0, 0.0]]), none + 1)
     r, g, _ = target_weights()
     offset = np.array([[0.0, r / g, 0.0]])
     value = PairValue(
@@ -114,7 +114,7 @@ def test_channels_of_both_signs_do_not_cancel():
 
 def target_weights():
     none = np.zeros(3)
-    base = Placed(none, none, np.eye(3), none + 1)
+    base = PlacedValue(none, none, np.eye(3), none + 1)
     zeros = np.zeros(3, np.int8)
     return target(PairValue(zeros, base, np.zeros((3, 3)), none, zeros))
 

@@ -26,7 +26,7 @@ class _Sample:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Slot:
+class _TableSlot:
     """Slot k of every row."""
 
     k: int
@@ -66,7 +66,7 @@ def _path_reuse(
     rows, slots = W.shape
     here = np.arange(rows)
     sources = [
-        _Slot(
+        _TableSlot(
             k,
             target_here,
             jacobian,

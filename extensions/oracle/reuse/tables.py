@@ -14,7 +14,7 @@ PAIRS = ("pairwise", "defensive")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Tables:
+class ReuseTables:
     """What K slots bring, and what the weights make of it.
 
     Attributes
@@ -54,7 +54,7 @@ class Tables:
         return constant(1.0, self.W[0])
 
 
-def tables_of(case: Case, rules: ReuseRules, rounding: Rounding) -> Tables:
+def tables_of(case: Case, rules: ReuseRules, rounding: Rounding) -> ReuseTables:
     """Read a case.
 
     Parameters
@@ -68,7 +68,7 @@ def tables_of(case: Case, rules: ReuseRules, rounding: Rounding) -> Tables:
 
     Returns
     -------
-    Tables
+    ReuseTables
         Slots without a source bring nothing.
     """
     given = {
@@ -94,7 +94,7 @@ def tables_of(case: Case, rules: ReuseRules, rounding: Rounding) -> Tables:
     )
     if rules.target_base:
         here = base
-    return Tables(
+    return ReuseTables(
         W,
         M,
         u=[given["u"][:, k] for k in slots],

@@ -3,7 +3,7 @@
 import numpy as np
 
 from extensions.oracle.reuse.rules import ReuseRules
-from extensions.oracle.reuse.tables import PAIRS, Tables
+from extensions.oracle.reuse.tables import PAIRS, ReuseTables
 from reference.arrays import Indices
 from reference.oracle.replay.bounded import Bounded, exact
 from reference.oracle.replay.formulas import capped
@@ -29,12 +29,12 @@ def total(terms: list[Bounded]) -> Bounded:
     return found
 
 
-def arriving(t: Tables, rules: ReuseRules) -> list[Bounded]:
+def arriving(t: ReuseTables, rules: ReuseRules) -> list[Bounded]:
     """Weights w_k with which samples compete.
 
     Parameters
     ----------
-    t : Tables
+    t : ReuseTables
         Of a case.
     rules : ReuseRules
         What is calculated with.
@@ -66,7 +66,7 @@ def arriving(t: Tables, rules: ReuseRules) -> list[Bounded]:
     return found
 
 
-def _in_pairs(t: Tables, rules: ReuseRules) -> list[Bounded]:
+def _in_pairs(t: ReuseTables, rules: ReuseRules) -> list[Bounded]:
     """Weights m_k that stand in place of M_k, each below 1."""
     c, sources = t.canonical, t.sources
     if not sources:
@@ -85,7 +85,7 @@ def _in_pairs(t: Tables, rules: ReuseRules) -> list[Bounded]:
 
 
 def _canonical(
-    t: Tables, S: Bounded, T: Bounded, defensive: bool, rules: ReuseRules
+    t: ReuseTables, S: Bounded, T: Bounded, defensive: bool, rules: ReuseRules
 ) -> Bounded:
     c = t.canonical
     if rules.canonical_share == "whole":
@@ -104,12 +104,12 @@ def _share(a: Bounded, b: Bounded) -> Bounded:
     return a / (a + b)
 
 
-def divisor(t: Tables, kept: Indices, rules: ReuseRules) -> Bounded:
+def divisor(t: ReuseTables, kept: Indices, rules: ReuseRules) -> Bounded:
     """What the sum of weights is divided by, beside the target.
 
     Parameters
     ----------
-    t : Tables
+    t : ReuseTables
         Of a case.
     kept : (N,) int
         Slot of the sample that is kept.
@@ -133,7 +133,7 @@ def divisor(t: Tables, kept: Indices, rules: ReuseRules) -> Bounded:
     return total([M * p_k for M, p_k in zip(t.M, p, strict=True)]) / made
 
 
-def _at(t: Tables, k: int, kept: Indices) -> Bounded:
+def _at(t: ReuseTables, k: int, kept: Indices) -> Bounded:
     """Target of what is kept at slot k, in the receiver's measure."""
     if k == t.canonical:
         return of_kept(t.here, kept)
@@ -141,7 +141,9 @@ def _at(t: Tables, k: int, kept: Indices) -> Bounded:
     return choose(kept == k, t.made[k], t.at_others[row, kept, k])
 
 
-def _held(t: Tables, k: int, p: Bounded, kept: Indices, rules: ReuseRules) -> Bounded:
+def _held(
+    t: ReuseTables, k: int, p: Bounded, kept: Indices, rules: ReuseRules
+) -> Bounded:
     holds = (p.value > 0) | rules.everybody_holds
     if not rules.maker_counts:
         holds &= kept != k

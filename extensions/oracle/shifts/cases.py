@@ -29,7 +29,7 @@ KINDS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class RowOrigin:
     """Where rows come from.
 
     Attributes
@@ -52,30 +52,30 @@ class Place:
 
 
 PLACES = (
-    Place("paint", "hybrid", 0, 2, 1),
-    Place("paint", "wide", 1, 5, 3),
-    Place("rough-metal", "hybrid", 2, 1, 1),
-    Place("rough-metal", "wide", 3, 3, 1),
-    Place("glossy-metal", "hybrid", 4, 1, 0),
-    Place("mirror", "hybrid", 5, 0, 1),
-    Place("glass", "hybrid", 6, 1, 2),
-    Place("rough-coat", "hybrid", 7, 3, 2),
-    Place("smooth-coat", "hybrid", 8, 1, 1),
-    Place("smooth-coat", "wide", 9, 2, 2),
-    Place("bright", "hybrid", 12, 2, 1),
-    Place("mirror", "reconnection", 10, 4, 1),
-    Place("rough-metal", "replay", 11, 1, 1),
-    Place("bright", "replay", 13, 1, 2),
+    RowOrigin("paint", "hybrid", 0, 2, 1),
+    RowOrigin("paint", "wide", 1, 5, 3),
+    RowOrigin("rough-metal", "hybrid", 2, 1, 1),
+    RowOrigin("rough-metal", "wide", 3, 3, 1),
+    RowOrigin("glossy-metal", "hybrid", 4, 1, 0),
+    RowOrigin("mirror", "hybrid", 5, 0, 1),
+    RowOrigin("glass", "hybrid", 6, 1, 2),
+    RowOrigin("rough-coat", "hybrid", 7, 3, 2),
+    RowOrigin("smooth-coat", "hybrid", 8, 1, 1),
+    RowOrigin("smooth-coat", "wide", 9, 2, 2),
+    RowOrigin("bright", "hybrid", 12, 2, 1),
+    RowOrigin("mirror", "reconnection", 10, 4, 1),
+    RowOrigin("rough-metal", "replay", 11, 1, 1),
+    RowOrigin("bright", "replay", 13, 1, 2),
 )
 
 
 @cache
-def shift_case(place: Place, precision: Precision) -> Case:
+def shift_case(place: RowOrigin, precision: Precision) -> Case:
     """Rows of one frame.
 
     Parameters
     ----------
-    place : Place
+    place : RowOrigin
         Which.
     precision : 'float32' or 'float64'
         Of the backend.
@@ -105,7 +105,9 @@ def shift_case(place: Place, precision: Precision) -> Case:
     return Case(name, "shift", settings, given(inputs, precision))
 
 
-def settings_of(extent: float, criterion: Criterion, place: Place) -> dict[str, Value]:
+def settings_of(
+    extent: float, criterion: Criterion, place: RowOrigin
+) -> dict[str, Value]:
     """Settings of a case.
 
     Parameters
@@ -114,7 +116,7 @@ def settings_of(extent: float, criterion: Criterion, place: Place) -> dict[str, 
         Half of the scene.
     criterion : Criterion
         When points may be joined.
-    place : Place
+    place : RowOrigin
         Where rows come from.
 
     Returns
@@ -149,7 +151,7 @@ def null_case(precision: Precision) -> Case:
     Case
         Made soon: whoever does not answer is not asked further.
     """
-    place, bounces = Place("paint", "hybrid", 0, 0, 0), 1
+    place, bounces = RowOrigin("paint", "hybrid", 0, 0, 0), 1
     criterion = KINDS[place.kind]
     inputs = {}
     for field in SHIFT.inputs:

@@ -7,7 +7,7 @@ import numpy as np
 
 from extensions.connection import NEVER_JOINED, Criterion, segment
 from extensions.oracle.shifts.scenes import DrawnPaths
-from extensions.oracle.shifts.walks import Walk
+from extensions.oracle.shifts.walks import ReplayedWalk
 from extensions.paths import Paths, Technique
 from reference.arrays import Masks, Scalars, Vec3s, dot
 from reference.direct_light import choose_light, emitter_hits
@@ -22,14 +22,14 @@ from reference.scene.surface import SurfacePoints
 from reference.world import World
 
 
-def columns(world: World, walk: Walk) -> dict[str, Any]:
+def columns(world: World, walk: ReplayedWalk) -> dict[str, Any]:
     """A walk as buffers.
 
     Parameters
     ----------
     world : World
         The scene.
-    walk : Walk
+    walk : ReplayedWalk
         N rows.
 
     Returns
@@ -140,14 +140,14 @@ def joints(frame: DrawnPaths, paths: Paths) -> dict[str, Any]:
     }
 
 
-def lights(world: World, walk: Walk, paths: Paths, uniforms: Uniforms) -> Vec3s:
+def lights(world: World, walk: ReplayedWalk, paths: Paths, uniforms: Uniforms) -> Vec3s:
     """Light that reaches x_end by the technique of the base path.
 
     Parameters
     ----------
     world : World
         The scene.
-    walk : Walk
+    walk : ReplayedWalk
         N rows.
     paths : Paths
         Gives end and technique.

@@ -12,7 +12,7 @@ from reference.world import World
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Walk:
+class ReplayedWalk:
     """Replayed walks of N paths.
 
     Attributes
@@ -36,7 +36,7 @@ def walked(
     points: SurfacePoints,
     uniforms: Uniforms,
     slots: int,
-) -> Walk:
+) -> ReplayedWalk:
     """Replay walks from visible points.
 
     Parameters
@@ -54,7 +54,7 @@ def walked(
 
     Returns
     -------
-    Walk
+    ReplayedWalk
         N rows.
     """
     steps, leavings = [start(points)], []
@@ -67,15 +67,15 @@ def walked(
             arrive(world, criterion, step=step, vertex=vertex, leaving=leavings[-1])
         )
     weights = tuple(step.weight for step in steps[1:])
-    return Walk(tuple(steps[:-1]), tuple(leavings), weights)
+    return ReplayedWalk(tuple(steps[:-1]), tuple(leavings), weights)
 
 
-def at_slot(walk: Walk, index: Indices) -> SurfacePoints:
+def at_slot(walk: ReplayedWalk, index: Indices) -> SurfacePoints:
     """Each row's point of a slot of its own.
 
     Parameters
     ----------
-    walk : Walk
+    walk : ReplayedWalk
         N rows.
     index : (N,) int
         v, from 1.

@@ -21,7 +21,7 @@ from reference.oracle.statistics.intervals import (
     student_deviations,
     truth_interval,
 )
-from reference.oracle.steps import Level, Step
+from reference.oracle.steps import Level, LevelStep
 
 ALPHA = 5e-7
 DEVIATIONS = 6.0
@@ -69,7 +69,7 @@ def renderer_levels(
     callable
         Takes it.
     """
-    yield "L2", "seeds", lambda: Step("L2", "seeds", findings=[_seeds(renderer)])
+    yield "L2", "seeds", lambda: LevelStep("L2", "seeds", findings=[_seeds(renderer)])
     rendered = (pictures or partial(map, renderer.render))(count(FIRST_SEED))
     yield "L4", "mean", lambda: _mean(rendered, truth(), bound, remaining)
 
@@ -95,7 +95,7 @@ def _mean(
     truth: Truth,
     bound: float | None,
     remaining: Callable[[], float],
-) -> Step:
+) -> LevelStep:
     deviations = student_deviations(DEVIATIONS, truth.samples)
     low, high = truth_interval(truth.mean, truth.standard_error, deviations)
     most = np.maximum((bound or UNBOUNDED) * truth.mean, high)
@@ -108,11 +108,11 @@ def _mean(
             bets, runs = place(bets, statistics(picture)), runs + 1
             found = _accused(bets, truth.mean, runs)
         if found is not None:
-            return Step("L4", f"mean of {runs} pictures", findings=[found])
+            return LevelStep("L4", f"mean of {runs} pictures", findings=[found])
     if runs < 2:
         raise UnaskedError(NO_TIME.reason)
     more, title = _more(bets, bound, runs), f"mean of {runs} pictures"
-    return Step("L4", title, findings=[Finding(True)], more=more)
+    return LevelStep("L4", title, findings=[Finding(True)], more=more)
 
 
 def _until_the_time_is_over(

@@ -18,7 +18,7 @@ from reference.arrays import Indices, Scalars
 from reference.oracle.cases import UnaskedError
 from reference.oracle.contract.fields import Precision
 from reference.oracle.levels.probe import Finding
-from reference.oracle.levels.sphere import Sphere, points_inside, ring
+from reference.oracle.levels.sphere import InsideSphere, points_inside, ring
 from reference.oracle.levels.spheres import room
 from reference.oracle.loop import Ask, Run, run_frames
 from reference.oracle.statistics.betting import e_value, open_bets, place
@@ -72,7 +72,7 @@ class Mean:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Banded(Sphere):
+class _Banded(InsideSphere):
     """The inside of the unit sphere, shining in bands."""
 
     def shine(self, z: Scalars) -> Scalars:

@@ -6,7 +6,7 @@ from reference.arrays import Indices, Masks
 from reference.oracle.cases import Buffers
 from reference.oracle.replay.bounded import Bounded, exact
 from reference.oracle.replay.judgement import Compared, Decisions, Judgement, beside
-from reference.oracle.replay.points import Point, same_points
+from reference.oracle.replay.points import SamplePoint, same_points
 from reference.oracle.replay.rules import Rules
 from reference.oracle.replay.slots import Closing, Slot, backwards, nothing
 from reference.oracle.replay.stream import choices_of, left_open, sums_of
@@ -106,11 +106,11 @@ def _closed(
     return {"W": W, "p_hat": divisor, "Z": Z, "sum of w": total}, M
 
 
-def _of_kept(slots: list[Slot], kept: Indices) -> tuple[Point, Bounded]:
+def _of_kept(slots: list[Slot], kept: Indices) -> tuple[SamplePoint, Bounded]:
     y, p_hat = slots[0].y, slots[0].p_hat
     for k, slot in enumerate(slots[1:], start=1):
         here = kept == k
-        y = Point(
+        y = SamplePoint(
             *(choose(here, getattr(slot.y, name), getattr(y, name)) for name in COPIED)
         )
         p_hat = choose(here, slot.p_hat, p_hat)
@@ -120,7 +120,7 @@ def _of_kept(slots: list[Slot], kept: Indices) -> tuple[Point, Bounded]:
 def _normalization(
     slots: list[Slot],
     kept: Indices,
-    y: Point,
+    y: SamplePoint,
     M: Bounded,
     closing: Closing,
     rules: Rules,
@@ -178,7 +178,7 @@ def _where_holds(p: Bounded, seen: Masks, M: Bounded) -> Bounded:
 
 
 def _source_target(
-    slots: list[Slot], kept: Indices, y: Point, p_hat: Bounded, closing: Closing
+    slots: list[Slot], kept: Indices, y: SamplePoint, p_hat: Bounded, closing: Closing
 ) -> Bounded:
     rules = Rules()
     for k, slot in enumerate(slots):

@@ -9,7 +9,7 @@ from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
 from reference.oracle.replay.bounded import Bounded, constant, exact, rounding_of
 from reference.oracle.replay.judgement import Judgement
-from reference.oracle.replay.points import Point, Receiver, point_of, receiver_of
+from reference.oracle.replay.points import Receiver, SamplePoint, point_of, receiver_of
 from reference.oracle.replay.resampling import judge_resampling
 from reference.oracle.replay.rules import Rules
 from reference.oracle.replay.slots import (
@@ -206,7 +206,7 @@ def _neighbor(
 ) -> Slot:
     rounding = rounding_of(precision)
     there, row = row >= 0, np.maximum(row, 0)
-    y: Point = point_of(case.inputs, rounding).rows(row)
+    y: SamplePoint = point_of(case.inputs, rounding).rows(row)
     x_from = x.rows(row)
     W, M = (exact(case.inputs[name][row], rounding) for name in ("W", "M"))
     none = constant(0.0, M)
