@@ -92,7 +92,7 @@ def area_reused(
     last : PathFrame or None
         The one before, if there is one.
     drawn : callable
-        From some pixels to the paths that they draw anew.
+        From some pixels to the paths that they draw in this frame.
     schedule : Schedule
         Bands and threads.
 
@@ -113,7 +113,7 @@ def area_reused(
 
 
 def area_drawn(moment: Moment, rows: slice) -> Reservoirs:
-    """Paths that the areas of pixels draw anew.
+    """Paths that the areas of pixels draw in this frame.
 
     Parameters
     ----------

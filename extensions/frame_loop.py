@@ -150,7 +150,7 @@ def path_frames(
         Bands and threads; no influence on the result.
     animation : Animation, optional
         Validated scenes of all frames; by default the scene stands still.  A frame
-        before which shapes or lights have moved begins anew: the paths of the last one
+        before which shapes or lights have moved starts over: the paths of the last one
         are of another scene.
 
     Returns

@@ -78,7 +78,7 @@ def reused(
     last : PathFrame or None
         The one before, if there is one.
     drawn : callable
-        From some pixels to the paths that they draw anew.
+        From some pixels to the paths that they draw in this frame.
     schedule : Schedule
         Bands and threads.
 

@@ -46,7 +46,7 @@ def named_biases(job: Job) -> tuple[str, ...]:
         and s.cell_mis == "1/M",
         "nulls=dropped forgets the paths that found nothing: too bright": asks
         and s.nulls == "dropped",
-        "writers=every-bounce lets the end of a path decide who lends it": asks
+        "writers=every-bounce lets a path's end decide which vertex it comes from": asks
         and s.writers == "every-bounce",
     }
     return tuple(line for line, holds in found.items() if holds)

@@ -77,7 +77,7 @@ def accumulate_resumably(
     if state is None:
         state = Checkpoint(no_samples(source.rows), 0.0, {})
     if len(state.moments.mean) != source.rows:
-        raise UsageError(f"{path} is damaged; delete it to start anew")
+        raise UsageError(f"{path} is damaged; delete it to start over")
     if state.moments.count > spp:
         raise UsageError(
             f"{path} has {state.moments.count} samples already, more than --spp {spp};"

@@ -1,4 +1,4 @@
-"""``restir figures``: the figures of the papers, measured and drawn anew."""
+"""``restir figures``: the figures of the papers, measured and drawn again."""
 
 import argparse
 from dataclasses import replace

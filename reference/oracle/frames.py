@@ -60,12 +60,12 @@ def frame_cases(at: PreparedFrame, precision: Precision) -> Iterator[Case]:
     yield case("temporal", "", settings, x | past | new | decides)
 
     rows = np.where(at.neighbors[:, 0] >= 0, at.neighbors[:, 0], np.arange(size * size))
-    elsewhere = prefixed("past", receivers(at, rows))
+    history = prefixed("past", receivers(at, rows))
     moved = prefixed("past", reservoirs(take(at.last.temporal, rows)))
     visible = {"visible": _who_sees_when_moved(at, rows)}
     for mis in ("1/Z", "1/M"):
         settings = {"target": "scattered", "cap": CAPS["moved"], "mis": mis}
-        inputs = x | elsewhere | moved | new | decides | visible
+        inputs = x | history | moved | new | decides | visible
         yield case("moved", mis.replace("/", ""), settings, inputs)
 
     draws = [at.uniforms(Stream.SPATIAL).draw(s) for s in range(NEIGHBORS)]
@@ -104,28 +104,28 @@ def _who_sees(at: PreparedFrame) -> NDArray[np.uint32]:
     rows = np.arange(len(at.neighbors))
     around = [at.neighbors[:, k] for k in range(NEIGHBORS)]
     y = at.last.temporal.y
-    lent = [y, *(take(y, np.maximum(row, 0)) for row in around), at.last.spatial.y]
+    samples = [y, *(take(y, np.maximum(row, 0)) for row in around), at.last.spatial.y]
     makers = [rows, *around, rows]
-    return _bits(at, [rows, *around], lent, makers)
+    return _bits(at, [rows, *around], samples, makers)
 
 
 def _who_sees_when_moved(at: PreparedFrame, rows: Indices) -> NDArray[np.uint32]:
     """Bits of pass ``moved``."""
     here = np.arange(len(rows))
-    lent = [at.initial.y, take(at.last.temporal.y, rows)]
-    return _bits(at, [here, rows], lent, [here, rows])
+    samples = [at.initial.y, take(at.last.temporal.y, rows)]
+    return _bits(at, [here, rows], samples, [here, rows])
 
 
 def _bits(
     at: PreparedFrame,
     viewers: list[Indices],
-    lent: list[Samples],
+    samples: list[Samples],
     makers: list[Indices],
 ) -> NDArray[np.uint32]:
     words = np.zeros((len(at.neighbors), len(viewers)), np.uint32)
-    places = [y.position for y in lent]
+    places = [y.position for y in samples]
     for column, viewer in enumerate(viewers):
-        for bit, y in enumerate(lent):
+        for bit, y in enumerate(samples):
             seen = _sees(at, viewer, y, made_it(viewer, y.position, makers, places))
             words[:, column] |= seen << np.uint32(bit)
     return words

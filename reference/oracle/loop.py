@@ -170,12 +170,12 @@ def _bits(
 ) -> NDArray[np.uint32]:
     rows, count = np.arange(len(around)), around.shape[1]
     viewers = [rows, *(around[:, k] for k in range(count))]
-    lent = [(own, row) for row in viewers] + [(past, rows)]
-    places = [r["position"][np.maximum(row, 0)] for r, row in lent]
+    samples = [(own, row) for row in viewers] + [(past, rows)]
+    places = [r["position"][np.maximum(row, 0)] for r, row in samples]
     makers = [*viewers, np.full(len(rows), -1)]
     words = np.zeros((len(rows), count + 1), np.uint32)
     for column, viewer in enumerate(viewers):
-        for bit, (r, row) in enumerate(lent):
+        for bit, (r, row) in enumerate(samples):
             at = np.maximum(row, 0)
             seen = harness.sees(np.maximum(viewer, 0), places[bit], r["normal"][at])
             made = made_it(viewer, places[bit], makers, places)

@@ -134,7 +134,7 @@ class Asker:
     def __init__(self, passes: Passes, backend: Backend) -> None:
         self._passes, self._backend = passes, backend
         self._own = BuiltIn(backend.precision)
-        self._lent, self.answered = 0, 0
+        self._built_in, self.answered = 0, 0
 
     def __call__(self, case: Case) -> Buffers:
         """Outputs of a case, which have the right form.
@@ -164,13 +164,13 @@ class Asker:
         if isinstance(outcome, Unasked):
             raise UnaskedError(f"{case.name}: {outcome.reason}")
         if outcome is None:
-            self._lent += 1
-            if self._lent >= PATIENCE and not self.answered:
+            self._built_in += 1
+            if self._built_in >= PATIENCE and not self.answered:
                 raise NothingOfItsOwnError
-            lent: Buffers = getattr(self._own, case.pass_name)(
+            own: Buffers = getattr(self._own, case.pass_name)(
                 **case.inputs, **case.settings
             )
-            return lent
+            return own
         self.answered += 1
         if not isinstance(outcome, Failure):
             bad = refused(self._passes, case, self._backend.precision, outcome)

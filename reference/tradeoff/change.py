@@ -25,7 +25,7 @@ STORED = ("motion=as-stored", "validate_every=0")
 WAYS = Knob(
     "after a change of light",
     (
-        ("looked up anew", ("motion=shifted",)),
+        ("looked up again", ("motion=shifted",)),
         *(
             (f"as stored, cap {cap}", (*STORED, f"temporal_cap={cap}"))
             for cap in (1, 8, 30, 100)

@@ -413,7 +413,7 @@ def test_the_frames_of_a_run_are_those_of_the_animation(render, method):
 
 @pytest.mark.parametrize("name", ["moving-camera", "moving-block", "moving-light"])
 def test_rays_are_counted_over_all_frames(render, name):
-    """A G-buffer for each, whether the geometry is made anew or not."""
+    """A G-buffer for each, whether the geometry is rebuilt or not."""
     image = render("restir-gi-unbiased", "--frames", 3, scene=(name, *SMALL))
     assert image.metadata["rays.primary"] == str(3 * 12 * 8)
 

@@ -266,13 +266,15 @@ def test_a_copy_of_a_sample_is_seen_by_whom_the_sample_is():
             continue
         rows, given = np.arange(case.rows), case.inputs
         around = list(given["neighbors"].T)
-        lent = [given["position"][np.maximum(row, 0)] for row in [rows, *around]]
-        lent.append(given["past_position"])
+        samples = [given["position"][np.maximum(row, 0)] for row in [rows, *around]]
+        samples.append(given["past_position"])
         for column, viewer in enumerate([rows, *around]):
             words = given["visible"][:, column]
-            bits = [words >> np.uint32(bit) & np.uint32(1) for bit in range(len(lent))]
-            for i, j in combinations(range(len(lent)), 2):
-                same = (viewer >= 0) & (lent[i] == lent[j]).all(axis=1)
+            bits = [
+                words >> np.uint32(bit) & np.uint32(1) for bit in range(len(samples))
+            ]
+            for i, j in combinations(range(len(samples)), 2):
+                same = (viewer >= 0) & (samples[i] == samples[j]).all(axis=1)
                 found += int(same.sum())
                 np.testing.assert_array_equal(bits[i][same], bits[j][same])
     assert found > 100

@@ -176,7 +176,7 @@ HELD_OUT: tuple[Mutant, ...] = (
         also=(IMPORT_NUMPY,),
     ),
     Mutant(
-        "M begins anew where no sample was kept",
+        "M starts over where no sample was kept",
         ("SR-25", "RG-01"),
         RESERVOIR,
         CAP,

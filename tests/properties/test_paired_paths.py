@@ -154,8 +154,8 @@ def test_an_offset_path_leads_back_to_its_base_path(name, k):
     back = inner(
         offset, placed, np.full(len(at), 1 - k), pairs, np.zeros(len(at), np.int8)
     )
-    # Hits of camera rays are traced anew: places in the image are rounded, and cosines
-    # and distances with them, to 2^-22 of the scene over 1e-2 of it.
+    # Hits of camera rays are traced afresh: places in the image are rounded, and
+    # cosines and distances with them, to 2^-22 of the scene over 1e-2 of it.
     returned = back.inner > 0
     assert returned.mean() > 0.995
     product = (back.inner * jacobian)[returned]
@@ -173,7 +173,7 @@ def around(step):
 
 @each_scene
 def test_the_outer_shift_is_that_of_the_base_path(name):
-    """Whose Jacobian is all of it; k stays, and the offset path is made anew."""
+    """Whose Jacobian is all of it; k stays, and the offset path is rebuilt."""
     moment, drawn = still(name)
     inner = inner_shift(moment, moment.world)
     outer = OuterShift(inner.within, inner)

@@ -65,7 +65,7 @@ def main() -> None:
         "--seconds",
         type=float,
         default=1.0,
-        help="for the bets, which are valid at every moment; 0 for no whole runs",
+        help="for the bets, which are valid at every time; 0 for no whole runs",
     )
     parser.add_argument("--out", type=Path, required=True, metavar="FILE.jsonl")
     given = parser.parse_args()

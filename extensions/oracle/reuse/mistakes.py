@@ -10,7 +10,7 @@ PASSES = ("path_reuse",)
 JACOBIAN = "w_k = m_k · target_here_k · W_k · jacobian_k"
 Z = "Z = Σ M_k of those with p_k(s) > 0"
 BALANCE = "Z = Σ M_k p_k(s) / p_s(s)"
-DONOR = "m_k = M_k / T · S p_k(k) / (S p_k(k) + M_c p_c(k))"
+PAIRWISE = "m_k = M_k / T · S p_k(k) / (S p_k(k) + M_c p_c(k))"
 CANONICAL = "m_c = Σ M_k / T · M_c p_c(c) / (S p_k(c) + M_c p_c(c))"
 CAP = "M = min(ΣM_k, cap)"
 
@@ -165,7 +165,7 @@ REUSE_MISTAKES: tuple[Hypothesis, ...] = (
         "reuse-pairs-exchanged",
         "source and receiver have each other's target",
         "m_k = M_k / T · S p_c(k) / (S p_c(k) + M_c p_k(k))",
-        DONOR,
+        PAIRWISE,
         exchanged=True,
     ),
     _known(

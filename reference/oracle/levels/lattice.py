@@ -28,8 +28,8 @@ from reference.oracle.levels.patches import (
     TRUST,
     eye,
     patch_reservoirs,
-    sight,
     theory,
+    visible_bits,
     whole_weight,
 )
 from reference.oracle.levels.probe import Examine, Finding, Probe
@@ -171,7 +171,7 @@ def _moved(precision: Precision) -> Probe:
         eye(0, len(line))
         | prefixed("past", eye(who, len(line)) | patch_reservoirs(who, old))
         | _new(new)
-        | {"u": u[:, 0], "visible": sight(np.array([0, who]), [new, old])}
+        | {"u": u[:, 0], "visible": visible_bits(np.array([0, who]), [new, old])}
     )
     settings: dict[str, Value] = {"target": "scattered", "cap": 9.0, "mis": "1/Z"}
     case = Case("lattice-moved", "moved", settings, given(inputs, precision))
@@ -210,10 +210,10 @@ def _spatial(precision: Precision, with_past: bool) -> Probe:
     neighbors = np.full((count * pixels, len(around)), -1)
     neighbors[row] = row[:, None] + np.arange(1, pixels)
     visible = np.zeros((count * pixels, pixels), np.uint32)
-    lent = [*(cells[line, k] for k in everyone), past[line]]
-    visible[row] = sight(np.array(everyone), lent)
-    for k, cell in zip(everyone[1:], lent[1:-1], strict=True):
-        visible[row + everyone.index(k), :1] = sight(np.array([k]), [cell])
+    samples = [*(cells[line, k] for k in everyone), past[line]]
+    visible[row] = visible_bits(np.array(everyone), samples)
+    for k, cell in zip(everyone[1:], samples[1:-1], strict=True):
+        visible[row + everyone.index(k), :1] = visible_bits(np.array([k]), [cell])
     numbers = np.repeat(u, pixels, axis=0)
     inputs |= {
         "neighbors": neighbors,

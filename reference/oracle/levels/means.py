@@ -3,7 +3,7 @@
 With directions in proportion to the cosine, every estimate of a pixel is ρ times a mean
 of radiances that were met: at most ρ times the largest, whatever is reused.  The truth,
 ρ times the mean over the sphere, is known at every pixel.  So bets on the mean are
-valid for any distribution of the estimator, and at every moment.
+valid for any distribution of the estimator, and at every time.
 """
 
 from collections.abc import Callable, Iterator

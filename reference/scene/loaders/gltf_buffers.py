@@ -193,7 +193,7 @@ def resolve_uri(uri: str, document: Document) -> bytes:
         try:
             return base64.b64decode(payload, validate=True)
         except (binascii.Error, ValueError):
-            raise UsageError("its data URI is no base64; save it anew") from None
+            raise UsageError("its data URI is no base64; save it again") from None
     if uri not in document.files:
         try:
             name = unquote_to_bytes(uri).decode("utf-8")

@@ -19,7 +19,7 @@ with 4096 x 4096 pixels."""
 MOST_EXPANSION = 1100
 """Further bytes of memory for each byte of the files: deflate ends at 1032."""
 MOST_TOLD = 20  # refusals in one message
-ELSEWHERE = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:/*//|//")
+REMOTE = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:/*//|//")
 
 
 @dataclass(slots=True)
@@ -73,7 +73,7 @@ class Ledger:
             folder, be it by "..", by a link or as an absolute path.
         """
         plain = name.replace("\\", "/")
-        if ELSEWHERE.match(plain):
+        if REMOTE.match(plain):
             raise UsageError(
                 f'"{name}" is not on this machine; put the file beside the scene and'
                 " name it by its path"

@@ -13,7 +13,7 @@ import numpy as np
 
 from reference.arrays import Scalars, Vec3s
 from reference.errors import UsageError
-from reference.scene.loaders.ledger import ELSEWHERE, Ledger
+from reference.scene.loaders.ledger import REMOTE, Ledger
 from reference.scene.loaders.mitsuba_source import DEEPEST, check_source
 from reference.scene.loaders.mitsuba_words import find, modelled
 from reference.scene.loaders.words import Use, Word
@@ -296,7 +296,7 @@ class Node:
         name = self.text("filename", "", ledger).replace("\\", "/")
         if not name:
             raise UsageError("it names no file; it needs a filename")
-        if ELSEWHERE.match(name):
+        if REMOTE.match(name):
             ledger.locate(name)  # which refuses it
         places = [str((folder / name).absolute()) for folder in self.folders]
         # The first that exists, as Mitsuba; else the last, which is the scene's own.
