@@ -77,7 +77,7 @@ plt.show()
 # draw a candidate each; one reuses the other's reservoir.
 
 Q = [Fraction(1, 2), Fraction(1, 4), Fraction(1, 4)]
-P_LENDER = [Fraction(1), Fraction(2), Fraction(3)]
+P_SOURCE = [Fraction(1), Fraction(2), Fraction(3)]
 P_HERE = [Fraction(4), Fraction(1), Fraction(2)]
 F_HERE = [Fraction(3), Fraction(2), Fraction(5)]
 

@@ -141,7 +141,7 @@ def donor_of(primary):
 
 @pytest.mark.parametrize("primary", ["move", "keep"])
 def test_there_and_back_leads_to_where_it_came_from(primary):
-    """But for the rounding of hits, which are traced again: x_1 is no part of a path."""
+    """But for the rounding of hits, traced again: x_1 is no part of a path."""
     last, donor = donor_of(primary)
     at = np.flatnonzero((donor.rows != NONE) & (last.reservoirs.W[donor.rows] > 0))
     placed, forth = donor.shifted(at)
