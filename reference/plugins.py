@@ -72,8 +72,8 @@ def _load(point: EntryPoint, kind: type[Kind], word: str) -> Kind:
         ) from error
     if not isinstance(found, kind) or getattr(found, "name", None) != point.name:
         raise UsageError(
-            f"{word} {point.name!r} of {_origin(point)} is {found!r:.80}, which is no"
-            f" {kind.__module__}.{kind.__qualname__} of that name;"
+            f"{word} {point.name!r} of {_origin(point)} is {found!r:.80}, which is not"
+            f" a {kind.__module__}.{kind.__qualname__} of that name;"
             " repair or uninstall that package"
         )
     return found

@@ -102,7 +102,8 @@ def parts() -> tuple[Part, ...]:
         part = point.load()
         if not isinstance(part, Part):
             raise UsageError(
-                f"entry point {point.name} of {GROUP} is {type(part).__name__}, no Part"
+                f"entry point {point.name} of {GROUP} is {type(part).__name__}, not a"
+                " Part"
             )
         found.append(part)
     names = [*CONTRACT, *(p.name for part in found for p in part.passes)]

@@ -100,15 +100,15 @@ def prepare_frame(scene: Scene, size: int, seed: int) -> PreparedFrame:
     Raises
     ------
     UsageError
-        The scene has other than diffuse materials, of which the contract does not
-        speak.
+        The scene has materials that are not diffuse, which the contract does not
+        cover.
     """
     camera = replace(scene.camera, width=size, height=size)
     world = build_world(validate(replace(scene, camera=camera)))
     if world.materials.kinds != (Kind.LAMBERTIAN,):
         raise UsageError(
-            f"scene {scene.name!r} has other than diffuse materials, of which the"
-            f" contract does not speak; name another, as {SCENES[0]}"
+            f"scene {scene.name!r} has materials that are not diffuse; the"
+            f" contract covers diffuse ones only: name a scene such as {SCENES[0]}"
         )
     frames = render_frames(world, UNBIASED, 1, seed, Schedule())
     last = next(islice(frames, FRAMES - 1, None))

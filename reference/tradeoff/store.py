@@ -103,7 +103,7 @@ class Store:
                 return Trial(*arrays, **words)
         except (ValueError, KeyError, TypeError, EOFError, BadZipFile) as error:
             raise UsageError(
-                f"{path} is no run, or is damaged; delete it to run it again"
+                f"{path} is not a run, or is damaged; delete it to run it again"
             ) from error
 
 

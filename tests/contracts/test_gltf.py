@@ -744,7 +744,7 @@ def test_gltf_a_tree_of_large_scales_is_refused(tmp_path):
         ('{"asset": ' + "9" * 5000 + "}", "thousands of digits"),
         ('{"asset": NaN}', "a number of its JSON is none"),
         ('{"asset": 1,\n}', "line 2, column 1"),
-        ("[]", "its JSON is no object"),
+        ("[]", "its JSON is not an object"),
         ('{"asset": {"version": 2}}', 'no "asset" with a "version"'),
         ('{"asset": {"version": "2\\u001b"}}', "this is glTF 2\\u001b;"),
     ],

@@ -230,7 +230,9 @@ def test_a_damaged_run_is_told(tmp_path, damage):
     path = store.path(task)
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) // 2] if damage == "half" else damage.encode())
-    with pytest.raises(UsageError, match=r"0\.npz is no run, or is damaged; delete it"):
+    with pytest.raises(
+        UsageError, match=r"0\.npz is not a run, or is damaged; delete it"
+    ):
         store.get(task)
 
 

@@ -54,6 +54,7 @@ ALLOWED = {
         "reference/oracle/report/templates/verdict.html": "a JSON key of the report",
         "reference/oracle/golden.py": "a JSON key of the manifest",
     },
+    "rungs": {"CHANGELOG.md": "the name of a module, as it was"},
     "stage": {"docs/examples/wgsl/backend.py": "WebGPU's word for a shader"},
     "tails": {"reference/oracle/statistics/ranks.py": "of a distribution"},
 }

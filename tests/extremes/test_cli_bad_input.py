@@ -497,13 +497,13 @@ def register(monkeypatch):
             "cannot be loaded (ImportError: no mod",
         ),
         (ZeroDivisionError(), "cannot be loaded (ZeroDivisionError"),
-        (None, "is None, which is no reference.methods.method.Method of that name"),
+        (None, "is None, which is not a reference.methods.method.Method of that name"),
         (
             a_method(nothing, "gray"),
-            "which is no reference.methods.method.Method of that name",
+            "which is not a reference.methods.method.Method of that name",
         ),
         (a_method(nothing), "did not return a picture"),
-        (a_method(too_few), "3 rows are no 4x4 frame"),
+        (a_method(too_few), "3 rows do not make a 4x4 frame"),
     ],
 )
 def test_a_broken_package_is_named(refused, register, found, reason):

@@ -100,7 +100,7 @@ def half_lit(ask: Ask, precision: Precision, rows: int = 512) -> Finding:
             return Finding(
                 False,
                 f"half-lit sphere, frame {number}: pixel {row} counts {count[row]:.6g}"
-                f" lit samples of {confidence:g}, which is no whole number"
+                f" lit samples of {confidence:g}, which is not a whole number"
                 f" ({int(bad.sum())} of {rows} pixels)",
             )
     return Finding(True)

@@ -60,7 +60,7 @@ class JsonObject:
 
     def __post_init__(self) -> None:
         if not isinstance(self.raw, dict):
-            self.ledger.stop(f"{self.name} is no object with keys")
+            self.ledger.stop(f"{self.name} is not an object with keys")
 
     @property
     def id(self) -> str:

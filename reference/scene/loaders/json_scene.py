@@ -74,7 +74,7 @@ def load(ledger: Ledger) -> Scene:
         )
     lights = tree.get("lights") or []
     if not isinstance(lights, list):
-        ledger.stop('"lights" is no list of objects')
+        ledger.stop('"lights" is not a list of objects')
     entries = [
         JsonObject("light", f"light {i}", raw, ledger) for i, raw in enumerate(lights)
     ]
@@ -117,7 +117,7 @@ def _object(pairs: list[tuple[str, Any]], ledger: Ledger) -> dict[str, Any]:
 
 def _materials(raw: Any, ledger: Ledger) -> dict[str, Material]:
     if not isinstance(raw, dict):
-        ledger.stop('"materials" is no object of names and materials')
+        ledger.stop('"materials" is not an object of names and materials')
     return {
         name: read_material(JsonObject("material", f'material "{name}"', entry, ledger))
         for name, entry in raw.items()
@@ -182,7 +182,7 @@ def _mesh_file(entry: JsonObject) -> str | None:
         return None
     if not found or not name.lower().endswith((".ply", ".obj")):
         entry.ledger.replace(
-            f"{entry.name}: {shown(name)} is no PLY or OBJ file beside the scene",
+            f"{entry.name}: {shown(name)} is not a PLY or OBJ file beside the scene",
             "left out",
         )
         return None

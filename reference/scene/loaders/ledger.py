@@ -85,7 +85,7 @@ class Ledger:
         # A NUL, a ring of links, too many letters.
         except (OSError, ValueError, RuntimeError) as error:
             shown = name if len(name) <= 60 else f"{name[:57]}..."
-            raise UsageError(f"{shown!r} is no path of a file") from error
+            raise UsageError(f"{shown!r} is not a file path") from error
         if not self.allow_outside and not target.is_relative_to(folder):
             raise UsageError(
                 f'"{name}" lies outside the scene\'s folder; move it there, or read it'
@@ -269,7 +269,7 @@ def _in_words(error: Exception) -> str:
         case JSONDecodeError():
             return f"line {error.lineno}, column {error.colno}: {error.msg}"
         case UnicodeDecodeError():
-            return f"byte {error.start} is no text in {error.encoding}"
+            return f"byte {error.start} is not text in {error.encoding}"
         case KeyError():
             return f"it lacks {error.args[0]!r}" if error.args else "it lacks a part"
         case IndexError():

@@ -170,7 +170,7 @@ def _plain_text(contents: bytes, name: str, ledger: Ledger) -> bytes:
         contents = contents.decode("utf-16", "replace").encode()
     contents = contents.removeprefix(BOM_UTF8)
     if b"\0" in contents:
-        ledger.stop(f"{name}this is no text; an OBJ file is, in UTF-8")
+        ledger.stop(f"{name}this is not text; an OBJ file is UTF-8 text")
     if b"\n" not in contents:
         contents = contents.replace(b"\r", b"\n")
     return contents + b"\n"

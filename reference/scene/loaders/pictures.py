@@ -236,7 +236,7 @@ def decode_radiance_hdr(contents: bytes, name: str, ledger: Ledger) -> Vec3s:
     line, _, data = body.partition(b"\n")
     size = RESOLUTION.fullmatch(line)
     if not head.startswith(b"#?") or not separator or not size:
-        raise UsageError(f"{name} is no Radiance file with rows from the top left")
+        raise UsageError(f"{name} is not a Radiance file with rows from the top left")
     height, width = int(size[1]), int(size[2])
     if not height or not width:
         raise UsageError(f"{name} has no pixels; {width}x{height} in its header")

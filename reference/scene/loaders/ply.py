@@ -342,7 +342,7 @@ def _indices(
         (np.abs(values) < 2**53) & (values == np.floor(values))
     )
     if not np.all(whole):
-        ledger.stop(f"{name}an index of its {what} is no whole number")
+        ledger.stop(f"{name}an index of its {what} is not a whole number")
     return values.astype(np.int64), sizes
 
 
