@@ -96,7 +96,7 @@ REUSE_MISTAKES: tuple[Hypothesis, ...] = (
         "Z counts sources that could not have made the sample",
         "Z = Σ M_k",
         Z,
-        everybody_holds=True,
+        every_domain=True,
     ),
     _known(
         "reuse-maker-not-in-z",

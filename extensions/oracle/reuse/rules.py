@@ -22,7 +22,7 @@ class ReuseRules:
     normalization : str
         What is divided by, whatever is asked for, but for weights in pairs; 'asked'
         for that.
-    everybody_holds : bool
+    every_domain : bool
         Z counts who could not have made the sample too.
     maker_counts : bool
         Who made the sample is in Z.
@@ -55,7 +55,7 @@ class ReuseRules:
     nulls_count: bool = True
     empty_count: bool = False
     normalization: str = "asked"
-    everybody_holds: bool = False
+    every_domain: bool = False
     maker_counts: bool = True
     made: str = "over"
     maker_divides: bool = True

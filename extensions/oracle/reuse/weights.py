@@ -144,11 +144,11 @@ def _at(t: ReuseTables, k: int, kept: Indices) -> Bounded:
 def _held(
     t: ReuseTables, k: int, p: Bounded, kept: Indices, rules: ReuseRules
 ) -> Bounded:
-    holds = (p.value > 0) | rules.everybody_holds
+    in_domain = (p.value > 0) | rules.every_domain
     if not rules.maker_counts:
-        holds &= kept != k
+        in_domain &= kept != k
     none = exact(np.zeros_like(p.value), p.rounding)
-    return choose(holds, t.M[k], none)
+    return choose(in_domain, t.M[k], none)
 
 
 def of_kept(slots: list[Bounded], kept: Indices) -> Bounded:

@@ -24,7 +24,8 @@ def told(array: NDArray[Any], rounding: Rounding) -> Bounded:
     Returns
     -------
     Bounded
-        Within one `unit`: whoever walks himself has them unrounded, and is as right.
+        Within one `unit`: a backend that walks itself has them unrounded, and is as
+        right.
     """
     wide = np.asarray(array).astype(np.float64)
     return Bounded(wide, rounding.unit * np.abs(wide), rounding)

@@ -120,7 +120,7 @@ SHIFT = Pass(
         "both 0 where there is no path, or value is 0"
     ),
     inputs=(
-        index("path", "number of the base path; only for whoever walks himself"),
+        index("path", "number of the base path; only for a backend that walks itself"),
         index("pixel", "row y · size + x that it is shifted to; likewise"),
         *RECORD,
         *MORE,

@@ -142,7 +142,7 @@ def _normalization(
         seen = slot.domain.sees[kept, _row(kept)] | (not rules.visibility_in_z)
         if not rules.maker_in_z:
             seen = seen & (kept != k)
-        Z = Z + _where_holds(p, seen, counted)
+        Z = Z + _if_in_domain(p, seen, counted)
     return Z
 
 
@@ -169,7 +169,7 @@ def _counted(slots: list[Slot], k: int, M: Bounded, rules: Rules) -> Bounded:
     return slots[k].M
 
 
-def _where_holds(p: Bounded, seen: Masks, M: Bounded) -> Bounded:
+def _if_in_domain(p: Bounded, seen: Masks, M: Bounded) -> Bounded:
     """M where the target is positive and the sample is seen; either, if uncertain."""
     sure = p.surely_positive | p.surely_not_positive | ((p.value == 0) & (p.error == 0))
     value = np.where(seen & (p.value > 0), M.value, 0.0)

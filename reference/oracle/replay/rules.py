@@ -65,7 +65,7 @@ finalized, density, drawn_cosine, fresh_weight, shaded : callable
     canonical_in_z, maker_in_z : bool
         The receiver's own reservoir, and that of who made the kept sample.
     receivers_domain : bool
-        The receiver is asked in place of the source.
+        The domain test is that of the receiver in place of the source.
     backwards : bool
         The stream is read from its end, with the same numbers.
     canonical_merged : bool
