@@ -82,8 +82,8 @@ def judge(
     try:
         if golden and opened.precision != golden[0]:
             raise UsageError(
-                f"{against} is of {golden[0]}, and the backend calculates in"
-                f" {opened.precision}; make one by restir golden --precision"
+                f"{against} holds {golden[0]} data, but the backend calculates in"
+                f" {opened.precision}; make new data with restir golden --precision"
             )
         if golden:
             levels = golden_levels(passes, opened, golden[1])

@@ -245,13 +245,13 @@ def _files_of_ours(folder: Path) -> list[str]:
             raise ValueError
     except (UsageError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise UsageError(
-            f"--out {folder} holds something else than golden data; name another"
+            f"--out {folder} holds other files than golden data; name another"
         ) from error
     listed = manifest.get("files")
     if not isinstance(listed, list) or not all(isinstance(n, str) for n in listed):
         raise UsageError(
-            f"--out {folder} is of a version that did not list its files; delete it, or"
-            " name another"
+            f"--out {folder} comes from a version that did not list its files; delete it,"
+            " or name another"
         )
     return [name for name in listed if _is_ours(folder, name)]
 

@@ -81,7 +81,7 @@ def at_random(
             return found
     names = ", ".join(knob.name for knob in knobs)
     raise UsageError(
-        f"of {names} hardly any levels go together; leave some out, or use --design 0"
+        f"few levels of {names} can be combined; leave some out, or use --design 0"
     )
 
 

@@ -244,7 +244,9 @@ def test_pictures_of_other_kinds_are_not_opened(tmp_path):
     (tmp_path / "a.png").write_bytes(
         b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 9 9\n"
     )
-    with pytest.raises(UsageError, match=r"a\.png is damaged or no picture") as caught:
+    with pytest.raises(
+        UsageError, match=r"a\.png is damaged, or not a picture"
+    ) as caught:
         read_picture("a.png", Ledger(tmp_path / "scene", False))
     check_message(caught.value)
 

@@ -188,8 +188,8 @@ def _stored(
     # Pillow's decoders raise OSError, SyntaxError, ValueError, struct.error, ...
     except Exception as error:
         raise UsageError(
-            f"{name} is damaged or no picture that can be read: {', '.join(FORMATS)},"
-            " EXR and HDR can, with 8 bits a channel or 16 of grey"
+            f"{name} is damaged, or not a picture of a format that can be read:"
+            f" {', '.join(FORMATS)}, EXR or HDR, with 8 bits a channel or 16 of grey"
         ) from error
 
 
