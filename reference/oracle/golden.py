@@ -250,8 +250,8 @@ def _files_of_ours(folder: Path) -> list[str]:
     listed = manifest.get("files")
     if not isinstance(listed, list) or not all(isinstance(n, str) for n in listed):
         raise UsageError(
-            f"--out {folder} comes from a version that did not list its files; delete it,"
-            " or name another"
+            f"--out {folder} comes from a version that did not list its files; delete"
+            " it, or name another"
         )
     return [name for name in listed if _is_ours(folder, name)]
 
