@@ -623,9 +623,9 @@ ELSEWHERE = {
     "../outside.bin": "outside the scene's folder",
     "https://example.org/a.bin": "not on this machine",
     "missing.bin": "No such file",
-    "%00": "no path of a file",
-    "%ff": "no name of a file",
-    "data:;base64,?": "no base64",
+    "%00": "not a file path",
+    "%ff": "not a file name",
+    "data:;base64,?": "not base64",
 }
 
 

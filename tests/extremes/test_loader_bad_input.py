@@ -297,7 +297,7 @@ def test_ply(put, text, message):
         ([1, 2], 'a list "shapes" is needed'),
         ({**JSON, "shapes": None}, 'a list "shapes" is needed'),
         ({**JSON, "shapes": [3]}, 'shape "0" is not an object'),
-        ({**JSON, "materials": [1]}, "no object of names"),
+        ({**JSON, "materials": [1]}, "not an object of names"),
         ({**JSON, "materials": {"m": 1}}, 'material "m" is not an object'),
         ({**JSON, "camera": {"origin": [0, 0, 0]}}, "camera: "),
         (
