@@ -18,7 +18,12 @@ PLACES = {
 
 def _frames(job: Job) -> Iterator[PathFrame]:
     return render_area_frames(
-        job.world, job.settings, job.bounces, job.seed, job.schedule, job.animation
+        job.world,
+        job.settings,
+        bounces=job.bounces,
+        seed=job.seed,
+        schedule=job.schedule,
+        animation=job.animation,
     )
 
 

@@ -15,7 +15,7 @@ from reference.world import World
 
 
 @dataclass(frozen=True, slots=True)
-class Placed:
+class PlacedValue:
     """What of N paths depends on the pixel that they belong to.
 
     Attributes
@@ -52,11 +52,11 @@ class AreaPaths:
         return len(self.x)
 
     @property
-    def value(self) -> Placed:
+    def value(self) -> PlacedValue:
         """N rows, as they are here."""
-        return Placed(self.x, self.y, self.paths.value, np.ones(len(self)))
+        return PlacedValue(self.x, self.y, self.paths.value, np.ones(len(self)))
 
-    def moved(self, value: Placed, jacobian: Scalars) -> "AreaPaths":
+    def moved(self, value: PlacedValue, jacobian: Scalars) -> "AreaPaths":
         """The same paths in other pixels.
 
         Parameters
@@ -68,7 +68,7 @@ class AreaPaths:
         return AreaPaths(value.x, value.y, paths)
 
 
-def target(value: Placed) -> Scalars:
+def target(value: PlacedValue) -> Scalars:
     """Luminance of the contribution, (N,) float64; p̂."""
     return luminance(value.value)
 
@@ -97,5 +97,12 @@ def draw_area_paths(
     width = world.camera.width
     x, y = pixel % width + place[0], pixel // width + place[1]
     points = first_hits(world, x, y)
-    tree = draw_paths(world, points, bounces, criterion, number, uniforms)
+    tree = draw_paths(
+        world,
+        points,
+        bounces=bounces,
+        criterion=criterion,
+        number=number,
+        uniforms=uniforms,
+    )
     return replace(tree, y=AreaPaths(x, y, tree.y))

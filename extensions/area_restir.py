@@ -6,9 +6,9 @@ from functools import partial
 
 import numpy as np
 
-from extensions.area_donor import AreaNeighbor, AreaShift
 from extensions.area_paths import draw_area_paths, target
 from extensions.area_settings import AreaSettings
+from extensions.area_shift import AreaNeighbor, AreaShift
 from extensions.frame_loop import PathFrame, path_frames, path_shift
 from extensions.windows import resample_past, windows
 from reference.arrays import Indices
@@ -34,17 +34,31 @@ def render_area_frames(
 
     Notes
     -----
-    [Zhang24].  Which pixels are reused, and with what confidence, is decided by what
-    their centres see: never by a sample.
+    [Zhang24].  Which pixels are reused, and with what confidence, is decided by
+    what their centres see: never by a sample.
     """
-    return path_frames(next_frame, world, settings, bounces, seed, schedule, animation)
+    return path_frames(
+        next_frame,
+        world,
+        settings=settings,
+        bounces=bounces,
+        seed=seed,
+        schedule=schedule,
+        animation=animation,
+    )
 
 
 def next_frame(frame: FrameContext[AreaSettings], last: PathFrame | None) -> PathFrame:
     """One frame: new paths, temporal and spatial reuse, and the picture."""
     kept = area_reused(frame, last, partial(area_drawn, frame))
     color = kept.y.paths.value * kept.W[:, None]
-    return PathFrame(frame.number, frame.world, frame.visible, kept, color)
+    return PathFrame(
+        frame.number,
+        frame.world,
+        visible=frame.visible,
+        reservoirs=kept,
+        color=color,
+    )
 
 
 def area_reused(
@@ -69,11 +83,11 @@ def area_drawn(frame: FrameContext[AreaSettings], rows: slice) -> Reservoirs:
     tree = draw_area_paths(
         frame.world,
         np.arange(rows.start, rows.stop),
-        frame.uniforms(Stream.PIXEL, rows).draw(0),
-        frame.bounces,
-        shift.criterion,
-        number,
-        shift.uniforms(number),
+        place=frame.uniforms(Stream.PIXEL, rows).draw(0),
+        bounces=frame.bounces,
+        criterion=shift.criterion,
+        number=number,
+        uniforms=shift.uniforms(number),
     )
     return finalize(tree, tree.M)
 
@@ -104,7 +118,9 @@ def _temporal(
     shares = [window.share for window in past]
     u = frame.uniforms(Stream.TEMPORAL, rows)
     choices = [*u.draw(0)[: len(history)], u.draw(1)[0]]
-    return resample_past(own, history, shares, choices, s, target)
+    return resample_past(
+        own, history, shares=shares, decisions=choices, settings=s, target=target
+    )
 
 
 def _spatial(
@@ -124,7 +140,7 @@ def _spatial(
             dy=(here // width - row // width).astype(float),
             same_domain=False,
         )
-        for row in find_neighbors(here, frame.visible, width, s, u)
+        for row in find_neighbors(here, frame.visible, width=width, settings=s, draws=u)
     ]
     choices = [np.zeros(len(here)), *(u_n[2] for u_n in u)]
     return resample([own, *neighbors], choices, s.mis, s.spatial_cap, target)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from extensions.area_donor import Primary
+from extensions.area_shift import Primary
 from extensions.pt_settings import PathSettings
 
 
@@ -23,6 +23,6 @@ class AreaSettings(PathSettings):
         PathSettings.__post_init__(self)
         if self.mis == "1/M":
             raise ValueError(
-                "mis=1/M counts pixels whose area a sample cannot come from:"
-                " 1/Z, balance, pairwise or defensive"
+                "mis=1/M counts pixels that could not have made the sample; use 1/Z,"
+                " balance, pairwise or defensive"
             )

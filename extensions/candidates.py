@@ -19,8 +19,8 @@ from extensions.shifting import (
     start,
 )
 from reference.arrays import Indices, Masks, Scalars, Vec3s, zero_vectors
-from reference.direct_light import choose_light, met_lights
-from reference.light_shares import share_of_chance
+from reference.direct_light import choose_light, emitter_hits
+from reference.light_mis import bsdf_sampling_weight
 from reference.records import scatter, where
 from reference.resampling.reservoir import Candidates, merge
 from reference.resampling.target import luminance
@@ -61,12 +61,12 @@ def draw_paths(
     kept: Candidates | None = None
     for vertex in range(1, bounces + 2):
         is_last = vertex == bounces + 1
-        by_chance = not is_last or world.seeks_lights
-        active = step.points.hit & by_chance
+        may_hit = not is_last or world.seeks_lights
+        active = step.points.hit & may_hit
         leaving = leave(world, step, vertex, uniforms, active)
         if vertex > 1:
             # Paths that end at x_v.
-            met = leaving if by_chance else None
+            met = leaving if may_hit else None
             lights = find_lights(world, step, vertex, uniforms, met)
             found = replace(lights, y=ended(step, trunk.paths, vertex, lights.y))
             u = uniforms.draw(2 * vertex - 1)[3]
@@ -196,15 +196,15 @@ def find_lights(
     if leaving is None:
         return lights
     bsdf = leaving.bsdf
-    rows, some, by_choice = met_lights(world, step.points, bsdf, leaving.hits)
-    radiance, pdf_light = scatter(rows, some, size), scatter(rows, by_choice, size)
-    share = share_of_chance(bsdf.pdf, bsdf.delta, pdf_light)
+    rows, some, p_light = emitter_hits(world, step.points, bsdf, leaving.hits)
+    radiance, pdf_light = scatter(rows, some, size), scatter(rows, p_light, size)
+    weight = bsdf_sampling_weight(bsdf.pdf, bsdf.delta, pdf_light)
     hit = Lights(
-        technique=np.full(size, Technique.CHANCE, np.int8),
+        technique=np.full(size, Technique.EMITTER_HIT, np.int8),
         joins=step.joinable & ~bsdf.delta,
         wi=bsdf.wi,
         radiance=radiance,
-        reflected=bsdf.weight * radiance * share[:, None],
+        reflected=bsdf.weight * radiance * weight[:, None],
         pdf_light=pdf_light,
         pdf=bsdf.pdf,
     )

@@ -28,8 +28,8 @@ from reference.arrays import (
     dot,
     zero_vectors,
 )
-from reference.direct_light import choose_light, met_lights
-from reference.light_shares import balance, share_of_chance, share_of_choice
+from reference.direct_light import choose_light, emitter_hits
+from reference.light_mis import balance, bsdf_sampling_weight, light_sampling_weight
 from reference.records import scatter, take, where
 from reference.resampling.generalized import Shifted
 from reference.resampling.reservoir import Reservoirs
@@ -55,7 +55,7 @@ class Technique(IntEnum):
 
     NOTHING = 0
     NEXT_EVENT = 1
-    CHANCE = 2
+    EMITTER_HIT = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -426,7 +426,7 @@ class Shift:
         p_onward = pdf(table, there, paths.wi)
         share = np.where(
             chosen,
-            share_of_choice(world, there, paths.wi, paths.pdf_light),
+            light_sampling_weight(world, there, paths.wi, paths.pdf_light),
             balance(p_onward, paths.pdf_light),
         )
         # A chosen light keeps its numbers: the joint does not touch them.
@@ -461,8 +461,8 @@ class Shift:
             leaving = leave(world, step, vertex, uniforms, ~chosen & x.hit)
             bsdf = leaving.bsdf
             active = ~chosen & ~(step.joinable & ~bsdf.delta)
-            rows, radiance, by_choice = met_lights(world, x, bsdf, leaving.hits)
-            share = share_of_chance(bsdf.pdf[rows], bsdf.delta[rows], by_choice)
+            rows, radiance, p_light = emitter_hits(world, x, bsdf, leaving.hits)
+            share = bsdf_sampling_weight(bsdf.pdf[rows], bsdf.delta[rows], p_light)
             met = scatter(rows, radiance * share[:, None], len(paths))
             value = np.where(active[:, None], bsdf.weight * met, value)
             fits = fits | active

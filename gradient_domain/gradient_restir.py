@@ -17,9 +17,9 @@ from typing import Any
 
 import numpy as np
 
-from extensions.area_donor import AreaShift
-from extensions.area_paths import AreaPaths, Placed
+from extensions.area_paths import AreaPaths, PlacedValue
 from extensions.area_restir import area_drawn, area_reused
+from extensions.area_shift import AreaShift
 from extensions.frame_loop import PathFrame, path_frames, path_shift
 from extensions.pt_settings import PathSettings
 from extensions.windows import Window, resample_past
@@ -68,7 +68,7 @@ class PairValue:
     ----------
     k : (N,) int8
         0 where the base path is one of pixel i, 1 where of j.
-    base : Placed
+    base : PlacedValue
         The base path in its pixel.
     offset : (N, 3)
         Contribution f of the offset path, 0 where the inner shift does not exist.
@@ -79,7 +79,7 @@ class PairValue:
     """
 
     k: Indices
-    base: Placed
+    base: PlacedValue
     offset: Vec3s
     inner: Scalars
     sign: Indices
@@ -349,7 +349,7 @@ class PairNeighbor:
             Which of them, none without a source.
         """
         return outer_shift(
-            self.shift.back,
+            self.shift.inverse,
             take(samples, at),
             pairs=take(self.pairs_from, self.rows[at]),
             dx=-self.dx[at],

@@ -11,8 +11,8 @@ from typing import Literal
 import numpy as np
 
 from reference.arrays import Indices, Masks, Scalars, Vec3s, zero_vectors
-from reference.direct_light import met_lights
-from reference.light_shares import share_of_chance, share_of_choice
+from reference.direct_light import emitter_hits
+from reference.light_mis import bsdf_sampling_weight, light_sampling_weight
 from reference.records import keep
 from reference.rng import Draw
 from reference.scene.emitters import Emitters
@@ -98,7 +98,7 @@ def reflected(
     Parameters
     ----------
     chance : 'delta-lobes' or 'balance'
-        What is left to rays that hit lights.
+        What rays that hit lights contribute.
 
     Returns
     -------
@@ -113,7 +113,7 @@ def reflected(
     light = light_samples(world, x, some)
     found = scattering(world.materials, x, light.wi) * light.weight
     if chance == "balance":
-        found *= share_of_choice(world, x, light.wi, light.pdf)[:, None]
+        found *= light_sampling_weight(world, x, light.wi, light.pdf)[:, None]
     value[able] = found * world.emitters.probability[some.light][:, None]
     return value
 
@@ -128,7 +128,7 @@ def light_samples(
     return points_on_lights(world.emitters, world.geometry, x, lights.light, u)
 
 
-def emitter_hits(
+def reflected_hits(
     world: World, points: SurfacePoints, bsdf: BsdfSamples, hits: Hits, chance: Chance
 ) -> Vec3s:
     """What surface points reflect of the lights that their rays hit.
@@ -143,17 +143,17 @@ def emitter_hits(
     (N, 3) float64, W/(m² sr)
         0 for rays that hit no light.
     """
-    rows, radiance, pdf_light = met_lights(world, points, bsdf, hits)
-    share = bsdf.delta[rows].astype(float)
+    rows, radiance, pdf_light = emitter_hits(world, points, bsdf, hits)
+    weight = bsdf.delta[rows].astype(float)
     if chance == "balance":
-        share = share_of_chance(bsdf.pdf[rows], bsdf.delta[rows], pdf_light)
+        weight = bsdf_sampling_weight(bsdf.pdf[rows], bsdf.delta[rows], pdf_light)
     found = zero_vectors(len(points))
-    found[rows] = bsdf.weight[rows] * (radiance * share[:, None])
+    found[rows] = bsdf.weight[rows] * (radiance * weight[:, None])
     return found
 
 
 def hits_count(world: World, bsdf: BsdfSamples, chance: Chance) -> Masks:
-    """Whose `emitter_hits` may be above 0, (N,); nobody's where no light can be hit."""
+    """Whose `reflected_hits` may be above 0, (N,); none where no light can be hit."""
     able = world.emitters is not None and world.emitters.can_be_hit
     return (bsdf.delta | (chance == "balance")) & able
 

@@ -35,7 +35,7 @@ def named_biases(job: Job) -> tuple[str, ...]:
         "nulls=dropped forgets the paths that found nothing: too bright": (
             looks_up and s.nulls == "dropped"
         ),
-        "writers=every-bounce lets the end of a path decide who reuses it": (
+        "writers=every-bounce lets a path's end decide which vertex reuses it": (
             looks_up and s.writers == "every-bounce"
         ),
     }

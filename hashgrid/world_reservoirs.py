@@ -19,10 +19,10 @@ from hashgrid.lights import (
     Chance,
     LightPoints,
     draw_lights,
-    emitter_hits,
     hits_count,
     light_samples,
     reflected,
+    reflected_hits,
     renumbered,
 )
 from reference.arrays import Indices, Vec3s, dot, zero_vectors
@@ -221,7 +221,7 @@ def visit(
     hits = world.caster.from_surface(x, bsdf.wi, goes_on, "bounce")
     onward = surface_points(world.geometry, hits, x.position, bsdf.wi)
     if v > 1:
-        hit = emitter_hits(world, x, bsdf, hits, s.chance)
+        hit = reflected_hits(world, x, bsdf, hits, s.chance)
         light = here.throughput * (hit + light)
     return Visited(
         r, light, Vertices(here.pixel, onward, here.throughput * bsdf.weight)

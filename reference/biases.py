@@ -98,10 +98,10 @@ def _checkerboard(s: Settings, needs: Needs, moves: bool) -> str:
     return "checkerboard: what only a new sample can find waits for its turn"
 
 
-def _lattice(s: Settings, needs: Needs, moves: bool) -> str:
+def _reduced_resolution(s: Settings, needs: Needs, moves: bool) -> str:
     if s.lattice == 1:
         return ""
-    return f"lattice={s.lattice}: what no reservoir around can see is missing"
+    return f"lattice={s.lattice}: light that no reservoir nearby can see is missing"
 
 
 def _storage(s: Settings, needs: Needs, moves: bool) -> str:
@@ -124,6 +124,6 @@ _ALL: tuple[Callable[[Settings, Needs, bool], str], ...] = (
     _boiling,
     _final,
     _checkerboard,
-    _lattice,
+    _reduced_resolution,
     _storage,
 )

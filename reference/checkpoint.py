@@ -93,7 +93,7 @@ def load_checkpoint(path: Path, run: Mapping[str, str]) -> Checkpoint | None:
     """
     if not path.exists():
         return None
-    remedy = "delete it to start anew, or name another --out"
+    remedy = "delete it to start over, or name another --out"
     try:
         words, moments = _decode(read_file(path))
     # Damage shows as whatever the reader trips over first.

@@ -1,4 +1,4 @@
-"""Direct light at surface points: next-event estimation and chance hits, weighted."""
+"""Direct light at surface points: light sampling and emitter hits, weighted."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from reference.arrays import (
     Vec3s,
     zero_vectors,
 )
-from reference.light_shares import share_of_chance, share_of_choice
+from reference.light_mis import bsdf_sampling_weight, light_sampling_weight
 from reference.records import take
 from reference.rng import Draw
 from reference.scene.emitters import emitted, may_emit, pdf_light
@@ -38,7 +38,7 @@ class ChosenLight:
     seen : (N,) bool
         Nothing lies between; false where nothing would be reflected.
     value : (N, 3) float64, W/(m² sr)
-        Reflected towards the viewer, weighted against the chance of hitting the light;
+        Reflected towards the viewer, times the MIS weight of light sampling;
         0 where it is not seen.
     """
 
@@ -72,7 +72,7 @@ def choose_light(
 
     Notes
     -----
-    Balance heuristic [Veach95, Eq. 8].  A light that no ray can meet by chance, and a
+    Balance heuristic [Veach95, Eq. 8].  A light that no ray can hit, and a
     surface whose lobes are all narrower than any light, keep their whole weight.
     """
     if world.emitters is None or len(points) == 0:
@@ -81,7 +81,7 @@ def choose_light(
     light = sample_light(world.emitters, world.geometry, points.position, u)
     value = scattering(world.materials, points, light.wi) * light.weight
     if world.emitters.can_be_hit:
-        value *= share_of_choice(world, points, light.wi, light.pdf)[:, None]
+        value *= light_sampling_weight(world, points, light.wi, light.pdf)[:, None]
     shines = np.any(value, axis=1)
     if active is not None:
         shines = shines & active
@@ -119,7 +119,7 @@ def sees_light(
 
 
 def next_event(world: World, points: SurfacePoints, u: Draw) -> Vec3s:
-    """Light from a point drawn on a light, weighted against the chance of hitting it.
+    """Light from a point drawn on a light, times the MIS weight of light sampling.
 
     Estimates ∫ f L_e cos θ m_light dω with one sample.
 
@@ -140,7 +140,7 @@ def next_event(world: World, points: SurfacePoints, u: Draw) -> Vec3s:
     return choose_light(world, points, u).value
 
 
-def met_lights(
+def emitter_hits(
     world: World, points: SurfacePoints, bsdf: BsdfSamples, hits: Hits
 ) -> tuple[Indices, Vec3s, Scalars]:
     """Lights that rays drawn from the material met.
@@ -173,7 +173,7 @@ def met_lights(
     return rows, radiance, pdf_light(world.emitters, world.geometry, x, met)
 
 
-def found_by_chance(
+def weighted_emitter_hits(
     world: World, points: SurfacePoints, bsdf: BsdfSamples, hits: Hits
 ) -> tuple[Indices, Vec3s]:
     """Light that rays drawn from the material met, weighted against next-event.
@@ -195,6 +195,6 @@ def found_by_chance(
         Rows that met a light; its radiance in W/(m² sr) times the weight of this
         strategy, not yet times ``bsdf.weight``.
     """
-    rows, radiance, by_choice = met_lights(world, points, bsdf, hits)
-    share = share_of_chance(bsdf.pdf[rows], bsdf.delta[rows], by_choice)
-    return rows, radiance * share[:, None]
+    rows, radiance, p_light = emitter_hits(world, points, bsdf, hits)
+    weight = bsdf_sampling_weight(bsdf.pdf[rows], bsdf.delta[rows], p_light)
+    return rows, radiance * weight[:, None]

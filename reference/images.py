@@ -76,7 +76,7 @@ def to_image(rows: Floats, width: int, height: int) -> NDArray[np.float32]:
         There are fewer or more rows.
     """
     if len(rows) != width * height:
-        raise ValueError(f"{len(rows)} rows are no {width}x{height} frame")
+        raise ValueError(f"{len(rows)} rows do not make a {width}x{height} frame")
     with np.errstate(over="ignore"):
         return rows.astype(np.float32).reshape(height, width, -1)
 

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from reference.arrays import Indices, Masks, Scalars, Vec3s, dot, zero_vectors
-from reference.direct_light import found_by_chance, next_event
+from reference.direct_light import next_event, weighted_emitter_hits
 from reference.records import take
 from reference.rng import Uniforms
 from reference.scene.camera import camera_rays
@@ -151,7 +151,7 @@ def reflected_radiance(
         hits = world.caster.from_surface(walk.points, bsdf.wi, goes_on, "bounce")
         throughput = walk.throughput * bsdf.weight
         if counts:
-            found, light = found_by_chance(world, walk.points, bsdf, hits)
+            found, light = weighted_emitter_hits(world, walk.points, bsdf, hits)
             radiance[walk.rows[found]] += throughput[found] * light
         if is_last:
             break

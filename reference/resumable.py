@@ -14,7 +14,7 @@ from reference.signals import Interrupted
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class SampleSource:
     """Where samples come from.
 
     Attributes
@@ -34,7 +34,7 @@ class Source:
 
 
 def accumulate_resumably(
-    source: Source,
+    source: SampleSource,
     spp: int,
     path: Path,
     run: Mapping[str, str],
@@ -45,7 +45,7 @@ def accumulate_resumably(
 
     Parameters
     ----------
-    source : Source
+    source : SampleSource
         What to add.
     spp : int
         Samples in the end.
@@ -77,7 +77,7 @@ def accumulate_resumably(
     if state is None:
         state = Checkpoint(no_samples(source.rows), 0.0, {})
     if len(state.moments.mean) != source.rows:
-        raise UsageError(f"{path} is damaged; delete it to start anew")
+        raise UsageError(f"{path} is damaged; delete it to start over")
     if state.moments.count > spp:
         raise UsageError(
             f"{path} has {state.moments.count} samples already, more than --spp {spp};"

@@ -121,9 +121,10 @@ class Settings(Search):
         New samples in every other pixel, and where there is no history; biased while
         things move.
     lattice : int, pixels
-        Side of the squares of which one pixel draws samples and keeps reservoirs; the
-        others are shaded by what they take over from those around, which is biased:
-        what none of these can see is missing.  1 for reservoirs of every pixel.
+        Reduced-resolution reservoirs: side of the squares of which one pixel draws
+        samples and keeps a reservoir.  The other pixels are shaded from reservoirs
+        nearby, which is biased: light that none of these can see is missing.  1 for a
+        reservoir in every pixel.
     """
 
     source: Source = "uniform"

@@ -10,7 +10,7 @@ from reference.fingerprint import fingerprint
 from reference.images import Image, to_image
 from reference.methods import Job
 from reference.moments import Moments, add_samples
-from reference.resumable import Source, accumulate_resumably
+from reference.resumable import SampleSource, accumulate_resumably
 from reference.scene.scene import Scene
 from reference.setting_values import as_text
 from reference.version import project_version
@@ -38,7 +38,7 @@ def accumulate_truth(
     checkpoint: Path,
     every: float,
     tick: Callable[[int, int, str], None],
-    elsewhere: Callable[[Job], Source] | None = None,
+    source_of: Callable[[Job], SampleSource] | None = None,
 ) -> Checkpoint:
     """Accumulate the truth of a scene, from a checkpoint if there is one.
 
@@ -54,8 +54,8 @@ def accumulate_truth(
         Time between checkpoints.
     tick : callable
         Told the samples so far, their number in the end, and "samples".
-    elsewhere : callable, optional
-        Gives the samples of a job that other processes draw; by default this one does.
+    source_of : callable, optional
+        Draws the samples of a job, say in other processes; by default this one does.
 
     Returns
     -------
@@ -64,7 +64,7 @@ def accumulate_truth(
     """
     spp = job.counts["spp"]
     return accumulate_resumably(
-        (elsewhere or _here)(job),
+        (source_of or _in_this_process)(job),
         spp,
         checkpoint,
         identity(scene, job),
@@ -73,7 +73,7 @@ def accumulate_truth(
     )
 
 
-def _here(job: Job) -> Source:
+def _in_this_process(job: Job) -> SampleSource:
     samples = path_samples(
         job.world,
         job.schedule,
@@ -86,7 +86,7 @@ def _here(job: Job) -> Source:
     def advance(before: Moments, until: int) -> Moments:
         return add_samples(before, samples.radiance, until, job.schedule)
 
-    return Source(samples.rows, advance, lambda: job.world.caster.counts)
+    return SampleSource(samples.rows, advance, lambda: job.world.caster.counts)
 
 
 def identity(scene: Scene, job: Job) -> dict[str, str]:

@@ -74,8 +74,8 @@ def workers(processes: int, scheduler: str | None = None) -> Iterator[Executor]:
         yield pool
     except BrokenProcessPool as error:
         raise UsageError(
-            "a worker process was ended from outside; if memory ran out, ask for fewer"
-            " by --processes"
+            "a worker process was ended from outside; if memory ran out, use fewer"
+            " --processes"
         ) from error
     except BaseException:
         for child in multiprocessing.active_children():

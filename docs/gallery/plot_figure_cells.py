@@ -6,7 +6,7 @@ Which cell of the world a point lies in hangs on its distance to the eye: a cell
 16 pixels wide, rounded down to a power of two. Points are jittered in their tangent
 plane before they are put in and looked up, so that no border shows. At the right is
 whose light sample each path shows at its second point: a colour is a cell whose
-vertices lent it, black what the vertex drew itself.
+vertices it comes from, black what the vertex drew itself.
 
 Measured by ``restir figures cells`` at 192 x 192, two bounces:
 

@@ -11,7 +11,7 @@ the vertex, for which light reservoirs do nothing.
 Measured at full size, by ``restir figures light-cache`` (128 x 128, 16 runs, frames 9
 to 16): mean squared errors in the same time, how many times smaller than those of
 next-event estimation with one light by power, and than those of the path tracer, which
-weighs it against chance.
+weights it against BSDF sampling.
 
 ======  =======  ================  ====  ===============  ==============  ==========
 scene   bounces  variant           ms    next event       paths           bias

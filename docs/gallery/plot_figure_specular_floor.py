@@ -6,7 +6,7 @@ A shaded lamp lights a spot of a dark polished floor, and nothing else. The ceil
 its light from that spot, and what the floor mirrors of it is light that few paths find:
 by way of the mirror to the ceiling, and from there to the spot. A path that begins with
 a mirror cannot be joined at its second point, so that pure reconnection takes over
-nothing on the floor. Random replay draws the path anew from the same numbers, and
+nothing on the floor. Random replay draws the path again from the same numbers, and
 loses it where these lead elsewhere. The hybrid shift replays the mirror, and joins the
 path from the ceiling on.
 

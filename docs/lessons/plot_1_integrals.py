@@ -42,14 +42,14 @@ from reference.sampling import (
 
 # %%
 # A sky that is brighter towards the zenith, :math:`L_i = (1 + 3 \cos\theta) / 2`, over
-# white paint: the integral is
+# a white diffuse surface: the integral is
 # :math:`\int (1 + 3\cos\theta)/2 \cdot \cos\theta / \pi \,\mathrm{d}\omega = 3/2`.
 
 TRUTH = 1.5
 
 
 def integrand(direction):
-    """White paint under that sky."""
+    """A white diffuse surface under that sky."""
     cosine = direction[:, 2]
     return (1 + 3 * cosine) / 2 * cosine / np.pi
 

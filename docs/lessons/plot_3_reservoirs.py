@@ -74,10 +74,10 @@ plt.show()
 # A domain of three points can be enumerated: all candidates, all choices, each with its
 # probability, in fractions. The kernels above run on fractions too, so that this is a
 # proof about the very code, with nothing rounded and nothing left to chance. Two pixels
-# draw a candidate each; one lends the other its reservoir.
+# draw a candidate each; one reuses the other's reservoir.
 
 Q = [Fraction(1, 2), Fraction(1, 4), Fraction(1, 4)]
-P_LENDER = [Fraction(1), Fraction(2), Fraction(3)]
+P_SOURCE = [Fraction(1), Fraction(2), Fraction(3)]
 P_HERE = [Fraction(4), Fraction(1), Fraction(2)]
 F_HERE = [Fraction(3), Fraction(2), Fraction(5)]
 
@@ -90,17 +90,17 @@ def rows(*values):
 def expectation():
     """E[f(y) W] at the pixel that borrows, over all that can happen."""
     total = Fraction(0)
-    for own, lent in product(range(3), repeat=2):
-        # The lender's reservoir: one candidate, W = 1 / q.
-        donor = Reservoirs(rows(lent), rows(1 / Q[lent]), rows(Fraction(1)))
-        theirs = reused_candidates(donor, rows(P_HERE[lent]))
+    for own, reused in product(range(3), repeat=2):
+        # The other's reservoir: one candidate, W = 1 / q.
+        source = Reservoirs(rows(reused), rows(1 / Q[reused]), rows(Fraction(1)))
+        theirs = reused_candidates(source, rows(P_HERE[reused]))
         w_own = P_HERE[own] / Q[own]
         mine = Candidates(rows(own), rows(P_HERE[own]), rows(w_own), rows(Fraction(1)))
         share = theirs.w[0] / (w_own + theirs.w[0])
         # u just below and just above the share: both outcomes, with their chances.
         for u, chance in ((share / 2, share), ((1 + share) / 2, 1 - share)):
             r = finalize(merged := merge(mine, theirs, rows(u)), merged.M)
-            total += Q[own] * Q[lent] * chance * F_HERE[r.y[0]] * r.W[0]
+            total += Q[own] * Q[reused] * chance * F_HERE[r.y[0]] * r.W[0]
     return total
 
 

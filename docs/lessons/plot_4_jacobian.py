@@ -54,9 +54,9 @@ assert abs(ratio / J - 1) < 1e-4  # the next term of the expansion goes as sizeÂ
 
 x, height = np.meshgrid(np.linspace(0.02, 2, 240), np.linspace(-0.6, 0.6, 150))
 eyes = np.stack([x, height, np.zeros_like(x)], axis=-1).reshape(-1, 3)
-donor = np.tile([1.0, 0.0, 0.0], (len(eyes), 1))
+source = np.tile([1.0, 0.0, 0.0], (len(eyes), 1))
 wall = np.tile([1.0, 0.0, 0.0], (len(eyes), 1))
-J = reconnection_jacobian(donor, eyes, np.zeros_like(eyes), wall)
+J = reconnection_jacobian(source, eyes, np.zeros_like(eyes), wall)
 shown = plt.pcolormesh(x, height, np.log2(J.reshape(x.shape)), cmap="RdBu_r",
                        vmin=-6, vmax=6)  # fmt: skip
 plt.colorbar(shown, label="log2 of the Jacobian")

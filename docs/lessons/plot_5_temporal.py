@@ -13,7 +13,7 @@ While nothing moves ``past`` is the pixel's own reservoir, and no sample is shif
 
 Two things keep it honest. :math:`M` is capped, or the past would outweigh every new
 sample and the picture would no longer follow the light; and the running sum :math:`w`
-is made anew from :math:`W` and the capped :math:`M`, never kept:
+is rebuilt from :math:`W` and the capped :math:`M`, never kept:
 
 .. literalinclude:: /../reference/resampling/reservoir.py
    :pyobject: cap_confidence
@@ -100,11 +100,11 @@ plt.show()
 # reservoirs hold the radiance of a lamp that is no longer there. That lag is a bias
 # too. The paper's cap is 30, and *sample validation* looks again, now and then,
 # whether what is stored still holds; the unbiased form finds the radiance of what it
-# keeps anew.
+# keeps again.
 #
 # .. admonition:: Exercise
 #
-#    A student keeps the running sum instead of making it anew. The picture looks right
+#    A student keeps the running sum instead of rebuilding it. The picture looks right
 #    for some frames. (``python docs/lessons/exercises/exercise_5.py``)
 #
 # .. literalinclude:: /lessons/exercises/exercise_5.py

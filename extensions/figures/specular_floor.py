@@ -14,7 +14,7 @@ from reference.figures.contest import FRAMES, Contender, Contest, compete
 from reference.figures.paths import sized_world
 from reference.figures.record import Deviation, PaperFigure, Row, Work
 from reference.figures.regions import floor_points
-from reference.figures.registry import Entry
+from reference.figures.registry import FigureEntry
 from reference.intervals import Interval, mean_interval, ratio_interval
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
@@ -60,7 +60,7 @@ def specular_floor(work: Work) -> PaperFigure:
             " noise is taken off. Intervals: 95 %, bootstrap over runs.",
             f"{np.mean(floor):.0%} of the pixels see the floor. What it mirrors cannot"
             " be joined at the next point: pure reconnection takes over nothing there.",
-            "Replay alone loses paths on the painted walls, where joined ones stay.",
+            "Replay alone loses paths on the diffuse walls, where joined ones stay.",
         ),
     )
 
@@ -101,4 +101,4 @@ def _picture(contest: Contest, work: Work) -> "Figure":
     return picture
 
 
-FIGURE = Entry(NAME, specular_floor, 16, ())
+FIGURE = FigureEntry(NAME, specular_floor, 16, ())

@@ -15,7 +15,7 @@ from gradient_domain.settings import GradientSettings
 from reference.arrays import Masks
 from reference.figures.canvas import BIG, Tile, blank, draw_tiles
 from reference.figures.record import PaperFigure, Row, Work
-from reference.figures.registry import Entry
+from reference.figures.registry import FigureEntry
 from reference.intervals import mean_interval
 from reference.passes.gbuffer import visible_points
 from reference.scene.camera import pixel_centers
@@ -160,5 +160,5 @@ def _picture(grid: list[list[Tile]], names: Sequence[str]) -> "Figure":
     return picture
 
 
-REUSE = Entry("gradient-reuse", reuse, 8, (), 3)
-SIGN = Entry("gradient-signs", signs, 8, (), 3)
+REUSE = FigureEntry("gradient-reuse", reuse, 8, (), 3)
+SIGN = FigureEntry("gradient-signs", signs, 8, (), 3)

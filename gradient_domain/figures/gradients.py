@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from gradient_domain.differences import Differences
-from gradient_domain.figures.rounds import FRAMES, Rounds, Scene, by_rounds
+from gradient_domain.figures.rounds import FRAMES, Rounds, RoundScene, by_rounds
 from gradient_domain.figures.scores import (
     gradient_errors,
     gradient_flips,
@@ -20,7 +20,7 @@ from gradient_domain.figures.variants import (
 from reference.arrays import Scalars
 from reference.figures.canvas import BIG, Tile, blank, draw_tiles
 from reference.figures.record import PaperFigure, Row, Work
-from reference.figures.registry import Entry
+from reference.figures.registry import FigureEntry
 from reference.intervals import Interval, mean_interval, ratio_interval
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
@@ -48,12 +48,12 @@ def gradients(work: Work) -> PaperFigure:
     return of_scenes([scene_of(name, work.size) for name in SCENES], work)
 
 
-def of_scenes(scenes: list[Scene], work: Work) -> PaperFigure:
+def of_scenes(scenes: list[RoundScene], work: Work) -> PaperFigure:
     """The same of any scenes.
 
     Parameters
     ----------
-    scenes : list of Scene
+    scenes : list of RoundScene
         Square pictures of one size.
     work : Work
         Size, runs and schedule.
@@ -162,4 +162,4 @@ def _picture(grid: list[list[Tile]], names: list[str]) -> "Figure":
     return picture
 
 
-FIGURE = Entry(NAME, gradients, 8, (), 3)
+FIGURE = FigureEntry(NAME, gradients, 8, (), 3)

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from gradient_domain.differences import Differences
-from gradient_domain.figures.rounds import FRAMES, Rounds, Scene, by_rounds
+from gradient_domain.figures.rounds import FRAMES, Rounds, RoundScene, by_rounds
 from gradient_domain.figures.scores import image_errors, image_flips
 from gradient_domain.figures.variants import (
     AFTER,
@@ -23,7 +23,7 @@ from gradient_domain.settings import Reconstruction
 from reference.arrays import Scalars, Vec3s
 from reference.figures.canvas import BIG, Tile, blank, draw_tiles, exposure_of, shown
 from reference.figures.record import PaperFigure, Row, Work
-from reference.figures.registry import Entry
+from reference.figures.registry import FigureEntry
 from reference.intervals import Numbers, mean_interval, ratio_interval
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
@@ -72,12 +72,12 @@ def images(work: Work) -> PaperFigure:
     return of_scenes([scene_of(name, work.size) for name in SCENES], work)
 
 
-def of_scenes(scenes: list[Scene], work: Work) -> PaperFigure:
+def of_scenes(scenes: list[RoundScene], work: Work) -> PaperFigure:
     """The same of any scenes.
 
     Parameters
     ----------
-    scenes : list of Scene
+    scenes : list of RoundScene
         Square pictures of one size.
     work : Work
         Size, runs and schedule.
@@ -190,4 +190,4 @@ def _picture(grid: list[list[Tile]], names: list[str]) -> "Figure":
     return picture
 
 
-FIGURE = Entry(NAME, images, 6, (), 3)
+FIGURE = FigureEntry(NAME, images, 6, (), 3)

@@ -24,7 +24,7 @@ TRIAL = 6
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Scene:
+class RoundScene:
     """What is rendered.
 
     Attributes
@@ -79,13 +79,13 @@ class Variant:
     settings: object
 
     def frames(
-        self, scene: Scene, seed: int, schedule: Schedule
+        self, scene: RoundScene, seed: int, schedule: Schedule
     ) -> Iterator[Estimated]:
         """Frames of a run.
 
         Parameters
         ----------
-        scene : Scene
+        scene : RoundScene
             What is rendered.
         seed : int
             Of the run.
@@ -107,7 +107,7 @@ class Rounds:
 
     Attributes
     ----------
-    scene : Scene
+    scene : RoundScene
         What was rendered.
     estimates : dict of str to list of (N, 9) float64
         Last frame of each run, a mean over the copies.
@@ -119,7 +119,7 @@ class Rounds:
         Path-traced, over the areas of pixels.
     """
 
-    scene: Scene
+    scene: RoundScene
     estimates: dict[str, list[Scalars]]
     copies: dict[str, int]
     seconds: dict[str, float]
@@ -142,13 +142,17 @@ class Rounds:
 
 
 def by_rounds(
-    scene: Scene, variants: Mapping[str, Variant], work: Work, paths: int, like: str
+    scene: RoundScene,
+    variants: Mapping[str, Variant],
+    work: Work,
+    paths: int,
+    like: str,
 ) -> Rounds:
     """Run all variants by turns.
 
     Parameters
     ----------
-    scene : Scene
+    scene : RoundScene
         What is rendered.
     variants : mapping of str to Variant
         By name.
@@ -201,7 +205,7 @@ def by_rounds(
 
 
 def _trial(
-    scene: Scene, variants: Mapping[str, Variant], work: Work
+    scene: RoundScene, variants: Mapping[str, Variant], work: Work
 ) -> dict[str, float]:
     running = {
         name: v.frames(scene, PATH_SEED, work.schedule).__next__

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from extensions.area_paths import Placed
+from extensions.area_paths import PlacedValue
 from gradient_domain.after_restir import one_sided
 from gradient_domain.gradient_restir import (
     MINUS,
@@ -19,7 +19,7 @@ from gradient_domain.gradient_restir import (
 from reference.arrays import Scalars
 from reference.figures.canvas import COLORS, SIDE, blank, tidy
 from reference.figures.record import Deviation, PaperFigure, Row, Work
-from reference.figures.registry import Entry
+from reference.figures.registry import FigureEntry
 from reference.intervals import Numbers, mean_interval, ratio_interval
 from reference.resampling.reservoir import (
     Candidates,
@@ -65,7 +65,7 @@ def _value(x: Scalars, k: int, sign: int) -> PairValue:
     """As base and offset path: the shift from one function to the other is x to x."""
     f, g = functions(x) if k == 0 else functions(x)[::-1]
     none, grey = np.zeros(len(x)), np.ones((1, 3))
-    placed = Placed(x, none, f[:, None] * grey, none + 1.0)
+    placed = PlacedValue(x, none, f[:, None] * grey, none + 1.0)
     ks, signs = (np.full(len(x), n, np.int8) for n in (k, sign))
     return PairValue(ks, placed, g[:, None] * grey, none + 1.0, signs)
 
@@ -226,4 +226,4 @@ def _picture(grid: Scalars, kept: dict[str, Scalars]) -> "Figure":
     return picture
 
 
-FIGURE = Entry(NAME, toy, 64, ())
+FIGURE = FigureEntry(NAME, toy, 64, ())

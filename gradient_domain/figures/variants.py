@@ -9,7 +9,7 @@ import numpy as np
 from extensions.area_restir import render_area_frames
 from extensions.area_settings import AreaSettings
 from gradient_domain.after_restir import render_after_frames
-from gradient_domain.figures.rounds import FRAMES, Scene, Variant
+from gradient_domain.figures.rounds import FRAMES, RoundScene, Variant
 from gradient_domain.gradient_pt import render_gradient_paths
 from gradient_domain.gradient_restir import render_gradient_frames
 from gradient_domain.settings import (
@@ -77,7 +77,7 @@ def with_restir(settings: GradientSettings) -> Variant:
     return Variant(render_gradient_frames, settings)
 
 
-def scene_of(name: str, size: int, bounces: int = BOUNCES) -> Scene:
+def scene_of(name: str, size: int, bounces: int = BOUNCES) -> RoundScene:
     """Built-in scene, with its animation if only the camera moves in it.
 
     Parameters
@@ -91,16 +91,16 @@ def scene_of(name: str, size: int, bounces: int = BOUNCES) -> Scene:
 
     Returns
     -------
-    Scene
+    RoundScene
         Ready for rays.
     """
     world, found = sized_world(name, size), find_animation(name)
     if found.changes != "camera":
-        return Scene(name, world, bounces)
+        return RoundScene(name, world, bounces)
     scenes = [found(frame) for frame in range(FRAMES)]
     sized = [
         validate(replace(s, camera=replace(s.camera, width=size, height=size)))
         for s in scenes
     ]
     moving = Animation(lambda frame: sized[frame], found.changes)
-    return Scene(name, world, bounces, moving)
+    return RoundScene(name, world, bounces, moving)

@@ -21,7 +21,7 @@ from reference.figures.canvas import (
 )
 from reference.figures.paths import sized_world
 from reference.figures.record import PaperFigure, Row, Work
-from reference.figures.registry import Entry
+from reference.figures.registry import FigureEntry
 from reference.images import to_image
 from reference.rng import KeyedUniforms, Stream, pcg4d, to_unit_interval
 
@@ -176,4 +176,4 @@ def _histograms(left: "Axes", right: "Axes", name: str, color: str, grid: Grid) 
     right.plot(full, np.array(buckets)[full], "o-", color=color, label=name)
 
 
-FIGURE = Entry(NAME, cells, 2, ())
+FIGURE = FigureEntry(NAME, cells, 2, ())

@@ -15,7 +15,7 @@ from reference.arrays import Vec3s
 from reference.figures.canvas import BIG, Tile, blank, draw_tiles, exposure_of, shown
 from reference.figures.paths import sized_world
 from reference.figures.record import Deviation, PaperFigure, Row, Work
-from reference.figures.registry import Entry
+from reference.figures.registry import FigureEntry
 from reference.intervals import Interval, mean_interval, ratio_interval
 from reference.schedule import Schedule
 from reference.world import World
@@ -66,8 +66,8 @@ def light_cache(work: Work) -> PaperFigure:
             f"{COUNTED} frames after the first {WARM}, of {work.runs} runs at"
             f" {work.size} x {work.size}. MSE is the spread of frames of one number"
             " over the runs. 'times smaller' is that of next-event estimation with one"
-            " light a vertex, drawn by power and not weighted against chance, in the"
-            " same time; 'than paths' that of the path tracer, which is. Intervals:"
+            " light a vertex, drawn by power and not weighted against BSDF sampling, in"
+            " the same time; 'than paths' that of the path tracer, which is. Intervals:"
             " 95 %, bootstrap over runs; tails are heavy, and intervals of few runs"
             " too narrow.",
             "Pictures: next-event estimation has as many frames as fit into the time"
@@ -127,4 +127,4 @@ def _picture(grid: list[list[Tile]], names: list[str]) -> "Figure":
     return picture
 
 
-FIGURE = Entry(NAME, light_cache, 16, ())
+FIGURE = FigureEntry(NAME, light_cache, 16, ())

@@ -10,7 +10,7 @@ from reference.figures.canvas import BIG, Tile, blank, draw_tiles, exposure_of, 
 from reference.figures.contest import FRAMES, Contender, Contest, compete
 from reference.figures.paths import sized_world
 from reference.figures.record import Deviation, PaperFigure, Row, Work
-from reference.figures.registry import Entry
+from reference.figures.registry import FigureEntry
 from reference.figures.spread import spreads
 from reference.intervals import Interval, mean_interval, ratio_interval
 from reference.methods.method import Method
@@ -109,4 +109,4 @@ def _picture(grid: list[list[Tile]]) -> "Figure":
     return picture
 
 
-FIGURE = Entry(NAME, shaft, 16, ())
+FIGURE = FigureEntry(NAME, shaft, 16, ())

@@ -21,7 +21,7 @@ from reference.oracle.backends.command import PLACE
 from reference.oracle.backends.files import FilesBackend
 from reference.oracle.backends.find import backend_names, is_python
 from reference.oracle.backends.running import Limits
-from reference.oracle.blackbox.judge import renderer_rungs
+from reference.oracle.blackbox.judge import renderer_levels
 from reference.oracle.blackbox.renderer import PLACES, Renderer
 from reference.oracle.blackbox.truth import TILES, Truth, path_traced
 from reference.oracle.checking import judge
@@ -30,7 +30,7 @@ from reference.oracle.parts import whole_contract
 from reference.oracle.report.page import write_page
 from reference.oracle.report.plain import as_plain
 from reference.oracle.report.table import table
-from reference.oracle.verdict import Verdict, climb
+from reference.oracle.verdict import Verdict, run_ladder
 from reference.scene.named import find_scene_or_file
 from reference.workers import ahead, workers
 
@@ -220,13 +220,13 @@ def _judge_renderer(arguments: argparse.Namespace) -> Verdict:
         cluster = _cluster(arguments, stack)
         pictures = None
         if cluster is not None:  # whose machines have clocks of their own
-            elsewhere = Renderer(*about, layer=arguments.layer)
-            pictures = partial(_ahead, cluster, elsewhere, remaining)
-        rungs = renderer_rungs(renderer, truth, arguments.bound, remaining, pictures)
-        verdict = climb(
+            remote = Renderer(*about, layer=arguments.layer)
+            pictures = partial(_ahead, cluster, remote, remaining)
+        levels = renderer_levels(renderer, truth, arguments.bound, remaining, pictures)
+        verdict = run_ladder(
             {},
             "float32",
-            rungs,
+            levels,
             arguments.budget,
             time.monotonic,
             lambda title: tick(0, 1, title),

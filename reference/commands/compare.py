@@ -70,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
     layers = arguments.layer or [None]
     if len(layers) > 2:
         raise UsageError(
-            f"--layer is of A and of B, so once or twice, not {len(layers)}"
+            f"--layer may be given twice, for A and for B, not {len(layers)} times"
         )
     a, b, out = arguments.a, arguments.b, arguments.out
     picture, truth = read_exr(a, layers[0]), read_exr(b, layers[-1])

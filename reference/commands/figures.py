@@ -1,4 +1,4 @@
-"""``restir figures``: the figures of the papers, measured and drawn anew."""
+"""``restir figures``: the figures of the papers, measured and drawn again."""
 
 import argparse
 from dataclasses import replace
@@ -111,7 +111,7 @@ def run(arguments: argparse.Namespace) -> None:
         emit({"figures": results})
 
 
-def _work(arguments: argparse.Namespace, entry: registry.Entry) -> Work:
+def _work(arguments: argparse.Namespace, entry: registry.FigureEntry) -> Work:
     runs = arguments.runs or entry.runs
     if runs < entry.least_runs:
         raise UsageError(

@@ -8,11 +8,11 @@ from reference.commands.targets import new_folder
 from reference.commands.values import whole
 from reference.oracle.frames import frame_cases
 from reference.oracle.golden import write_golden
+from reference.oracle.levels.kernels import kernel_probes
+from reference.oracle.levels.lattice import lattice_probes
+from reference.oracle.levels.replayed import replayed
 from reference.oracle.parts import parts, whole_contract
-from reference.oracle.rungs.kernels import kernel_probes
-from reference.oracle.rungs.lattice import lattice_probes
-from reference.oracle.rungs.replayed import replayed
-from reference.oracle.stage import stage
+from reference.oracle.prepared_frame import prepare_frame
 from reference.scene.named import find_scene_or_file
 
 SIZE = 64
@@ -27,7 +27,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         Of this command.
     """
     parser.add_argument(
-        "scene", metavar="SCENE", help="built-in scene or file, of paint alone"
+        "scene",
+        metavar="SCENE",
+        help="built-in scene or file, of diffuse surfaces alone",
     )
     add_reading(parser)
     parser.add_argument(
@@ -77,7 +79,7 @@ def run(arguments: argparse.Namespace) -> None:
     scene = find_scene_or_file(
         arguments.scene, arguments.lenient, arguments.allow_outside
     )
-    at = stage(scene, arguments.size, arguments.seed)
+    at = prepare_frame(scene, arguments.size, arguments.seed)
     probes = [*kernel_probes(precision), *lattice_probes(precision)]
     names = frozenset(whole_contract())
     for part in parts():

@@ -25,7 +25,7 @@ def refuse_what_does_not_fit(width: int, height: int) -> None:
     """
     if not (0 < width <= MOST_PIXELS_A_SIDE and 0 < height <= MOST_PIXELS_A_SIDE):
         raise UsageError(
-            f"{width}x{height} is no size of a picture; ask by --size for 1 to"
+            f"{width}x{height} is not a picture size; --size takes 1 to"
             f" {MOST_PIXELS_A_SIDE} pixels a side"
         )
     needed, free = width * height * BYTES_A_PIXEL, available_memory()

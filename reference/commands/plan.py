@@ -20,7 +20,7 @@ SIDE, FRAMES = 64, 8
 MOVES = {
     "nothing": "nothing moves: the past is reused as it stands, J = 1, no rays",
     "camera": "the camera moves: samples are shifted, with Jacobian, visibility and Z",
-    "scene": "shapes or lights change: samples are shifted, and looked up anew",
+    "scene": "shapes or lights change: samples are shifted, and looked up again",
 }
 LEAVES_OUT = {
     "occlusion": "visibility rays between surface points, also in Z",

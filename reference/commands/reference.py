@@ -11,11 +11,11 @@ from reference.commands.opening import open_named
 from reference.commands.targets import check_file
 from reference.commands.values import MOST_SAMPLES, seconds, whole
 from reference.display import auto_exposure, write_png
-from reference.elsewhere import sampled_by
+from reference.distributed import sampled_by
 from reference.exr import write_exr
 from reference.images import Image
 from reference.metadata import Words, header, metadata
-from reference.methods.path import PATH, PathSettings
+from reference.methods.path import PATH, PathTracerSettings
 from reference.setting_values import with_values
 from reference.truth import accumulate_truth, checkpoint_beside, truth_image
 from reference.workers import workers
@@ -76,7 +76,7 @@ def run(arguments: argparse.Namespace) -> None:
     UsageError
         Bad input, all of it found before the first ray but a full disk.
     """
-    settings = with_values(PathSettings(), arguments.set)
+    settings = with_values(PathTracerSettings(), arguments.set)
     out = arguments.out
     if arguments.png:
         check_file(out.with_suffix(".png"), ".png")
@@ -87,12 +87,12 @@ def run(arguments: argparse.Namespace) -> None:
     )
     checkpoint = checkpoint_beside(out)
     with progress(f"{scene.name}, truth") as tick, ExitStack() as stack:
-        elsewhere = None
+        source_of = None
         if arguments.scheduler:
             cluster = stack.enter_context(workers(1, arguments.scheduler))
-            elsewhere = sampled_by(cluster, named)
+            source_of = sampled_by(cluster, named)
         state = accumulate_truth(
-            scene, job, checkpoint, arguments.checkpoint, tick, elsewhere
+            scene, job, checkpoint, arguments.checkpoint, tick, source_of
         )
     words = metadata(scene, PATH, job, state.rays, state.seconds)
     image = truth_image(state, job, header(words))

@@ -100,7 +100,7 @@ def check_file(path: Path, suffix: str = ".exr") -> None:
         raise UsageError(f"--out {path} is not a regular file; name a file")
     folder = path.resolve().parent
     if not os.path.isdir(folder):
-        raise UsageError(f"--out {path}: there is no folder {path.parent}; make it")
+        raise UsageError(f"--out {path}: there is no folder {path.parent}; create it")
     _refuse_closed(path, folder)
 
 

@@ -12,7 +12,7 @@ from reference.errors import UsageError
 from reference.files import make_folder
 from reference.fingerprint import fingerprint
 from reference.methods import Job, method_named
-from reference.methods.path import PathSettings
+from reference.methods.path import PathTracerSettings
 from reference.moments import Moments
 from reference.scene.animation import Animation
 from reference.scene.named import Named
@@ -22,7 +22,7 @@ from reference.tradeoff.change import points_after_change, recoveries
 from reference.tradeoff.design import at_random, methods_beside, one_at_a_time
 from reference.tradeoff.knobs import Knob, built_in_knobs, knobs_of, usable
 from reference.tradeoff.page import write_results
-from reference.tradeoff.points import Point, settings_of
+from reference.tradeoff.points import Design, settings_of
 from reference.tradeoff.report import as_plain, table
 from reference.tradeoff.results import Results
 from reference.tradeoff.store import open_store
@@ -135,7 +135,7 @@ def run(arguments: argparse.Namespace) -> None:
     UsageError
         Bad input, all of it found before the first ray but a full disk.
     """
-    base = Point(arguments.method, tuple(arguments.set))
+    base = Design(arguments.method, tuple(arguments.set))
     if method_named(base.method).frames is None:
         raise UsageError(
             f"method {base.method!r} does not make frames one by one; name another"
@@ -172,12 +172,12 @@ def run(arguments: argparse.Namespace) -> None:
 
 
 def _sweep(
-    arguments: argparse.Namespace, base: Point, named: Named, animation: Animation
+    arguments: argparse.Namespace, base: Design, named: Named, animation: Animation
 ) -> Sweep:
     method = method_named(base.method)
     if arguments.sweep:
         knobs: tuple[Knob, ...] = knobs_of(arguments.sweep)
-        others: list[Point] = []
+        others: list[Design] = []
     else:
         built_in = built_in_knobs(animation.changes, arguments.bounces)
         knobs, others = usable(built_in, method), methods_beside(base)
@@ -226,7 +226,7 @@ def _truth(
         bounces=sweep.bounces,
         seed=TRUTH_SEED,
         counts={"spp": arguments.spp},
-        settings=PathSettings(pixel=pixel),
+        settings=PathTracerSettings(pixel=pixel),
         aovs=(),
         schedule=Schedule(threads=processors()),
     )

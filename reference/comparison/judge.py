@@ -16,7 +16,7 @@ from reference.comparison.maps import (
     z_map,
 )
 from reference.comparison.page import write_pages
-from reference.comparison.pair import Pair, match
+from reference.comparison.pair import ImagePair, match
 from reference.display import auto_exposure, to_display
 from reference.flip import flip_hdr, flip_ldr
 from reference.images import Floats, Image
@@ -125,7 +125,7 @@ def compare(
     return numbers
 
 
-def _distances(pair: Pair) -> dict[str, Any]:
+def _distances(pair: ImagePair) -> dict[str, Any]:
     a, b = pair.a[pair.finite], pair.b[pair.finite]
     return {
         "mean_a": metrics.channel_means(a),
@@ -139,7 +139,7 @@ def _distances(pair: Pair) -> dict[str, Any]:
     }
 
 
-def _significance(pair: Pair) -> dict[str, Any]:
+def _significance(pair: ImagePair) -> dict[str, Any]:
     """Numbers that need a standard error, as far as it is known."""
     a, b = pair.a[pair.finite], pair.b[pair.finite]
     found = {}
@@ -157,7 +157,7 @@ def _significance(pair: Pair) -> dict[str, Any]:
     return found
 
 
-def _maps(pair: Pair, flip: Floats) -> list[ErrorMap]:
+def _maps(pair: ImagePair, flip: Floats) -> list[ErrorMap]:
     maps = [
         difference_map(pair.a, pair.b),
         relative_error_map(pair.a, pair.b),

@@ -14,7 +14,7 @@ LAYER = "standard_error"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Pair:
+class ImagePair:
     """Image A and the truth B over the same pixels.
 
     Attributes
@@ -47,7 +47,7 @@ class Pair:
         return self.variance_a + self.variance_b
 
 
-def match(a: Image, b: Image, names: tuple[str, str]) -> Pair:
+def match(a: Image, b: Image, names: tuple[str, str]) -> ImagePair:
     """Put image A beside the truth B.
 
     Parameters
@@ -59,7 +59,7 @@ def match(a: Image, b: Image, names: tuple[str, str]) -> Pair:
 
     Returns
     -------
-    Pair
+    ImagePair
         With at least one finite pixel.
 
     Raises
@@ -82,7 +82,7 @@ def match(a: Image, b: Image, names: tuple[str, str]) -> Pair:
     color_a, color_b = (
         np.where(finite, image.color, np.nan).astype(np.float64) for image in (a, b)
     )
-    return Pair(finite_a, finite_b, color_a, color_b, _variance(a), _variance(b))
+    return ImagePair(finite_a, finite_b, color_a, color_b, _variance(a), _variance(b))
 
 
 def _finite(image: Image) -> NDArray[np.bool_]:

@@ -7,7 +7,7 @@ from pathlib import Path
 from reference.comparison import compare
 from reference.demo.page import write_page
 from reference.demo.runs import Runs
-from reference.demo.score import Score
+from reference.demo.score import RunScore
 from reference.demo.strip import strip
 from reference.display import auto_exposure, encode_png, to_display
 from reference.exr import write_exr
@@ -28,7 +28,7 @@ def write_gallery(
     out: Path,
     scene: Scene,
     truth: Image,
-    contenders: Sequence[tuple[Runs, Score]],
+    contenders: Sequence[tuple[Runs, RunScore]],
     remarks: Sequence[str],
 ) -> None:
     """Write everything that there is to look at; ``index.html`` comes last.
@@ -41,7 +41,7 @@ def write_gallery(
         What the pictures show.
     truth : Image
         With its standard error; the caller has written ``truth.exr``.
-    contenders : sequence of (Runs, Score)
+    contenders : sequence of (Runs, RunScore)
         From left to right.
     remarks : sequence of str
         How the numbers came about, for the page.
@@ -72,7 +72,7 @@ def write_gallery(
     write_page(out / "index.html", scene.name, remarks, [s for _, s in contenders])
 
 
-def _caption(runs: Runs, score: Score) -> str:
+def _caption(runs: Runs, score: RunScore) -> str:
     counts = runs.job.counts
     amount = (
         f"frame {counts['frames']}" if "frames" in counts else f"{counts['spp']} spp"

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from rich.table import Table
 
-from reference.demo.score import Score
+from reference.demo.score import RunScore
 from reference.files import write_file
 from reference.reports.page import render_page
 
@@ -18,12 +18,12 @@ COLUMNS = (
 )
 
 
-def cells(score: Score) -> tuple[str, ...]:
+def cells(score: RunScore) -> tuple[str, ...]:
     """Score as text, a cell a column.
 
     Parameters
     ----------
-    score : Score
+    score : RunScore
         Of a method.
 
     Returns
@@ -40,12 +40,12 @@ def cells(score: Score) -> tuple[str, ...]:
     )
 
 
-def table(scores: Sequence[Score], title: str) -> Table:
+def table(scores: Sequence[RunScore], title: str) -> Table:
     """Scores as a table for a terminal.
 
     Parameters
     ----------
-    scores : sequence of Score
+    scores : sequence of RunScore
         A row each.
     title : str
         Above it.
@@ -64,7 +64,7 @@ def table(scores: Sequence[Score], title: str) -> Table:
 
 
 def write_page(
-    path: Path, title: str, remarks: Sequence[str], scores: Sequence[Score]
+    path: Path, title: str, remarks: Sequence[str], scores: Sequence[RunScore]
 ) -> None:
     """Write the page that links everything.
 
@@ -76,7 +76,7 @@ def write_page(
         Name of the scene.
     remarks : sequence of str
         How the numbers came about.
-    scores : sequence of Score
+    scores : sequence of RunScore
         Each with pictures ``NAME.exr``, ``NAME.png`` and a page
         ``NAME/index.html``.
     """

@@ -12,7 +12,7 @@ from reference.moments import Moments
 
 
 @dataclass(frozen=True, slots=True)
-class Score:
+class RunScore:
     """Error of a method.
 
     Attributes
@@ -40,7 +40,7 @@ class Score:
     bias_error: float
 
 
-def scores(truth: Moments, paths: Runs, others: list[Runs]) -> list[Score]:
+def scores(truth: Moments, paths: Runs, others: list[Runs]) -> list[RunScore]:
     """Judge all methods.
 
     Parameters
@@ -54,7 +54,7 @@ def scores(truth: Moments, paths: Runs, others: list[Runs]) -> list[Score]:
 
     Returns
     -------
-    list of Score
+    list of RunScore
         Path tracing first.
     """
     cost = mean_mse(paths, truth) * paths.seconds
@@ -63,7 +63,7 @@ def scores(truth: Moments, paths: Runs, others: list[Runs]) -> list[Score]:
         mse = mean_mse(runs, truth)
         gain = cost / (mse * runs.seconds) if mse > 0 else float("inf")
         bias, error = relative_bias(runs.colors, truth)
-        found.append(Score(runs.method.name, runs.seconds, mse, gain, bias, error))
+        found.append(RunScore(runs.method.name, runs.seconds, mse, gain, bias, error))
     return found
 
 

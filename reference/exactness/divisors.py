@@ -8,12 +8,12 @@ from reference.arrays import Scalars
 from reference.exactness.draws import Draws, weights
 from reference.exactness.kernel import Inputs, Kernel, Row
 from reference.exactness.numbers import Exact, exact
-from reference.light_shares import balance
+from reference.light_mis import balance
 from reference.resampling.jacobian_limits import clamp_jacobian, within_limit
 from reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
 from reference.resampling.pairwise import pairwise_canonical, pairwise_donor
 
-DONORS = 8
+SOURCES = 8
 LIMIT, CAP = 10.0, 30.0
 
 _LIMITS = "weights at their limits"
@@ -22,13 +22,13 @@ _LIMITS = "weights at their limits"
 # ------------------------------------------------------------------ divisors
 
 
-def _draw_donors(draws: Draws) -> dict[str, Scalars]:
-    M = {f"M_{k}": draws("confidence") for k in range(DONORS)}
-    return M | {f"p_{k}": draws("weight") for k in range(DONORS)}
+def _draw_sources(draws: Draws) -> dict[str, Scalars]:
+    M = {f"M_{k}": draws("confidence") for k in range(SOURCES)}
+    return M | {f"p_{k}": draws("weight") for k in range(SOURCES)}
 
 
 def _columns(given: Inputs) -> tuple[list[Scalars], list[Scalars]]:
-    columns = [[given[f"{name}_{k}"] for k in range(DONORS)] for name in "Mp"]
+    columns = [[given[f"{name}_{k}"] for k in range(SOURCES)] for name in "Mp"]
     return columns[0], columns[1]
 
 
@@ -42,9 +42,9 @@ def _total(terms: list[Exact]) -> Exact:
 _SUM = "exact up to 2¹¹, 2²⁴, 2⁵³; rounded beyond; 0 for none"
 
 ONE_OVER_M = Kernel(
-    "divisor of 1/M", "temporal", _draw_donors,
+    "divisor of 1/M", "temporal", _draw_sources,
     lambda given: one_over_m(_columns(given)[0]),
-    lambda row: _total([row[f"M_{k}"] for k in range(DONORS)]),
+    lambda row: _total([row[f"M_{k}"] for k in range(SOURCES)]),
     {"confidence": _SUM, _LIMITS: "does not look at them"},
     saturates=True,
 )  # fmt: skip
@@ -56,23 +56,23 @@ def _run_z(given: Inputs) -> Scalars:
 
 
 ONE_OVER_Z = Kernel(
-    "divisor of 1/Z", "spatial", _draw_donors, _run_z,
+    "divisor of 1/Z", "spatial", _draw_sources, _run_z,
     lambda row: _total(
-        [row[f"M_{k}"] * int(row[f"p_{k}"].value > 0) for k in range(DONORS)]
+        [row[f"M_{k}"] * int(row[f"p_{k}"].value > 0) for k in range(SOURCES)]
     ),
     {"confidence": _SUM, _LIMITS: "counts those with p̂ > 0, also subnormal ones"},
     saturates=True,
 )  # fmt: skip
 
 
-def _run_balance_of_donors(given: Inputs) -> Scalars:
+def _run_balance_of_sources(given: Inputs) -> Scalars:
     M, p = _columns(given)
     return balance_heuristic(M, p, p[0])
 
 
-BALANCE_OF_DONORS = Kernel(
-    "divisor of the balance heuristic", "", _draw_donors, _run_balance_of_donors,
-    lambda row: _total([row[f"M_{k}"] * row[f"p_{k}"] for k in range(DONORS)])
+BALANCE_OF_SOURCES = Kernel(
+    "divisor of the balance heuristic", "", _draw_sources, _run_balance_of_sources,
+    lambda row: _total([row[f"M_{k}"] * row[f"p_{k}"] for k in range(SOURCES)])
     / row["p_0"],
     {
         "confidence": "0 for none",
@@ -90,7 +90,7 @@ def _share(M_a: Exact, p_a: Exact, M_b: Exact, p_b: Exact) -> Exact:
 
 def _draw_pairwise(draws: Draws) -> dict[str, Scalars]:
     M_k, M_c = draws("confidence"), draws("confidence")
-    # The donors' sum holds the donor's own confidence.
+    # The sources' sum holds the source's own confidence.
     S = M_k + draws("confidence")
     p_k, p_c = draws("weight"), draws("weight")
     return {"M_k": M_k, "p_k": p_k, "M_c": M_c, "p_c": p_c, "S": S}
@@ -101,11 +101,11 @@ def _run_pairwise(given: Inputs) -> Scalars:
 
 
 PAIRWISE = Kernel(
-    "pairwise share of a donor", "", _draw_pairwise, _run_pairwise,
+    "pairwise share of a source", "", _draw_pairwise, _run_pairwise,
     lambda row: row["M_k"]
     * _share(row["S"], row["p_k"], row["M_c"], row["p_c"])
     / (row["S"] + row["M_c"]),
-    {"confidence": "0 without a donor", _LIMITS: "0 to 1; 0 where both targets are"},
+    {"confidence": "0 without a source", _LIMITS: "0 to 1; 0 where both targets are"},
 )  # fmt: skip
 
 
@@ -115,14 +115,14 @@ def _run_canonical(given: Inputs) -> Scalars:
 
 
 def _canonical(row: Row) -> Any:
-    M, p = ([row[f"{name}_{k}"] for k in range(DONORS)] for name in "Mp")
+    M, p = ([row[f"{name}_{k}"] for k in range(SOURCES)] for name in "Mp")
     S = _total(M[1:])
-    shares = [M[k] * _share(M[0], p[0], S, p[k]) for k in range(1, DONORS)]
+    shares = [M[k] * _share(M[0], p[0], S, p[k]) for k in range(1, SOURCES)]
     return (_total(shares) + M[0]) / (S + M[0])
 
 
 CANONICAL = Kernel(
-    "pairwise share of one's own", "", _draw_donors, _run_canonical, _canonical,
+    "pairwise share of one's own", "", _draw_sources, _run_canonical, _canonical,
     {"confidence": "0 for none at all", _LIMITS: "0 to 1; 0 where all targets are"},
 )  # fmt: skip
 
@@ -180,6 +180,6 @@ WITHIN = Kernel(
 )  # fmt: skip
 
 DIVISORS = (
-    ONE_OVER_M, ONE_OVER_Z, BALANCE_OF_DONORS, PAIRWISE, CANONICAL, LIGHT_BALANCE,
+    ONE_OVER_M, ONE_OVER_Z, BALANCE_OF_SOURCES, PAIRWISE, CANONICAL, LIGHT_BALANCE,
     CLAMP, WITHIN,
 )  # fmt: skip

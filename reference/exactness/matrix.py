@@ -16,7 +16,7 @@ TYPES: tuple[Any, ...] = (np.float16, np.float32, np.float64)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Cell:
+class MatrixCell:
     """A kernel at an extreme in a type.
 
     Attributes
@@ -64,7 +64,7 @@ def reads(kernel: Kernel, extreme: Extreme) -> bool:
     return not extreme.drives or bool(draws.read & set(extreme.drives))
 
 
-def cell(kernel: Kernel, extreme: Extreme, dtype: Any, rows: int) -> Cell:
+def cell(kernel: Kernel, extreme: Extreme, dtype: Any, rows: int) -> MatrixCell:
     """Draw, run and judge one cell.
 
     Parameters
@@ -80,7 +80,7 @@ def cell(kernel: Kernel, extreme: Extreme, dtype: Any, rows: int) -> Cell:
 
     Returns
     -------
-    Cell
+    MatrixCell
         With its inputs.
     """
     name = np.dtype(dtype).name
@@ -90,7 +90,7 @@ def cell(kernel: Kernel, extreme: Extreme, dtype: Any, rows: int) -> Cell:
     return judged_cell(kernel, extreme.name, inputs)
 
 
-def judged_cell(kernel: Kernel, extreme: str, inputs: Inputs) -> Cell:
+def judged_cell(kernel: Kernel, extreme: str, inputs: Inputs) -> MatrixCell:
     """Run and judge a kernel on rows that are there.
 
     Parameters
@@ -104,7 +104,7 @@ def judged_cell(kernel: Kernel, extreme: str, inputs: Inputs) -> Cell:
 
     Returns
     -------
-    Cell
+    MatrixCell
         A warning is a fault; what was calculated is judged all the same.
     """
     dtype = next(iter(inputs.values())).dtype
@@ -117,14 +117,14 @@ def judged_cell(kernel: Kernel, extreme: str, inputs: Inputs) -> Cell:
         with np.errstate(all="ignore"):
             found = kernel.run(inputs)
     judged = judge(kernel, inputs, found, type_of(dtype))
-    return Cell(kernel.name, extreme, dtype.name, inputs, judged, fault)
+    return MatrixCell(kernel.name, extreme, dtype.name, inputs, judged, fault)
 
 
 def matrix(
     kernels: tuple[Kernel, ...],
     rows: int,
     tell: Callable[[int, int], None] = lambda done, total: None,
-) -> list[Cell]:
+) -> list[MatrixCell]:
     """All cells.
 
     Parameters
@@ -138,7 +138,7 @@ def matrix(
 
     Returns
     -------
-    list of Cell
+    list of MatrixCell
         By kernel, extreme and type; without what a kernel cannot meet.
     """
     asked = [(k, e, t) for k in kernels for e in EXTREMES if reads(k, e) for t in TYPES]

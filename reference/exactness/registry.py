@@ -1,9 +1,8 @@
-"""All kernels of the matrix: those of this floor, and what packages announce."""
+"""All kernels of the matrix: those of this floor, and those of plug-ins."""
 
 from collections.abc import Mapping
 from functools import cache
 
-from reference.announced import announced, announced_names
 from reference.exactness.divisors import DIVISORS
 from reference.exactness.geometry import GEOMETRY
 from reference.exactness.kernel import Kernel
@@ -12,6 +11,7 @@ from reference.exactness.sampling import SAMPLING
 from reference.exactness.storage import STORAGE
 from reference.exactness.targets import TARGETS
 from reference.exactness.weights import WEIGHTS
+from reference.plugins import find_plugin, plugin_names
 
 GROUP = "restir.kernels"
 
@@ -28,11 +28,11 @@ def kernels() -> tuple[Kernel, ...]:
     Returns
     -------
     tuple of Kernel
-        Those that packages announce through the entry-point group ``restir.kernels``
+        Those that packages register through the entry-point group ``restir.kernels``
         come last.
     """
-    names = announced_names(GROUP)
-    theirs = (announced(GROUP, name, Kernel, "kernel") for name in names)
+    names = plugin_names(GROUP)
+    theirs = (find_plugin(GROUP, name, Kernel, "kernel") for name in names)
     return (*OWN, *(kernel for kernel in theirs if kernel is not None))
 
 

@@ -37,7 +37,7 @@ and those before a cosine count κ times, κ = Σ |n_i v_i| / |n·v|."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Geometry:
+class PatchGeometry:
     """Visible points and a sample point, N rows of float64."""
 
     x_from: Vec3s
@@ -121,15 +121,15 @@ def _far_from_the_origin(dtype: Any, draws: int) -> tuple[Scalars, Scalars]:
     return np.array(kernel), np.array(places)
 
 
-def _moved(g: Geometry, offset: float, dtype: Any) -> Geometry:
+def _moved(g: PatchGeometry, offset: float, dtype: Any) -> PatchGeometry:
     """The same geometry away from the origin, rounded to a type; no J is changed."""
     moved = (g.x_from + offset, g.x_to + offset, g.position + offset, g.normal)
     with np.errstate(over="ignore"):
-        return Geometry(*(a.astype(dtype).astype(float) for a in moved))
+        return PatchGeometry(*(a.astype(dtype).astype(float) for a in moved))
 
 
-def _geometry(cosine: Scalars, ratio: Scalars) -> Geometry:
-    """Patches seen at a cosine, from a distance of ratio times the donor's."""
+def _geometry(cosine: Scalars, ratio: Scalars) -> PatchGeometry:
+    """Patches seen at a cosine, from a distance of ratio times the source's."""
     rng = np.random.default_rng(0)
     count = len(cosine)
 
@@ -142,14 +142,14 @@ def _geometry(cosine: Scalars, ratio: Scalars) -> Geometry:
     x_from = around(rng.uniform(0.3, 1.0, count)) @ turn
     x_to = ratio[:, None] * around(cosine) @ turn
     normal = np.tile(turn[2], (count, 1))
-    return Geometry(x_from, x_to, np.zeros((count, 3)), normal)
+    return PatchGeometry(x_from, x_to, np.zeros((count, 3)), normal)
 
 
-def _parts(g: Geometry) -> tuple[Vec3s, Vec3s, Vec3s, Vec3s]:
+def _parts(g: PatchGeometry) -> tuple[Vec3s, Vec3s, Vec3s, Vec3s]:
     return g.x_from, g.x_to, g.position, g.normal
 
 
-def _exact(g: Geometry) -> list[Any]:
+def _exact(g: PatchGeometry) -> list[Any]:
     """J of each row, mpf."""
     names = ("x_from", "x_to", "position", "normal")
     rows = zip(*_parts(g), strict=True)
@@ -157,7 +157,7 @@ def _exact(g: Geometry) -> list[Any]:
     return [JACOBIAN.formula(dict(zip(names, row, strict=True))).value for row in given]
 
 
-def _judged(g: Geometry, dtype: Any) -> tuple[Scalars, Scalars]:
+def _judged(g: PatchGeometry, dtype: Any) -> tuple[Scalars, Scalars]:
     """Error of each row in eps, and as a share of the bound; 0 for rows without J."""
     found = reconnection_jacobian(*(a.astype(dtype) for a in _parts(g)))
     eps = EXACT.mpf(float(np.finfo(dtype).eps))
@@ -171,7 +171,7 @@ def _judged(g: Geometry, dtype: Any) -> tuple[Scalars, Scalars]:
     return error, error / bound
 
 
-def _condition(g: Geometry, eye: Vec3s) -> Scalars:
+def _condition(g: PatchGeometry, eye: Vec3s) -> Scalars:
     parts = (eye - g.position) * g.normal
     height = np.abs(dot(eye - g.position, g.normal))
     known = height > 0

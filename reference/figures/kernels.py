@@ -6,7 +6,7 @@ import numpy as np
 
 from reference.arrays import Scalars
 from reference.exactness.extremes import EXTREMES
-from reference.exactness.matrix import TYPES, Cell, matrix
+from reference.exactness.matrix import TYPES, MatrixCell, matrix
 from reference.exactness.registry import kernels
 from reference.figures.canvas import QUIET, blank
 from reference.figures.record import PaperFigure, Row, Work
@@ -48,7 +48,7 @@ def kernels_at_extremes(work: Work) -> PaperFigure:
     )
 
 
-def _row(cell: Cell) -> Row:
+def _row(cell: MatrixCell) -> Row:
     ulp = cell.judged.ulp
     return {
         "kernel": cell.kernel,
@@ -62,7 +62,7 @@ def _row(cell: Cell) -> Row:
     }
 
 
-def _picture(cells: list[Cell]) -> "Figure":
+def _picture(cells: list[MatrixCell]) -> "Figure":
     rows = [kernel.name for kernel in kernels()]
     columns = [extreme.name for extreme in EXTREMES]
     picture = blank(14, 15)

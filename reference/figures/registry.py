@@ -1,9 +1,8 @@
-"""The figures by name: those of the ReSTIR GI paper, and what packages announce."""
+"""The figures by name: those of the ReSTIR GI paper, and those of plug-ins."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from reference.announced import announced, announced_names
 from reference.errors import UsageError
 from reference.figures import (
     bias,
@@ -16,11 +15,12 @@ from reference.figures import (
     validation,
 )
 from reference.figures.record import PaperFigure, Work
+from reference.plugins import find_plugin, plugin_names
 from reference.suggestions import unknown
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class FigureEntry:
     """A figure that can be asked for.
 
     Attributes
@@ -45,19 +45,19 @@ class Entry:
 
 
 _ENTRIES = (
-    Entry(equal_time.NAME, equal_time.equal_time, 32, ("1", "13")),
-    Entry(jacobian.NAME, jacobian.jacobian, 16, ("7",)),
-    Entry(bounces.NAME, bounces.bounces, 8, ("8",)),
-    Entry(bias.NAME, bias.bias, 16, ("9",), 4),
-    Entry(validation.NAME, validation.validation, 8, ("11",)),
-    Entry(source.NAME, source.source, 32, ("14",)),
-    Entry(extremes.NAME, extremes.extremes, 32, ()),
-    Entry(kernels.NAME, kernels.kernels_at_extremes, 64, ()),
+    FigureEntry(equal_time.NAME, equal_time.equal_time, 32, ("1", "13")),
+    FigureEntry(jacobian.NAME, jacobian.jacobian, 16, ("7",)),
+    FigureEntry(bounces.NAME, bounces.bounces, 8, ("8",)),
+    FigureEntry(bias.NAME, bias.bias, 16, ("9",), 4),
+    FigureEntry(validation.NAME, validation.validation, 8, ("11",)),
+    FigureEntry(source.NAME, source.source, 32, ("14",)),
+    FigureEntry(extremes.NAME, extremes.extremes, 32, ()),
+    FigureEntry(kernels.NAME, kernels.kernels_at_extremes, 64, ()),
 )
 
 GROUP = "restir.figures"
 
-FIGURES: dict[str, Entry] = {entry.name: entry for entry in _ENTRIES}
+FIGURES: dict[str, FigureEntry] = {entry.name: entry for entry in _ENTRIES}
 """The paper's, by name, in the order in which they are made."""
 
 
@@ -69,11 +69,11 @@ def figure_names() -> list[str]:
     list of str
         The paper's first.  Nothing is imported.
     """
-    theirs = [name for name in announced_names(GROUP) if name not in FIGURES]
+    theirs = [name for name in plugin_names(GROUP) if name not in FIGURES]
     return [*FIGURES, *theirs]
 
 
-def find_figure(name: str) -> Entry:
+def find_figure(name: str) -> FigureEntry:
     """Figure of a name.
 
     Parameters
@@ -83,7 +83,7 @@ def find_figure(name: str) -> Entry:
 
     Returns
     -------
-    Entry
+    FigureEntry
         Not made yet.
 
     Raises
@@ -97,7 +97,7 @@ def find_figure(name: str) -> Entry:
     for entry in _ENTRIES:
         if name in entry.numbers:
             return entry
-    found = announced(GROUP, name, Entry, "figure")
+    found = find_plugin(GROUP, name, FigureEntry, "figure")
     if found is not None:
         return found
     names = figure_names()

@@ -1,10 +1,10 @@
-"""Methods by name: the built-in ones, and those that other packages announce."""
+"""Methods by name: the built-in ones, and those of plug-ins."""
 
-from reference.announced import announced, announced_names
 from reference.errors import UsageError
 from reference.methods.method import Method
 from reference.methods.path import PATH
 from reference.methods.restir_gi import BIASED, UNBIASED
+from reference.plugins import find_plugin, plugin_names
 from reference.suggestions import unknown
 
 GROUP = "restir.methods"
@@ -19,7 +19,7 @@ def method_names() -> list[str]:
     list of str
         The built-in ones first.  Nothing is imported.
     """
-    theirs = [name for name in announced_names(GROUP) if name not in BUILT_IN]
+    theirs = [name for name in plugin_names(GROUP) if name not in BUILT_IN]
     return [*BUILT_IN, *theirs]
 
 
@@ -41,7 +41,7 @@ def method_named(name: str) -> Method:
     UsageError
         No such name, or its package is broken; the message names the package.
     """
-    found = BUILT_IN.get(name) or announced(GROUP, name, Method, "method")
+    found = BUILT_IN.get(name) or find_plugin(GROUP, name, Method, "method")
     if found is None:
         raise UsageError(unknown("method", name, method_names()))
     return found

@@ -1,6 +1,6 @@
 """What a method is, to the command line and to packages that bring one along.
 
-A package announces a method by an entry point of the group ``restir.methods``, here in
+A package registers a method by an entry point of the group ``restir.methods``, here in
 its ``pyproject.toml``::
 
     [project.entry-points."restir.methods"]

@@ -18,7 +18,7 @@ from reference.world import World, next_world
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PathSettings:
+class PathTracerSettings:
     """Settings of path tracing.
 
     Attributes
@@ -157,7 +157,7 @@ PATH = Method(
     name="path",
     summary="Path tracing with next-event estimation, independent samples",
     counts={"spp": 32},
-    settings=PathSettings(),
+    settings=PathTracerSettings(),
     aovs={
         "direct": "light that was never reflected before the visible point",
         "indirect": "the rest",

@@ -53,7 +53,7 @@ class RestirSettings(Settings):
         if self.lattice > 1 and not (self.spatial and self.reuse == "separate"):
             raise ValueError(
                 f"lattice={self.lattice} needs spatial=true and reuse=separate: pixels"
-                " without a reservoir live on those around them"
+                " without a reservoir reuse those of their neighbours"
             )
 
 

@@ -1,1 +1,1 @@
-"""The oracle: a verdict on anybody's backend, rung by rung."""
+"""The oracle: a verdict on anybody's backend, level by level."""

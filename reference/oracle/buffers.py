@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from reference.arrays import Indices
 from reference.oracle.cases import Buffers
 from reference.oracle.contract.fields import Precision, dtype_of
-from reference.oracle.stage import Stage
+from reference.oracle.prepared_frame import PreparedFrame
 from reference.records import take
 from reference.resampling.reservoir import Reservoirs, Samples
 
@@ -54,12 +54,14 @@ def prefixed(prefix: str, buffers: Buffers) -> dict[str, NDArray[Any]]:
     return {f"{prefix}_{name}": array for name, array in buffers.items()}
 
 
-def receivers(at: Stage, rows: Indices | None = None) -> dict[str, NDArray[Any]]:
+def receivers(
+    at: PreparedFrame, rows: Indices | None = None
+) -> dict[str, NDArray[Any]]:
     """Visible points as buffers.
 
     Parameters
     ----------
-    at : Stage
+    at : PreparedFrame
         A frame.
     rows : (N,) int, optional
         Which; by default all in order.

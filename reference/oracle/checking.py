@@ -9,15 +9,15 @@ from pathlib import Path
 from typing import Any
 
 from reference.errors import UsageError
-from reference.oracle.afar import Reached, rungs_afar
 from reference.oracle.backends.open import open_backend
 from reference.oracle.backends.running import Limits
 from reference.oracle.cases import UnaskedError
 from reference.oracle.contract.fields import Precision
+from reference.oracle.distributed import Reached, distributed_levels
 from reference.oracle.golden import read_golden
-from reference.oracle.ladder import golden_rungs, ladder, statistical_rungs
+from reference.oracle.ladder import golden_levels, ladder, statistical_levels
 from reference.oracle.parts import whole_contract
-from reference.oracle.verdict import Verdict, climb
+from reference.oracle.verdict import Verdict, run_ladder
 
 
 def _silent(title: str) -> None:
@@ -82,22 +82,22 @@ def judge(
     try:
         if golden and opened.precision != golden[0]:
             raise UsageError(
-                f"{against} is of {golden[0]}, and the backend calculates in"
-                f" {opened.precision}; make one by restir golden --precision"
+                f"{against} holds {golden[0]} data, but the backend calculates in"
+                f" {opened.precision}; make new data with restir golden --precision"
             )
         if golden:
-            rungs = golden_rungs(passes, opened, golden[1])
+            levels = golden_levels(passes, opened, golden[1])
         else:
-            rungs = ladder(passes, opened)
+            levels = ladder(passes, opened)
             if statistics and executor:
                 reached = Reached(backend, limits or Limits(), given)
-                runs = rungs_afar(reached, opened, executor, remaining)
-                rungs = chain(rungs, runs)
+                runs = distributed_levels(reached, opened, executor, remaining)
+                levels = chain(levels, runs)
             elif statistics:
-                runs = statistical_rungs(passes, opened, remaining)
-                rungs = chain(rungs, runs)
+                runs = statistical_levels(passes, opened, remaining)
+                levels = chain(levels, runs)
         clock = time.monotonic
-        verdict = climb(passes, opened.precision, rungs, remaining(), clock, tell)
+        verdict = run_ladder(passes, opened.precision, levels, remaining(), clock, tell)
     except BaseException:
         opened.close()
         raise
@@ -119,7 +119,7 @@ def told(verdict: Verdict) -> str:
     """
     lines = [f"the backend is wrong ({verdict.status}):"]
     for timed in verdict.steps:
-        lines += [f"  {timed.step.rung} {text}" for text in timed.step.faults[:3]]
+        lines += [f"  {timed.step.level} {text}" for text in timed.step.faults[:3]]
     for one in verdict.diagnoses:
         names = " or ".join(f"{h.name} ({h.mistake})" for h in one.matches)
         lines.append(f"  {one.pass_name}: {names or 'no known mistake'}")

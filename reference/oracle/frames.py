@@ -10,20 +10,20 @@ from reference.arrays import Indices, Masks
 from reference.oracle.buffers import given, prefixed, receivers, reservoirs, samples
 from reference.oracle.cases import Case
 from reference.oracle.contract.fields import Precision, Value
-from reference.oracle.sight import made_it
-from reference.oracle.stage import CAPS, NEIGHBORS, SIMILARITY, Stage
+from reference.oracle.prepared_frame import CAPS, NEIGHBORS, SIMILARITY, PreparedFrame
+from reference.oracle.visibility import made_it
 from reference.passes.pixels import sees
 from reference.records import take
 from reference.resampling.reservoir import Samples
 from reference.rng import Stream
 
 
-def frame_cases(at: Stage, precision: Precision) -> Iterator[Case]:
+def frame_cases(at: PreparedFrame, precision: Precision) -> Iterator[Case]:
     """One case of each pass of the algorithm, and of each weight of Algorithm 4.
 
     Parameters
     ----------
-    at : Stage
+    at : PreparedFrame
         A frame of a scene.
     precision : 'float32' or 'float64'
         In which the inputs are given.
@@ -60,12 +60,12 @@ def frame_cases(at: Stage, precision: Precision) -> Iterator[Case]:
     yield case("temporal", "", settings, x | past | new | decides)
 
     rows = np.where(at.neighbors[:, 0] >= 0, at.neighbors[:, 0], np.arange(size * size))
-    elsewhere = prefixed("past", receivers(at, rows))
+    history = prefixed("past", receivers(at, rows))
     moved = prefixed("past", reservoirs(take(at.last.temporal, rows)))
     visible = {"visible": _who_sees_when_moved(at, rows)}
     for mis in ("1/Z", "1/M"):
         settings = {"target": "scattered", "cap": CAPS["moved"], "mis": mis}
-        inputs = x | elsewhere | moved | new | decides | visible
+        inputs = x | history | moved | new | decides | visible
         yield case("moved", mis.replace("/", ""), settings, inputs)
 
     draws = [at.uniforms(Stream.SPATIAL).draw(s) for s in range(NEIGHBORS)]
@@ -91,36 +91,41 @@ def frame_cases(at: Stage, precision: Precision) -> Iterator[Case]:
     yield case("shade", "", {}, x | kept)
 
 
-def _sees(at: Stage, viewer: Indices, y: Samples, made: Masks) -> NDArray[np.uint32]:
+def _sees(
+    at: PreparedFrame, viewer: Indices, y: Samples, made: Masks
+) -> NDArray[np.uint32]:
     x = take(at.last.visible.surface.viewpoints, np.maximum(viewer, 0))
     asked = (viewer >= 0) & ~made
     return (sees(at.world, x, y, asked) | made).astype(np.uint32)
 
 
-def _who_sees(at: Stage) -> NDArray[np.uint32]:
+def _who_sees(at: PreparedFrame) -> NDArray[np.uint32]:
     """Bits of pass ``spatial``."""
     rows = np.arange(len(at.neighbors))
     around = [at.neighbors[:, k] for k in range(NEIGHBORS)]
     y = at.last.temporal.y
-    lent = [y, *(take(y, np.maximum(row, 0)) for row in around), at.last.spatial.y]
+    samples = [y, *(take(y, np.maximum(row, 0)) for row in around), at.last.spatial.y]
     makers = [rows, *around, rows]
-    return _bits(at, [rows, *around], lent, makers)
+    return _bits(at, [rows, *around], samples, makers)
 
 
-def _who_sees_when_moved(at: Stage, rows: Indices) -> NDArray[np.uint32]:
+def _who_sees_when_moved(at: PreparedFrame, rows: Indices) -> NDArray[np.uint32]:
     """Bits of pass ``moved``."""
     here = np.arange(len(rows))
-    lent = [at.initial.y, take(at.last.temporal.y, rows)]
-    return _bits(at, [here, rows], lent, [here, rows])
+    samples = [at.initial.y, take(at.last.temporal.y, rows)]
+    return _bits(at, [here, rows], samples, [here, rows])
 
 
 def _bits(
-    at: Stage, viewers: list[Indices], lent: list[Samples], makers: list[Indices]
+    at: PreparedFrame,
+    viewers: list[Indices],
+    samples: list[Samples],
+    makers: list[Indices],
 ) -> NDArray[np.uint32]:
     words = np.zeros((len(at.neighbors), len(viewers)), np.uint32)
-    places = [y.position for y in lent]
+    places = [y.position for y in samples]
     for column, viewer in enumerate(viewers):
-        for bit, y in enumerate(lent):
+        for bit, y in enumerate(samples):
             seen = _sees(at, viewer, y, made_it(viewer, y.position, makers, places))
             words[:, column] |= seen << np.uint32(bit)
     return words

@@ -25,13 +25,13 @@ from reference.oracle.builtin.backend import BuiltIn
 from reference.oracle.cases import Case
 from reference.oracle.contract.fields import Passes, Precision
 from reference.oracle.exr_frames import write_frames
+from reference.oracle.levels.exact import exact_outputs, examined_exactly
+from reference.oracle.levels.kernels import kernel_probes
+from reference.oracle.levels.lattice import lattice_probes
+from reference.oracle.levels.probe import Probe
+from reference.oracle.levels.replayed import replayed
 from reference.oracle.parts import parts
 from reference.oracle.raw import read_cases, write_cases
-from reference.oracle.rungs.exact import exact_outputs, examined_exactly
-from reference.oracle.rungs.kernels import kernel_probes
-from reference.oracle.rungs.lattice import lattice_probes
-from reference.oracle.rungs.probe import Probe
-from reference.oracle.rungs.replayed import replayed
 from reference.version import project_version
 
 MANIFEST, FORM = "manifest.json", "restir-golden 1"
@@ -223,7 +223,7 @@ def _entry(probe: Probe) -> dict[str, Any]:
     return {
         "name": case.name,
         "pass": case.pass_name,
-        "rung": probe.rung,
+        "rung": probe.level,
         "rows": case.rows,
         "random": case.random,
         "width": case.width,
@@ -245,13 +245,13 @@ def _files_of_ours(folder: Path) -> list[str]:
             raise ValueError
     except (UsageError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise UsageError(
-            f"--out {folder} holds something else than golden data; name another"
+            f"--out {folder} holds other files than golden data; name another"
         ) from error
     listed = manifest.get("files")
     if not isinstance(listed, list) or not all(isinstance(n, str) for n in listed):
         raise UsageError(
-            f"--out {folder} is of a version that did not list its files; delete it, or"
-            " name another"
+            f"--out {folder} comes from a version that did not list its files; delete"
+            " it, or name another"
         )
     return [name for name in listed if _is_ours(folder, name)]
 

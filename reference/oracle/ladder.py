@@ -1,4 +1,4 @@
-"""The ladder: every rung in turn, the cheap ones first."""
+"""The ladder: every level in turn, the cheap ones first."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -8,26 +8,26 @@ from reference.oracle.backends.backend import Backend
 from reference.oracle.contract.fields import Passes, Precision
 from reference.oracle.diagnosis.hypothesis import Departure
 from reference.oracle.frames import frame_cases
+from reference.oracle.levels.distribution import SCENES as DISTRIBUTION_SCENES
+from reference.oracle.levels.distribution import same_distribution
+from reference.oracle.levels.kernels import kernel_probes
+from reference.oracle.levels.lattice import lattice_probes
+from reference.oracle.levels.means import Batches, Mean, mean_over_runs
+from reference.oracle.levels.probe import Finding, Probe
+from reference.oracle.levels.relations import relations_of
+from reference.oracle.levels.replayed import replayed
+from reference.oracle.levels.spheres import furnace, half_lit
 from reference.oracle.loop import Ask
 from reference.oracle.parts import Frames, no_frames, parts
-from reference.oracle.rungs.kernels import kernel_probes
-from reference.oracle.rungs.lattice import lattice_probes
-from reference.oracle.rungs.law import SCENES as LAW_SCENES
-from reference.oracle.rungs.law import same_law
-from reference.oracle.rungs.means import Batches, Mean, mean_over_runs
-from reference.oracle.rungs.probe import Finding, Probe
-from reference.oracle.rungs.relations import relations_of
-from reference.oracle.rungs.replayed import replayed
-from reference.oracle.rungs.spheres import furnace, half_lit
-from reference.oracle.stage import SCENES, stage
-from reference.oracle.steps import Rung, Step, asked, taken
+from reference.oracle.prepared_frame import SCENES, prepare_frame
+from reference.oracle.steps import Level, LevelStep, asked, taken
 from reference.scene.catalogue.registry import find_scene
 
 SIZE, SEED = 48, 1
 
 
-def ladder(passes: Passes, backend: Backend) -> Iterator[Rung]:
-    """Rungs of a backend that can be asked.
+def ladder(passes: Passes, backend: Backend) -> Iterator[Level]:
+    """Levels of a backend that can be asked.
 
     Parameters
     ----------
@@ -38,54 +38,56 @@ def ladder(passes: Passes, backend: Backend) -> Iterator[Rung]:
 
     Yields
     ------
-    rung, title : str
+    level, title : str
         Of the next step.
     callable
         Takes it.
     """
     precision = backend.precision
 
-    def rung_of(rung: str, title: str, probes: Callable[[], Sequence[Probe]]) -> Rung:
-        return rung, title, lambda: asked(rung, title, passes, backend, probes())
+    def level_of(
+        level: str, title: str, probes: Callable[[], Sequence[Probe]]
+    ) -> Level:
+        return level, title, lambda: asked(level, title, passes, backend, probes())
 
     questions = [(part, part.probes(precision)) for part in parts()]
 
-    def of_parts(rung: str) -> Iterator[Rung]:
+    def of_parts(level: str) -> Iterator[Level]:
         for part, probes in questions:
-            chosen = [probe for probe in probes if probe.rung == rung]
+            chosen = [probe for probe in probes if probe.level == level]
             if chosen:
-                more = part.frames if rung == "L3" else no_frames
-                about = rung, part.title, chosen, more
+                more = part.frames if level == "L3" else no_frames
+                about = level, part.title, chosen, more
                 take = partial(_asked_of_part, passes, backend, *about)
-                yield rung, part.title, take
+                yield level, part.title, take
 
-    yield rung_of("L0", "kernels", partial(kernel_probes, precision))
+    yield level_of("L0", "kernels", partial(kernel_probes, precision))
     yield from of_parts("L0")
-    yield rung_of("L1", "lattices", partial(lattice_probes, precision))
+    yield level_of("L1", "lattices", partial(lattice_probes, precision))
     yield from of_parts("L1")
     yield "L2", "spheres", partial(_spheres, passes, backend)
     yield "L2", "relations", partial(_relations, passes, backend)
     yield from of_parts("L2")
     for scene in SCENES:
-        yield rung_of("L3", scene, partial(scene_probes, scene, precision))
+        yield level_of("L3", scene, partial(scene_probes, scene, precision))
     yield from of_parts("L3")
 
 
 def _asked_of_part(
     passes: Passes,
     backend: Backend,
-    rung: str,
+    level: str,
     title: str,
     probes: list[Probe],
     frames: Frames,
-) -> Step:
+) -> LevelStep:
     """A step of a part: frames are made for a backend that has the passes alone."""
-    step = asked(rung, title, passes, backend, probes)
+    step = asked(level, title, passes, backend, probes)
     names = {a.probe.case.pass_name for a in step.answers if a.finding is not None}
     more = frames(backend.precision, frozenset(names))
     if not more:
         return step
-    rest = asked(rung, title, passes, backend, more)
+    rest = asked(level, title, passes, backend, more)
     return replace(
         step,
         answers=step.answers + rest.answers,
@@ -93,14 +95,14 @@ def _asked_of_part(
     )
 
 
-def statistical_rungs(
+def statistical_levels(
     passes: Passes,
     backend: Backend,
     remaining: Callable[[], float],
     batches: Batches | None = None,
-    laws: Mapping[str, Callable[[], Step]] | None = None,
-) -> Iterator[Rung]:
-    """Rungs of whole runs, which take as long as they may.
+    distributions: Mapping[str, Callable[[], LevelStep]] | None = None,
+) -> Iterator[Level]:
+    """Levels of whole runs, which take as long as they may.
 
     Parameters
     ----------
@@ -113,26 +115,30 @@ def statistical_rungs(
     batches : callable, optional
         From the seed of a batch to its replicates and those of the seeds after it, by
         other processes; the first batch is made here.
-    laws : mapping of str to callable, optional
-        What takes the step of each scene elsewhere.
+    distributions : mapping of str to callable, optional
+        What takes the step of each scene in another process.
 
     Yields
     ------
-    rung, title : str
+    level, title : str
         Of the next step.
     callable
         Takes it.
     """
     yield "L4", "mean", partial(_mean, passes, backend, remaining, batches)
-    for scene in LAW_SCENES:
-        here = partial(law_step, passes, backend, scene)
-        yield "L4", f"law in {scene}", laws[scene] if laws else here
+    for scene in DISTRIBUTION_SCENES:
+        here = partial(distribution_step, passes, backend, scene)
+        yield (
+            "L4",
+            f"distribution in {scene}",
+            distributions[scene] if distributions else here,
+        )
 
 
-def golden_rungs(
+def golden_levels(
     passes: Passes, backend: Backend, probes: list[Probe]
-) -> Iterator[Rung]:
-    """Rungs of a golden folder.
+) -> Iterator[Level]:
+    """Levels of a golden folder.
 
     Parameters
     ----------
@@ -145,18 +151,18 @@ def golden_rungs(
 
     Yields
     ------
-    rung, title : str
+    level, title : str
         Of the next step.
     callable
         Takes it.
     """
-    for rung in sorted({probe.rung for probe in probes}):
-        chosen = [probe for probe in probes if probe.rung == rung]
+    for level in sorted({probe.level for probe in probes}):
+        chosen = [probe for probe in probes if probe.level == level]
 
-        def take(rung: str = rung, chosen: list[Probe] = chosen) -> Step:
-            return asked(rung, "golden", passes, backend, chosen)
+        def take(level: str = level, chosen: list[Probe] = chosen) -> LevelStep:
+            return asked(level, "golden", passes, backend, chosen)
 
-        yield rung, "golden", take
+        yield level, "golden", take
 
 
 # The same frame for every backend.
@@ -169,7 +175,7 @@ def scene_probes(
     Parameters
     ----------
     scene : str
-        Built-in, of paint alone.
+        Built-in, of diffuse surfaces alone.
     precision : 'float32' or 'float64'
         Of the backend.
     seed : int
@@ -178,19 +184,19 @@ def scene_probes(
     Returns
     -------
     tuple of Probe
-        Of rung L3.
+        Of level L3.
     """
-    at = stage(find_scene(scene), SIZE, seed)
+    at = prepare_frame(find_scene(scene), SIZE, seed)
     return tuple(replayed("L3", case) for case in frame_cases(at, precision))
 
 
-def _spheres(passes: Passes, backend: Backend) -> Step:
+def _spheres(passes: Passes, backend: Backend) -> LevelStep:
     tests = [partial(test, precision=backend.precision) for test in (furnace, half_lit)]
     return taken("L2", "spheres", passes, backend, tests, ("target",))
 
 
-def _relations(passes: Passes, backend: Backend) -> Step:
-    at = stage(find_scene(SCENES[0]), SIZE // 2, SEED)
+def _relations(passes: Passes, backend: Backend) -> LevelStep:
+    at = prepare_frame(find_scene(SCENES[0]), SIZE // 2, SEED)
     tests = [
         test
         for case in frame_cases(at, backend.precision)
@@ -205,7 +211,7 @@ def _mean(
     backend: Backend,
     remaining: Callable[[], float],
     batches: Batches | None,
-) -> Step:
+) -> LevelStep:
     found: list[Mean] = []
 
     def test(ask: Ask) -> Finding:
@@ -219,8 +225,8 @@ def _mean(
     return replace(step, title=title, certified=found[0].certified, more=found[0].more)
 
 
-def law_step(passes: Passes, backend: Backend, scene: str) -> Step:
-    """Step of the law in one scene.
+def distribution_step(passes: Passes, backend: Backend, scene: str) -> LevelStep:
+    """Step of the distribution test in one scene.
 
     Parameters
     ----------
@@ -233,12 +239,12 @@ def law_step(passes: Passes, backend: Backend, scene: str) -> Step:
 
     Returns
     -------
-    Step
-        Of rung L4.
+    LevelStep
+        Of level L4.
     """
 
     def test(ask: Ask) -> Finding:
-        return same_law(ask, backend.precision, scene).finding
+        return same_distribution(ask, backend.precision, scene).finding
 
     departures: tuple[Departure, ...] = ("confidence", "target")
-    return taken("L4", f"law in {scene}", passes, backend, [test], departures)
+    return taken("L4", f"distribution in {scene}", passes, backend, [test], departures)

@@ -12,13 +12,13 @@ from reference.arrays import Indices, Masks, Vec3s
 from reference.oracle.buffers import given, prefixed
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision, Value
-from reference.oracle.sight import made_it
+from reference.oracle.visibility import made_it
 from reference.rng import KeyedUniforms, Stream
 
 Array = NDArray[Any]
 
 
-class Theatre(Protocol):
+class Harness(Protocol):
     """What stands around the passes: rays, and who sees whom."""
 
     def receivers(self) -> dict[str, Array]:
@@ -64,7 +64,7 @@ class Run:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Shown:
+class LoopFrame:
     """What a frame leaves, N rows.
 
     Attributes
@@ -85,18 +85,18 @@ Ask = Callable[[Case], Buffers]
 
 def run_frames(
     ask: Ask,
-    theatre: Theatre,
+    harness: Harness,
     neighbors: Callable[[int], Indices],
     run: Run,
     precision: Precision,
-) -> list[Shown]:
+) -> list[LoopFrame]:
     """Frames of a backend's passes.
 
     Parameters
     ----------
     ask : callable
         Gives the outputs of a case.
-    theatre : Theatre
+    harness : Harness
         Rays.
     neighbors : callable
         (N, K) neighbours of each row in a frame, or −1.
@@ -107,14 +107,14 @@ def run_frames(
 
     Returns
     -------
-    list of Shown
+    list of LoopFrame
         One a frame.
 
     Notes
     -----
     [Ouyang21, Fig. 4].
     """
-    x = theatre.receivers()
+    x = harness.receivers()
     rows = len(x["visible_position"])
     temporal = spatial = _empty(rows)
     shown = []
@@ -133,7 +133,7 @@ def run_frames(
             {"visible_normal": x["visible_normal"], "u": u},
             source=run.source,
         )
-        new = prefixed("new", theatre.trace(drawn["direction"].astype(float), frame))
+        new = prefixed("new", harness.trace(drawn["direction"].astype(float), frame))
         # Algorithm 3.
         inputs = x | prefixed("past", temporal) | new
         inputs |= {"new_pdf": drawn["pdf"], "u": at(Stream.TEMPORAL).draw(0)[0]}
@@ -147,7 +147,7 @@ def run_frames(
         inputs = x | temporal | prefixed("past", spatial)
         inputs |= {
             "neighbors": around,
-            "visible": _bits(theatre, temporal, spatial, around),
+            "visible": _bits(harness, temporal, spatial, around),
             "u_own": at(Stream.SPATIAL).draw(63)[0],
             "u_neighbors": np.stack(decide, axis=1),
         }
@@ -156,7 +156,7 @@ def run_frames(
         )
         # Equation 8.
         kept = {name: spatial[name] for name in ("position", "normal", "radiance", "W")}
-        shown.append(Shown(call("shade", x | kept)["color"], spatial))
+        shown.append(LoopFrame(call("shade", x | kept)["color"], spatial))
     return shown
 
 
@@ -166,18 +166,18 @@ def _empty(rows: int) -> dict[str, Array]:
 
 
 def _bits(
-    theatre: Theatre, own: Buffers, past: Buffers, around: Indices
+    harness: Harness, own: Buffers, past: Buffers, around: Indices
 ) -> NDArray[np.uint32]:
     rows, count = np.arange(len(around)), around.shape[1]
     viewers = [rows, *(around[:, k] for k in range(count))]
-    lent = [(own, row) for row in viewers] + [(past, rows)]
-    places = [r["position"][np.maximum(row, 0)] for r, row in lent]
+    samples = [(own, row) for row in viewers] + [(past, rows)]
+    places = [r["position"][np.maximum(row, 0)] for r, row in samples]
     makers = [*viewers, np.full(len(rows), -1)]
     words = np.zeros((len(rows), count + 1), np.uint32)
     for column, viewer in enumerate(viewers):
-        for bit, (r, row) in enumerate(lent):
+        for bit, (r, row) in enumerate(samples):
             at = np.maximum(row, 0)
-            seen = theatre.sees(np.maximum(viewer, 0), places[bit], r["normal"][at])
+            seen = harness.sees(np.maximum(viewer, 0), places[bit], r["normal"][at])
             made = made_it(viewer, places[bit], makers, places)
             words[:, column] |= (seen | made).astype(np.uint32) << np.uint32(bit)
     return words

@@ -1,6 +1,6 @@
 """Parts of the contract beside its core: passes, with all that is needed to judge them.
 
-Whoever has passes of their own announces a `Part` through the entry-point group
+Whoever has passes of their own registers a `Part` through the entry-point group
 ``restir.passes``; the further passes of this floor are one such part.  From then on the
 ladder asks for them, golden folders hold them and the diagnosis knows their mistakes.
 """
@@ -21,10 +21,10 @@ from reference.oracle.diagnosis.hypothesis import Hypothesis
 from reference.oracle.replay.judges import JUDGES, Judge
 
 if TYPE_CHECKING:
-    from reference.oracle.rungs.probe import Probe
+    from reference.oracle.levels.probe import Probe
 
 GROUP = "restir.passes"
-OWN = ("reference.oracle.rungs.further_part:FURTHER_PART",)
+OWN = ("reference.oracle.levels.further_part:FURTHER_PART",)
 
 PassFunction = Callable[..., dict[str, NDArray[Any]]]
 Frames = Callable[[Precision, frozenset[str]], "list[Probe]"]
@@ -65,12 +65,12 @@ class Part:
         The project's own passes: a precision, the buffers and the settings give the
         outputs.
     probes : callable
-        From a precision to what a backend is asked, on any rungs.
+        From a precision to what a backend is asked, on any levels.
     hypotheses : tuple of Hypothesis
         Known mistakes; `Rules.part` holds what these judges calculate with.
     frames : callable
-        What takes longer to make, for rung L3: from a precision, and the names of the
-        passes that have answered the probes of that rung.
+        What takes longer to make, for level L3: from a precision, and the names of the
+        passes that have answered the probes of that level.
     """
 
     title: str
@@ -84,25 +84,26 @@ class Part:
 
 @cache
 def parts() -> tuple[Part, ...]:
-    """All parts beside the core, ours first, then those that packages announce.
+    """All parts beside the core, ours first, then those of plug-ins.
 
     Returns
     -------
     tuple of Part
-        In the order of the names under which they are announced.
+        In the order of the names under which they are registered.
 
     Raises
     ------
     UsageError
-        A package announces what is no part, or a pass that exists.
+        A package registers what is no part, or a pass that exists.
     """
     found = [resolve_name(place) for place in OWN]
-    announced = sorted(entry_points(group=GROUP), key=lambda point: point.name)
-    for point in announced:
+    points = sorted(entry_points(group=GROUP), key=lambda point: point.name)
+    for point in points:
         part = point.load()
         if not isinstance(part, Part):
             raise UsageError(
-                f"entry point {point.name} of {GROUP} is {type(part).__name__}, no Part"
+                f"entry point {point.name} of {GROUP} is {type(part).__name__}, not a"
+                " Part"
             )
         found.append(part)
     names = [*CONTRACT, *(p.name for part in found for p in part.passes)]

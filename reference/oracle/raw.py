@@ -109,7 +109,7 @@ def read_cases(folder: Path) -> tuple[Precision, list[Case]]:
         return precision, list(_cases(folder, words[2:]))
     except (ValueError, IndexError) as error:
         raise UsageError(
-            f"{folder / INDEX} is no index of cases; it begins with {FORM!r}"
+            f"{folder / INDEX} is not an index of cases; it begins with {FORM!r}"
         ) from error
 
 
@@ -259,6 +259,6 @@ def _text(path: Path) -> str:
     try:
         return read_file(path).decode()
     except UnicodeDecodeError as error:
-        raise UsageError(f"{path} is no text; it should be an index of cases") from (
+        raise UsageError(f"{path} is not text; it should be an index of cases") from (
             error
         )

@@ -18,17 +18,17 @@ from reference.oracle.cases import (
 )
 from reference.oracle.contract.fields import Passes
 from reference.oracle.diagnosis.hypothesis import Departure
+from reference.oracle.levels.probe import Answer, Finding, Probe, examined
 from reference.oracle.loop import Ask
-from reference.oracle.rungs.probe import Answer, Finding, Probe, examined
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Step:
+class LevelStep:
     """A part of the ladder, judged as one.
 
     Attributes
     ----------
-    rung : str
+    level : str
         "L0" to "L4".
     title : str
         What it is.
@@ -46,7 +46,7 @@ class Step:
         Calls of which nothing is known, and why, a line each.
     """
 
-    rung: str
+    level: str
     title: str
     answers: list[Answer] = field(default_factory=list)
     findings: list[Finding] = field(default_factory=list)
@@ -62,17 +62,17 @@ class Step:
         return [f.text for f in (*found, *self.findings) if not f.passed]
 
 
-Rung = tuple[str, str, Callable[[], Step]]
+Level = tuple[str, str, Callable[[], LevelStep]]
 
 
 def asked(
-    rung: str, title: str, passes: Passes, backend: Backend, probes: Sequence[Probe]
-) -> Step:
+    level: str, title: str, passes: Passes, backend: Backend, probes: Sequence[Probe]
+) -> LevelStep:
     """A step of probes: ask a backend, and examine what it answers.
 
     Parameters
     ----------
-    rung, title : str
+    level, title : str
         Of the step.
     passes : mapping of str to Pass
         The contract.
@@ -83,7 +83,7 @@ def asked(
 
     Returns
     -------
-    Step
+    LevelStep
         With an answer to each question that was asked, in the same order.
     """
     outcomes = backend.run(passes, [probe.case for probe in probes])
@@ -97,7 +97,7 @@ def asked(
             unasked.append(f"{probe.case.name}: {known.reason}")
         else:
             answers.append(examined(passes, backend.precision, probe, known))
-    return Step(rung, title, answers, unasked=unasked)
+    return LevelStep(level, title, answers, unasked=unasked)
 
 
 def _canary() -> None:
@@ -134,7 +134,7 @@ class Asker:
     def __init__(self, passes: Passes, backend: Backend) -> None:
         self._passes, self._backend = passes, backend
         self._own = BuiltIn(backend.precision)
-        self._lent, self.answered = 0, 0
+        self._built_in, self.answered = 0, 0
 
     def __call__(self, case: Case) -> Buffers:
         """Outputs of a case, which have the right form.
@@ -164,13 +164,13 @@ class Asker:
         if isinstance(outcome, Unasked):
             raise UnaskedError(f"{case.name}: {outcome.reason}")
         if outcome is None:
-            self._lent += 1
-            if self._lent >= PATIENCE and not self.answered:
+            self._built_in += 1
+            if self._built_in >= PATIENCE and not self.answered:
                 raise NothingOfItsOwnError
-            lent: Buffers = getattr(self._own, case.pass_name)(
+            own: Buffers = getattr(self._own, case.pass_name)(
                 **case.inputs, **case.settings
             )
-            return lent
+            return own
         self.answered += 1
         if not isinstance(outcome, Failure):
             bad = refused(self._passes, case, self._backend.precision, outcome)
@@ -182,18 +182,18 @@ class Asker:
 
 
 def taken(
-    rung: str,
+    level: str,
     title: str,
     passes: Passes,
     backend: Backend,
     tests: Iterable[Callable[[Ask], Finding]],
     relies_on: tuple[Departure, ...] = (),
-) -> Step:
+) -> LevelStep:
     """A step of tests that ask the backend themselves.
 
     Parameters
     ----------
-    rung, title : str
+    level, title : str
         Of the step.
     passes : mapping of str to Pass
         The contract.
@@ -206,7 +206,7 @@ def taken(
 
     Returns
     -------
-    Step
+    LevelStep
         Without findings of tests in which nothing was the backend's own.
     """
     found, unasked = [], []
@@ -223,4 +223,4 @@ def taken(
             continue
         if ask.answered:
             found.append(finding)
-    return Step(rung, title, findings=found, relies_on=relies_on, unasked=unasked)
+    return LevelStep(level, title, findings=found, relies_on=relies_on, unasked=unasked)

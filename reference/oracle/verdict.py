@@ -1,4 +1,4 @@
-"""The verdict: what the rungs have shown, within the time that was given."""
+"""The verdict: what the levels have shown, within the time that was given."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -7,8 +7,8 @@ from typing import Literal
 from reference.oracle.cases import UnaskedError
 from reference.oracle.contract.fields import Passes, Precision
 from reference.oracle.diagnosis.diagnose import Diagnosis, diagnose
-from reference.oracle.rungs.probe import Answer
-from reference.oracle.steps import Rung, Step
+from reference.oracle.levels.probe import Answer
+from reference.oracle.steps import Level, LevelStep
 
 Status = Literal["PASS", "FAIL", "UNDECIDED"]
 
@@ -19,13 +19,13 @@ class Timed:
 
     Attributes
     ----------
-    step : Step
+    step : LevelStep
         What was found.
     seconds : float
         Of wall time.
     """
 
-    step: Step
+    step: LevelStep
     seconds: float
 
 
@@ -38,7 +38,7 @@ class Verdict:
     status : 'PASS', 'FAIL' or 'UNDECIDED'
         Right to rounding; wrong; or out of time.
     steps : list of Timed
-        As far as the ladder was climbed.
+        As far as the ladder was run.
     left : list of str
         Titles of steps for which there was no time.
     diagnoses : list of Diagnosis
@@ -78,22 +78,22 @@ class Verdict:
         return [d for d in self.diagnoses if departs(d)]
 
     @property
-    def binding(self) -> list[Step]:
+    def binding(self) -> list[LevelStep]:
         """Steps whose findings hold for a backend that departs as this one does."""
         kinds = {h.departure for d in self.departures for h in d.matches}
         steps = [timed.step for timed in self.steps]
         return [step for step in steps if not kinds & set(step.relies_on)]
 
 
-def climb(
+def run_ladder(
     passes: Passes,
     precision: Precision,
-    rungs: Iterator[Rung],
+    levels: Iterator[Level],
     budget: float,
     clock: Callable[[], float],
     tell: Callable[[str], None],
 ) -> Verdict:
-    """Climb the ladder until the time is over.
+    """Run the ladder until the time is over.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def climb(
         The contract.
     precision : 'float32' or 'float64'
         Of the backend.
-    rungs : iterator of Rung
+    levels : iterator of Level
         The ladder.
     budget : float, s
         No step begins after that, and those who ask a backend stop by themselves.
@@ -117,16 +117,16 @@ def climb(
         them.
     """
     start, steps, left = clock(), [], []
-    for rung, title, take in rungs:
+    for level, title, take in levels:
         if clock() - start >= budget:
-            left.append(f"{rung} {title}")
+            left.append(f"{level} {title}")
             continue
-        tell(f"{rung} {title}")
+        tell(f"{level} {title}")
         began = clock()
         try:
             steps.append(Timed(take(), clock() - began))
         except UnaskedError:
-            left.append(f"{rung} {title}")
+            left.append(f"{level} {title}")
     answers = [a for timed in steps for a in timed.step.answers]
     wrong = {
         a.probe.case.pass_name for a in answers if a.finding and not a.finding.passed
@@ -191,7 +191,7 @@ def explicable(answer: Answer) -> bool:
     """
     if answer.finding is None or answer.outputs is None:
         return False
-    return answer.finding.judgement is not None or answer.probe.rung == "L1"
+    return answer.finding.judgement is not None or answer.probe.level == "L1"
 
 
 def _of_pass(answers: list[Answer], name: str) -> list[Answer]:

@@ -74,7 +74,7 @@ class Emitters:
 
     @property
     def can_be_hit(self) -> bool:
-        """Whether a ray can find a light by chance."""
+        """Whether a ray can hit an emitter."""
         return len(self.primitive) > 0 or self.environment is not None
 
     def sides(self, primitive: Indices) -> Indices:
@@ -126,7 +126,7 @@ def build_emitters(scene: Scene, geometry: Geometry) -> Emitters | None:
     cones = build_cones(scene.lamps) if scene.spots else None
     irradiance = np.array([s.irradiance for s in scene.suns], float).reshape(-1, 3)
     environment = build_environment(scene.environment) if scene.environment else None
-    # Power: π A L of each side of an area, 4π I of a point; light from afar falls on a
+    # Power: π A L of each side of an area, 4π I of a point; distant light falls on a
     # disk.
     disk = np.pi * 3.0 * geometry.extent**2
     area_power = np.pi * area * radiance

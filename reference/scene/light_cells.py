@@ -202,18 +202,18 @@ def _cells(geometry: Geometry, primitive: Indices, side: Indices) -> _Cells:
     on_sphere = of >= geometry.triangles
     triangle, nowhere = np.where(on_sphere, 0, of), np.zeros((len(of), 3))
 
-    def lattice(steps: tuple[float, ...]) -> list[Scalars]:
+    def grid_points(steps: tuple[float, ...]) -> list[Scalars]:
         places = [((row + s) / side, (column + t) / side) for s in steps for t in steps]
         return [
             texture_coordinates(geometry, triangle, *sample_triangle(*place), nowhere)
             for place in places
         ]
 
-    corners = lattice((0.0, 1.0))
+    corners = grid_points((0.0, 1.0))
     low, high = np.min(corners, axis=0), np.max(corners, axis=0)
     # Of a sphere the whole texture counts.
     low[on_sphere], high[on_sphere] = 0.0, 1.0
-    return _Cells(of, low, high, lattice((1 / 6, 3 / 6, 5 / 6)))
+    return _Cells(of, low, high, grid_points((1 / 6, 3 / 6, 5 / 6)))
 
 
 def _sides(geometry: Geometry, texture: Indices, primitive: Indices) -> Indices:

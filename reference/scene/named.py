@@ -1,4 +1,4 @@
-"""A scene by the words that name it: what a worker elsewhere needs to open it."""
+"""A scene by the words that name it: what a worker needs to open it."""
 
 import os
 from dataclasses import dataclass, replace

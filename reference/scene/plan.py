@@ -40,7 +40,7 @@ EVERYTHING = Plan()
 
 NEEDED_BY = {
     "occlusion": ("occlusion between points",),
-    "chance": ("lights met by chance",),
+    "chance": ("emitter hits",),
     "glossy": ("sample points that are not Lambertian",),
     "delta": ("delta lobes", "rough dielectrics"),
 }

@@ -224,7 +224,7 @@ _FEATURES: tuple[tuple[str, Callable[[Scene], str], str], ...] = (
     ("suns", lambda s: _count(len(s.suns), "sun"), "none"),
     ("environment", _environment, "black beyond the scene"),
     (
-        "lights met by chance",
+        "emitter hits",
         _chance,
         "no ray can meet a light: none is drawn at the last vertex, no MIS weight",
     ),

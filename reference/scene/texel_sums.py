@@ -154,7 +154,7 @@ def _box_sums(
 def _unwrapped(
     first: Indices, count: Indices, period: int
 ) -> tuple[tuple[Indices, Indices], tuple[Indices, Indices]]:
-    """The part up to the edge of the texture, and the part that begins anew."""
+    """The part up to the edge of the texture, and the part that starts over."""
     end = first + count
     beyond = np.maximum(end - period, 0)
     return (first, np.minimum(end, period)), (np.zeros_like(beyond), beyond)

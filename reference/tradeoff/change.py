@@ -13,7 +13,7 @@ from reference.figures.tiles import tile_means
 from reference.methods import Method
 from reference.moments import Moments
 from reference.tradeoff.knobs import Knob, usable
-from reference.tradeoff.points import Point
+from reference.tradeoff.points import Design
 from reference.tradeoff.store import Store
 from reference.tradeoff.sweep import Sweep, pixel_of
 
@@ -25,7 +25,7 @@ STORED = ("motion=as-stored", "validate_every=0")
 WAYS = Knob(
     "after a change of light",
     (
-        ("looked up anew", ("motion=shifted",)),
+        ("looked up again", ("motion=shifted",)),
         *(
             (f"as stored, cap {cap}", (*STORED, f"temporal_cap={cap}"))
             for cap in (1, 8, 30, 100)
@@ -42,7 +42,7 @@ class Recovery:
 
     Attributes
     ----------
-    point : Point
+    point : Design
         Method and settings.
     error : (F,) float64
         Root mean squared error of the tiles of frame 0, 1, ... after the change, as a
@@ -51,31 +51,31 @@ class Recovery:
         Of the whole picture, relative to the truth: 3 where all is as it was before.
     """
 
-    point: Point
+    point: Design
     error: Scalars
     mean: Scalars
 
 
-def points_after_change(base: Point, method: Method) -> tuple[Point, ...]:
+def points_after_change(base: Design, method: Method) -> tuple[Design, ...]:
     """What is looked at after a change of light.
 
     Parameters
     ----------
-    base : Point
+    base : Design
         Where all begins.
     method : Method
         Of the base.
 
     Returns
     -------
-    tuple of Point
+    tuple of Design
         Ways to treat the past; the base alone where the method knows but one.
     """
     found = usable([WAYS], method)
     if not found:
         return (base,)
     return tuple(
-        Point(base.method, (*base.values, *values), WAYS.name, label)
+        Design(base.method, (*base.values, *values), WAYS.name, label)
         for label, values in found[0].levels
     )
 

@@ -9,7 +9,7 @@ from reference.arrays import Scalars
 from reference.figures.canvas import COLORS, INK, QUIET, blank, tidy
 from reference.intervals import Interval
 from reference.tradeoff.front import on_front
-from reference.tradeoff.scores import Score
+from reference.tradeoff.scores import DesignScore
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.axes import Axes
@@ -21,12 +21,12 @@ MOST_FRAMES = 4096
 DOMINATED = "#c3c7cb"
 
 
-def curves(scores: Sequence[Score], light: float) -> "Figure":
+def curves(scores: Sequence[DesignScore], light: float) -> "Figure":
     """MSE against time, and against rays, of means of ever more runs.
 
     Parameters
     ----------
-    scores : sequence of Score
+    scores : sequence of DesignScore
         At most `LINES`.
     light : float
         Mean of the truth.
@@ -52,7 +52,9 @@ def curves(scores: Sequence[Score], light: float) -> "Figure":
     return picture
 
 
-def _curve(axes: "Axes", score: Score, cost: float, light: float, index: int) -> None:
+def _curve(
+    axes: "Axes", score: DesignScore, cost: float, light: float, index: int
+) -> None:
     n = np.geomspace(1, MOST_FRAMES, 60)
     error, scale = score.error, light**2 or 1.0
     color = COLORS[index % len(COLORS)]
@@ -72,12 +74,12 @@ def _curve(axes: "Axes", score: Score, cost: float, light: float, index: int) ->
         axes.axhline(floor, linestyle="--", color=color, linewidth=0.8)
 
 
-def bars(groups: Sequence[tuple[str, Sequence[Score]]], light: float) -> "Figure":
+def bars(groups: Sequence[tuple[str, Sequence[DesignScore]]], light: float) -> "Figure":
     """Squared bias and variance, stacked, a panel a knob.
 
     Parameters
     ----------
-    groups : sequence of (str, sequence of Score)
+    groups : sequence of (str, sequence of DesignScore)
         A knob, and its levels; at least one.
     light : float
         Mean of the truth.
@@ -111,12 +113,12 @@ def bars(groups: Sequence[tuple[str, Sequence[Score]]], light: float) -> "Figure
     return picture
 
 
-def front(scores: Sequence[Score], light: float) -> "Figure":
+def front(scores: Sequence[DesignScore], light: float) -> "Figure":
     """All points by time, standard deviation and certain bias; dominated ones grey.
 
     Parameters
     ----------
-    scores : sequence of Score
+    scores : sequence of DesignScore
         All, each once.
     light : float
         Mean of the truth.
@@ -152,12 +154,12 @@ def front(scores: Sequence[Score], light: float) -> "Figure":
     return picture
 
 
-def neighbours(groups: Sequence[tuple[str, Sequence[Score]]]) -> "Figure":
+def neighbours(groups: Sequence[tuple[str, Sequence[DesignScore]]]) -> "Figure":
     """How far, and for how long, pixels err alike.
 
     Parameters
     ----------
-    groups : sequence of (str, sequence of Score)
+    groups : sequence of (str, sequence of DesignScore)
         A knob, and its levels; at least one.
 
     Returns

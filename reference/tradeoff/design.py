@@ -9,7 +9,7 @@ from reference.arrays import Scalars
 from reference.errors import UsageError
 from reference.methods import method_named, method_names
 from reference.tradeoff.knobs import Knob
-from reference.tradeoff.points import Point, can_run
+from reference.tradeoff.points import Design, can_run
 
 SEVERAL = "several"
 """Name of all knobs together."""
@@ -18,34 +18,36 @@ MOST_DRAWS = 1000
 """Of cubes: levels of which one row in a hundred can run fill a design of 16."""
 
 
-def one_at_a_time(base: Point, knobs: Iterable[Knob]) -> list[Point]:
+def one_at_a_time(base: Design, knobs: Iterable[Knob]) -> list[Design]:
     """Points that differ from the base in one knob.
 
     Parameters
     ----------
-    base : Point
+    base : Design
         Where all begins.
     knobs : iterable of Knob
         Turned one after the other.
 
     Returns
     -------
-    list of Point
+    list of Design
         All levels of all knobs; one of a knob may be as the base is.
     """
     return [
-        Point(base.method, (*base.values, *values), knob.name, label)
+        Design(base.method, (*base.values, *values), knob.name, label)
         for knob in knobs
         for label, values in knob.levels
     ]
 
 
-def at_random(base: Point, knobs: Sequence[Knob], count: int, seed: int) -> list[Point]:
+def at_random(
+    base: Design, knobs: Sequence[Knob], count: int, seed: int
+) -> list[Design]:
     """Points that differ from the base in all knobs.
 
     Parameters
     ----------
-    base : Point
+    base : Design
         Where all begins.
     knobs : sequence of Knob
         Each turned to one of its levels, over all points evenly.
@@ -56,7 +58,7 @@ def at_random(base: Point, knobs: Sequence[Knob], count: int, seed: int) -> list
 
     Returns
     -------
-    list of Point
+    list of Design
         A Latin hypercube: [McKay79].  Levels that cannot go together, such as a coarse
         lattice without spatial reuse, are drawn again.
 
@@ -68,18 +70,18 @@ def at_random(base: Point, knobs: Sequence[Knob], count: int, seed: int) -> list
     if not knobs:
         return []
     cube = LatinHypercube(len(knobs), rng=seed)
-    found: list[Point] = []
+    found: list[Design] = []
     for _ in range(MOST_DRAWS):
         for values in _turned(knobs, cube.random(count - len(found))):
             label = f"no. {len(found) + 1}"
-            point = Point(base.method, (*base.values, *values), SEVERAL, label)
+            point = Design(base.method, (*base.values, *values), SEVERAL, label)
             if can_run(point):
                 found.append(point)
         if len(found) == count:
             return found
     names = ", ".join(knob.name for knob in knobs)
     raise UsageError(
-        f"of {names} hardly any levels go together; leave some out, or use --design 0"
+        f"few levels of {names} can be combined; leave some out, or use --design 0"
     )
 
 
@@ -91,21 +93,21 @@ def _turned(knobs: Sequence[Knob], cube: Scalars) -> Iterator[tuple[str, ...]]:
         yield tuple(chain.from_iterable(levels))
 
 
-def methods_beside(base: Point) -> list[Point]:
+def methods_beside(base: Design) -> list[Design]:
     """Other methods, as they are by default.
 
     Parameters
     ----------
-    base : Point
+    base : Design
         Whose method is left out.
 
     Returns
     -------
-    list of Point
+    list of Design
         All that make frames one by one.
     """
     return [
-        Point(name, (), "method", name)
+        Design(name, (), "method", name)
         for name in method_names()
         if name != base.method and method_named(name).frames is not None
     ]

@@ -4,15 +4,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from reference.tradeoff.scores import Score
+from reference.tradeoff.scores import DesignScore
 
 
-def on_front(scores: Sequence[Score]) -> list[bool]:
+def on_front(scores: Sequence[DesignScore]) -> list[bool]:
     """Whether no other point is as good in everything and better in something.
 
     Parameters
     ----------
-    scores : sequence of Score
+    scores : sequence of DesignScore
         Measured.
 
     Returns
@@ -28,38 +28,38 @@ def on_front(scores: Sequence[Score]) -> list[bool]:
     return [not d for d in dominated.tolist()]
 
 
-def best_within(scores: Sequence[Score], ms: float) -> Score | None:
+def best_within(scores: Sequence[DesignScore], ms: float) -> DesignScore | None:
     """Point of the least error that a frame's time allows.
 
     Parameters
     ----------
-    scores : sequence of Score
+    scores : sequence of DesignScore
         Measured.
     ms : float
         A frame may take.
 
     Returns
     -------
-    Score or None
+    DesignScore or None
         None if all take longer.
     """
     allowed = [s for s in scores if s.ms.value <= ms]
     return min(allowed, key=lambda s: s.error.mse.value, default=None)
 
 
-def fastest_for(scores: Sequence[Score], mse: float) -> Score | None:
+def fastest_for(scores: Sequence[DesignScore], mse: float) -> DesignScore | None:
     """Point of the least time that makes an error small enough.
 
     Parameters
     ----------
-    scores : sequence of Score
+    scores : sequence of DesignScore
         Measured.
     mse : float, (W/(m² sr))²
         Of one frame, at most.
 
     Returns
     -------
-    Score or None
+    DesignScore or None
         None if none is so exact.
     """
     allowed = [s for s in scores if s.error.mse.value <= mse]
@@ -67,13 +67,13 @@ def fastest_for(scores: Sequence[Score], mse: float) -> Score | None:
 
 
 def advice(
-    scores: Sequence[Score], light: float, percent: float | None, ms: float | None
+    scores: Sequence[DesignScore], light: float, percent: float | None, ms: float | None
 ) -> str:
     """The sentence at the end.
 
     Parameters
     ----------
-    scores : sequence of Score
+    scores : sequence of DesignScore
         Measured; the first is the base.
     light : float
         Mean of the truth.
@@ -99,12 +99,12 @@ def advice(
     )
 
 
-def rms_percent(score: Score, light: float) -> float:
+def rms_percent(score: DesignScore, light: float) -> float:
     """Root mean squared error of a frame, as a share of the mean light.
 
     Parameters
     ----------
-    score : Score
+    score : DesignScore
         Measured.
     light : float
         Mean of the truth.
@@ -118,7 +118,7 @@ def rms_percent(score: Score, light: float) -> float:
     return float(100 * np.sqrt(mse) / light) if light > 0 else 0.0
 
 
-def _told(score: Score | None, light: float, none: str) -> str:
+def _told(score: DesignScore | None, light: float, none: str) -> str:
     if score is None:
         return f"something else ({none})"
     words = " ".join(score.point.values) or "as it is"

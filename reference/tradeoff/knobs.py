@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 from reference.errors import UsageError
 from reference.methods import Method
 from reference.scene.animation import Changes
-from reference.tradeoff.points import Point, can_run
+from reference.tradeoff.points import Design, can_run
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,4 +153,4 @@ def usable(knobs: Iterable[Knob], method: Method) -> tuple[Knob, ...]:
 def _takes(method: Method, values: tuple[str, ...]) -> bool:
     own = {field.name for field in fields(method.settings)}
     has_them = {value.partition("=")[0] for value in values} <= own
-    return has_them and can_run(Point(method.name, values))
+    return has_them and can_run(Design(method.name, values))

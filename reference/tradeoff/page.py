@@ -16,7 +16,7 @@ from reference.tradeoff.charts import LINES, bars, curves, front, neighbours
 from reference.tradeoff.maps import deviations, draw_maps
 from reference.tradeoff.report import COLUMNS, as_csv, as_plain, cells
 from reference.tradeoff.results import Results
-from reference.tradeoff.scores import Score
+from reference.tradeoff.scores import DesignScore
 from reference.tradeoff.store import Store
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
@@ -75,7 +75,7 @@ def _page(results: Results, figures: list[tuple[str, str, str, bytes]]) -> bytes
     return render_page("reference.tradeoff", "tradeoff.html", values)
 
 
-def _shown(results: Results) -> list[Score]:
+def _shown(results: Results) -> list[DesignScore]:
     """Those of the first knob, or as many as there is room for."""
     groups = results.groups
     first = groups[0][1] if groups else []
@@ -112,7 +112,7 @@ def _near(results: Results, store: Store) -> "Figure":
     return neighbours([(n, s) for n, s in results.groups if n in NEAR])
 
 
-def _turned(results: Results) -> list[tuple[str, list[Score]]]:
+def _turned(results: Results) -> list[tuple[str, list[DesignScore]]]:
     return [(name, s) for name, s in results.groups if name != "several"]
 
 

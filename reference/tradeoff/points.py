@@ -14,7 +14,7 @@ UNCHANGED = "as it is"
 
 
 @dataclass(frozen=True, slots=True)
-class Point:
+class Design:
     """A method with settings.
 
     Attributes
@@ -45,12 +45,12 @@ class Point:
         return f"{self.knob}: {self.label}" if self.knob else self.label
 
 
-def settings_of(point: Point) -> Any:
+def settings_of(point: Design) -> Any:
     """Settings of a point.
 
     Parameters
     ----------
-    point : Point
+    point : Design
         With the name of a method.
 
     Returns
@@ -66,12 +66,12 @@ def settings_of(point: Point) -> Any:
     return with_values(method_named(point.method).settings, point.values)
 
 
-def can_run(point: Point) -> bool:
+def can_run(point: Design) -> bool:
     """Whether the settings of a point go together.
 
     Parameters
     ----------
-    point : Point
+    point : Design
         With the name of a method.
 
     Returns
@@ -88,6 +88,6 @@ def can_run(point: Point) -> bool:
 
 @cache
 def _key(method: str, values: tuple[str, ...]) -> str:
-    settings = as_text(settings_of(Point(method, values)))
+    settings = as_text(settings_of(Design(method, values)))
     words = repr((method, sorted(settings.items())))
     return sha256(words.encode()).hexdigest()[:12]

@@ -11,7 +11,7 @@ from reference.intervals import Interval
 from reference.machine import machine
 from reference.tradeoff.front import on_front, rms_percent
 from reference.tradeoff.results import Results
-from reference.tradeoff.scores import Score
+from reference.tradeoff.scores import DesignScore
 
 
 def as_plain(results: Results) -> dict[str, Any]:
@@ -77,7 +77,7 @@ def rows(results: Results) -> list[dict[str, Any]]:
     return [_row(s, results.light, s.point.key in best) for s in results.scores]
 
 
-def _row(score: Score, light: float, is_best: bool) -> dict[str, Any]:
+def _row(score: DesignScore, light: float, is_best: bool) -> dict[str, Any]:
     return {
         "knob": score.point.knob,
         "label": score.point.label,

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from reference.moments import Moments
 from reference.tradeoff.change import Recovery
 from reference.tradeoff.front import advice
-from reference.tradeoff.scores import Score
+from reference.tradeoff.scores import DesignScore
 from reference.tradeoff.sweep import Sweep
 
 
@@ -19,7 +19,7 @@ class Results:
         What was measured.
     truth : Moments
         Of the base.
-    scores : list of Score
+    scores : list of DesignScore
         One a point, the first that of the base.
     recoveries : list of Recovery
         After a change of light; none where the scene changes by itself.
@@ -29,7 +29,7 @@ class Results:
 
     sweep: Sweep
     truth: Moments
-    scores: list[Score]
+    scores: list[DesignScore]
     recoveries: list[Recovery]
     percent: float | None
     ms: float | None
@@ -40,15 +40,15 @@ class Results:
         return float(self.truth.mean.mean())
 
     @property
-    def once(self) -> list[Score]:
+    def once(self) -> list[DesignScore]:
         """Scores of points that differ in what they do, not only in name."""
-        found: dict[str, Score] = {}
+        found: dict[str, DesignScore] = {}
         for score in self.scores:
             found.setdefault(score.point.key, score)
         return list(found.values())
 
     @property
-    def groups(self) -> list[tuple[str, list[Score]]]:
+    def groups(self) -> list[tuple[str, list[DesignScore]]]:
         """Scores by the knob that was turned."""
         names = dict.fromkeys(s.point.knob for s in self.scores if s.point.knob)
         return [(n, [s for s in self.scores if s.point.knob == n]) for n in names]

@@ -11,7 +11,7 @@ from reference.figures.spread import spreads
 from reference.figures.tiles import tile_means
 from reference.intervals import Interval, ratio_interval
 from reference.moments import Moments
-from reference.tradeoff.points import Point
+from reference.tradeoff.points import Design
 from reference.tradeoff.split import Split, split_error
 from reference.tradeoff.trials import Trial
 
@@ -23,12 +23,12 @@ WORST = 1000
 
 
 @dataclass(frozen=True, slots=True)
-class Score:
+class DesignScore:
     """A point, measured.
 
     Attributes
     ----------
-    point : Point
+    point : Design
         Method and settings.
     ms : Interval
         A frame on one thread; the median of the runs, and their quartiles.
@@ -50,7 +50,7 @@ class Score:
         Share of the squared error in the worst thousandth of the pixels.
     """
 
-    point: Point
+    point: Design
     ms: Interval
     rays: dict[str, float]
     kept: float
@@ -72,13 +72,13 @@ class Score:
 
 
 def score(
-    point: Point, trials: list[Trial], truth: Moments, width: int, counted: int
-) -> Score:
+    point: Design, trials: list[Trial], truth: Moments, width: int, counted: int
+) -> DesignScore:
     """Measure a point by its runs.
 
     Parameters
     ----------
-    point : Point
+    point : Design
         Method and settings.
     trials : list of Trial
         Runs of different seeds, at least 3.
@@ -91,7 +91,7 @@ def score(
 
     Returns
     -------
-    Score
+    DesignScore
         Intervals of errors: 95 %, bootstrap over runs.
     """
     colors = np.array([t.color for t in trials])
@@ -100,7 +100,7 @@ def score(
     alone = spreads(frames)
     tiles = spreads([tile_means(f, width, TILE) for f in frames])
     area = ratio_interval(tiles, alone, TILE**2)
-    return Score(
+    return DesignScore(
         point,
         _quartiles(np.array([1000 * t.seconds for t in trials])),
         _mean_rays(trials),

@@ -103,7 +103,7 @@ class Store:
                 return Trial(*arrays, **words)
         except (ValueError, KeyError, TypeError, EOFError, BadZipFile) as error:
             raise UsageError(
-                f"{path} is no run, or is damaged; delete it to run it again"
+                f"{path} is not a run, or is damaged; delete it to run it again"
             ) from error
 
 
@@ -133,12 +133,12 @@ def open_store(folder: Path, identity: Mapping[str, str]) -> Store:
             before = dict(json.loads(read_file(path)))
         except ValueError as error:
             raise UsageError(
-                f"{path} is damaged; delete {folder} to start anew"
+                f"{path} is damaged; delete {folder} to start over"
             ) from error
         if differences := what_differs(before, identity):
             raise UsageError(
                 f"{folder} holds other runs ({differences}); delete it to start"
-                " anew, or name another --out"
+                " over, or name another --out"
             )
     make_folder(folder)
     write_file(path, json.dumps(dict(identity), indent=2).encode())

@@ -10,8 +10,8 @@ from reference.methods import method_named
 from reference.moments import Moments
 from reference.scene.named import Named
 from reference.signals import Interrupted
-from reference.tradeoff.points import Point, settings_of
-from reference.tradeoff.scores import Score, score
+from reference.tradeoff.points import Design, settings_of
+from reference.tradeoff.scores import DesignScore, score
 from reference.tradeoff.store import Store
 from reference.tradeoff.trials import Task, run_trial
 from reference.workers import work
@@ -38,9 +38,9 @@ class Sweep:
         Of each point, of seeds ``seed``, ``seed + 1``, ...
     seed : int
         Of the first.
-    points : tuple of Point
+    points : tuple of Design
         The first is the base.
-    changed : tuple of Point
+    changed : tuple of Design
         What is seen after a change of light; none for no such runs.
     """
 
@@ -49,15 +49,15 @@ class Sweep:
     frames: int
     runs: int
     seed: int
-    points: tuple[Point, ...]
-    changed: tuple[Point, ...]
+    points: tuple[Design, ...]
+    changed: tuple[Design, ...]
 
-    def runs_of(self, point: Point) -> list[Task]:
+    def runs_of(self, point: Design) -> list[Task]:
         """Runs of a point, in a scene that is left alone.
 
         Parameters
         ----------
-        point : Point
+        point : Design
             Method and settings.
 
         Returns
@@ -69,12 +69,12 @@ class Sweep:
         scene = self.named, self.bounces, self.frames, point
         return [Task(*scene, seed) for seed in seeds]
 
-    def runs_after_change(self, point: Point) -> list[Task]:
+    def runs_after_change(self, point: Design) -> list[Task]:
         """Runs of a point, whose lights change when as many frames are still to come.
 
         Parameters
         ----------
-        point : Point
+        point : Design
             Method and settings.
 
         Returns
@@ -140,7 +140,7 @@ def run_sweep(sweep: Sweep, store: Store, executor: Executor, tick: Tick) -> Non
 
 def scores_of(
     sweep: Sweep, store: Store, truths: Mapping[Pixel, Moments]
-) -> list[Score]:
+) -> list[DesignScore]:
     """Scores of all points.
 
     Parameters
@@ -154,7 +154,7 @@ def scores_of(
 
     Returns
     -------
-    list of Score
+    list of DesignScore
         In the order of the points.
     """
     counted = sweep.runs_of(sweep.points[0])[0].counted
@@ -170,12 +170,12 @@ def scores_of(
     ]
 
 
-def pixel_of(point: Point) -> Pixel:
+def pixel_of(point: Design) -> Pixel:
     """What a pixel of a point's pictures shows.
 
     Parameters
     ----------
-    point : Point
+    point : Design
         Method and settings.
 
     Returns
@@ -189,16 +189,16 @@ def pixel_of(point: Point) -> Pixel:
     return pixel
 
 
-def _once(points: Sequence[Point]) -> list[Point]:
+def _once(points: Sequence[Design]) -> list[Design]:
     return list({point.key: point for point in points}.values())
 
 
-def pixels_of(points: Sequence[Point]) -> list[Pixel]:
+def pixels_of(points: Sequence[Design]) -> list[Pixel]:
     """Which truths are needed.
 
     Parameters
     ----------
-    points : sequence of Point
+    points : sequence of Design
         All.
 
     Returns

@@ -16,7 +16,7 @@ from reference.scene.brightness import brightened
 from reference.scene.named import Named, find_scene_or_file, frames_of
 from reference.schedule import Schedule
 from reference.timing import timed
-from reference.tradeoff.points import Point, settings_of
+from reference.tradeoff.points import Design, settings_of
 from reference.world import World, build_world
 
 BEFORE = 4.0
@@ -35,7 +35,7 @@ class Task:
         Of indirect light.
     frames : int
         From an empty history to the picture; time is taken of the second half.
-    point : Point
+    point : Design
         How.
     seed : int
         Of the run.
@@ -47,7 +47,7 @@ class Task:
     named: Named
     bounces: int
     frames: int
-    point: Point
+    point: Design
     seed: int
     change: int = 0
 

@@ -89,7 +89,7 @@ def test_pixels_that_begin_anew_draw_in_a_validating_frame_too():
 
 
 def test_control_other_random_numbers_empty_the_reservoirs(monkeypatch):
-    """Were the path drawn anew, its radiance would differ, and M with it."""
+    """Were the path drawn again, its radiance would differ, and M with it."""
     from reference.options import history
     from reference.options.replay import Replay, replay_of
 

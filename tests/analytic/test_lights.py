@@ -249,7 +249,7 @@ def paths(world, x):
 
 
 def test_both_strategies_together_see_a_sixteenth_shine(monkeypatch):
-    """Close below the lamp, where a ray often meets it by chance.
+    """Close below the lamp, where rays often hit it.
 
     The rays are of float32: they tell texels apart to 1e-6 of the lamp.
     """

@@ -77,7 +77,7 @@ def error(color, answer):
 @pytest.mark.parametrize("bounces", range(5))
 @pytest.mark.parametrize("light", ["direct", "indirect", "full"])
 def test_path_tracer_shows_the_furnace_without_noise(furnace, light, bounces):
-    """Next-event and chance have one density here, d / 2πR: MIS adds no noise."""
+    """Both techniques have one density here, d / 2πR: MIS adds no noise."""
     answers = dict(
         zip(("direct", "indirect", "full"), sphere_furnace(bounces), strict=True)
     )

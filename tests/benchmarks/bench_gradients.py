@@ -13,7 +13,7 @@ from pathlib import Path
 from rich.console import Console
 
 from gradient_domain.figures import gradients, images
-from gradient_domain.figures.rounds import Scene
+from gradient_domain.figures.rounds import RoundScene
 from gradient_domain.figures.variants import BOUNCES
 from reference.figures.record import Work
 from reference.figures.table import table
@@ -34,7 +34,7 @@ def main() -> None:
     scene = load_scene(asked.scene)
     camera = replace(scene.camera, width=asked.size, height=asked.size)
     world = build_world(validate(replace(scene, camera=camera)))
-    shown = [Scene(asked.scene.parent.name, world, BOUNCES)]
+    shown = [RoundScene(asked.scene.parent.name, world, BOUNCES)]
     work = Work(size=asked.size, runs=asked.runs, schedule=Schedule())
     for made in (gradients.of_scenes(shown, work), images.of_scenes(shown, work)):
         Console(width=150).print(table(made))

@@ -14,7 +14,7 @@ PROSE = re.compile(r"`(restir [a-z]+ [^`.<]*[^`<]*)`")
 
 
 @dataclass(frozen=True, slots=True)
-class Command:
+class DocumentedCommand:
     """One command, as it is printed."""
 
     page: str
@@ -42,7 +42,7 @@ def pages() -> list[Path]:
     ]
 
 
-def commands_in(text: str, page: str = "") -> Iterator[Command]:
+def commands_in(text: str, page: str = "") -> Iterator[DocumentedCommand]:
     """Commands of the shell blocks of a page, in order."""
     for block in FENCE.findall(text):
         for line in block.replace("\\\n", " ").splitlines():
@@ -55,17 +55,17 @@ def commands_in(text: str, page: str = "") -> Iterator[Command]:
                 while words and re.fullmatch(r"[A-Z_]+=.*", words[0]):
                     del words[0]
                 if words:
-                    yield Command(page, tuple(words))
+                    yield DocumentedCommand(page, tuple(words))
                 words = []
 
 
-def in_prose(text: str, page: str = "") -> Iterator[Command]:
+def in_prose(text: str, page: str = "") -> Iterator[DocumentedCommand]:
     """Commands of the project's own in running text that say more than their name."""
     for found in PROSE.findall(text):
-        yield Command(page, tuple(shlex.split(found.replace("\n", " "))))
+        yield DocumentedCommand(page, tuple(shlex.split(found.replace("\n", " "))))
 
 
-def documented() -> list[Command]:
+def documented() -> list[DocumentedCommand]:
     """All commands of all shell blocks."""
     return [
         command
@@ -74,7 +74,7 @@ def documented() -> list[Command]:
     ]
 
 
-def mentioned() -> list[Command]:
+def mentioned() -> list[DocumentedCommand]:
     """All commands of running text."""
     return [
         command

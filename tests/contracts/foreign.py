@@ -1,11 +1,11 @@
 """What the tests of foreign backends share."""
 
 from reference.oracle.ladder import scene_probes
+from reference.oracle.levels.kernels import kernel_probes
+from reference.oracle.levels.lattice import lattice_probes
 from reference.oracle.parts import whole_contract
-from reference.oracle.rungs.kernels import kernel_probes
-from reference.oracle.rungs.lattice import lattice_probes
 from reference.oracle.steps import asked
-from reference.oracle.verdict import climb
+from reference.oracle.verdict import run_ladder
 
 CONTRACT = whole_contract()
 
@@ -45,9 +45,11 @@ def short_ladder(backend, probes):
     def take():
         return asked("L3", "all", CONTRACT, backend, probes)
 
-    rungs = iter([("L3", "all", take)])
+    levels = iter([("L3", "all", take)])
     try:
-        return climb(CONTRACT, "float32", rungs, 60, lambda: 0.0, lambda title: None)
+        return run_ladder(
+            CONTRACT, "float32", levels, 60, lambda: 0.0, lambda title: None
+        )
     finally:
         backend.close()
 

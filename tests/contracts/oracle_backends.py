@@ -84,12 +84,12 @@ class Hungry(Right):
 def changed(change):
     """Backend whose Jacobian comes back changed."""
 
-    class Changed(Right):
+    class ChangedOutputs(Right):
         def jacobian(self, **given):
             """Answer, changed."""
             return change(FLOAT32.jacobian(**given))
 
-    return Changed()
+    return ChangedOutputs()
 
 
 RIGHT, PARTIAL, EMPTY, LOUD, RAISES = Right(), Partial(), Empty(), Loud(), Raises()

@@ -16,7 +16,7 @@ QUIET = {"canonical", "next", "prev", "author", "search", "index"}
 """Relations of links that no browser follows by itself."""
 
 
-class Page(HTMLParser):
+class ParsedPage(HTMLParser):
     """What a page fetches, links to, and can be linked to."""
 
     def __init__(self, path):
@@ -37,7 +37,7 @@ class Page(HTMLParser):
 
 def faults(folder):
     """Of all pages, a line each."""
-    pages = {path.resolve(): Page(path) for path in folder.rglob("*.html")}
+    pages = {path.resolve(): ParsedPage(path) for path in folder.rglob("*.html")}
     for path, page in sorted(pages.items()):
         here = path.relative_to(folder.resolve())
         for url in page.fetched:

@@ -134,12 +134,12 @@ def worth(real, mistake, row):
     if mistake == "throughput":
         before = row.base_throughput
     q, light, last = row.pdf_onward, row.pdf_light, row.joint == row.end
-    by_chance = row.base_pdf_onward if mistake == "old share" else q
+    p_bsdf = row.base_pdf_onward if mistake == "old share" else q
     chosen = row.technique == 1
     share = real(1)
-    mine = light if chosen else by_chance
+    mine = light if chosen else p_bsdf
     if last and mine > 0 and mistake != "no share":
-        share = mine / (light + by_chance)
+        share = mine / (light + p_bsdf)
     if last and chosen and mistake != "density of a choice":
         q = real(1)
     position = row.base_position if mistake == "base" else row.position[m - 1]

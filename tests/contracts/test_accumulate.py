@@ -360,7 +360,7 @@ def test_a_kept_checkpoint_goes_on_to_more_samples(tmp_path, uninterrupted, caps
     assert "has 150 samples already, more than --spp 100" in capsys.readouterr().err
     assert main(command(out, 600)) == 0
     assert_same_pixels(out, uninterrupted)
-    # Each ray once: also those that are traced anew whenever the scene is opened.
+    # Each ray once: also those that are traced afresh whenever the scene is opened.
     assert rays_of(read_exr(out)) == rays_of(uninterrupted)
     assert not checkpoint.exists()
 

@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 import pytest
 
-from reference import announced
+from reference import plugins
 from reference.cli import main
 from reference.exr import read_exr
 from reference.json_text import json_text
@@ -413,7 +413,7 @@ def test_the_frames_of_a_run_are_those_of_the_animation(render, method):
 
 @pytest.mark.parametrize("name", ["moving-camera", "moving-block", "moving-light"])
 def test_rays_are_counted_over_all_frames(render, name):
-    """A G-buffer for each, whether the geometry is made anew or not."""
+    """A G-buffer for each, whether the geometry is rebuilt or not."""
     image = render("restir-gi-unbiased", "--frames", 3, scene=(name, *SMALL))
     assert image.metadata["rays.primary"] == str(3 * 12 * 8)
 
@@ -514,7 +514,7 @@ GREY = Method(
 def test_a_method_of_another_package(render, monkeypatch):
     """Announced by an entry point, it has the options of the built-in ones."""
     point = SimpleNamespace(name="grey", value="x:GREY", dist=None, load=lambda: GREY)
-    monkeypatch.setattr(announced, "entry_points", lambda **_: [point])
+    monkeypatch.setattr(plugins, "entry_points", lambda **_: [point])
     assert method_names() == [*BUILT_IN, "grey"]
     image = render("grey", "--set", "level=0.25", "--aov", "ramp")
     assert (image.color == 0.25).all()

@@ -11,7 +11,7 @@ from scipy import stats
 from gradient_domain import least_absolute
 from gradient_domain.figures import ablations, gradients, images, rounds
 from hashgrid.figures import turns
-from reference import announced, timing
+from reference import plugins, timing
 from reference.cli import main
 from reference.demo.runs import CONVERGED
 from reference.figures import contest, registry, validation
@@ -25,7 +25,7 @@ from reference.figures.record import (
     Work,
 )
 from reference.figures.regions import floor_points, zones
-from reference.figures.registry import FIGURES, Entry, figure_names, find_figure
+from reference.figures.registry import FIGURES, FigureEntry, figure_names, find_figure
 from reference.figures.spread import spreads
 from reference.figures.table import as_plain, table, text
 from reference.figures.tiles import largest_of_half, rms_without_noise, tile_luminance
@@ -83,7 +83,7 @@ def test_every_figure_is_made(restir, tmp_path, monkeypatch, name):
 
 def test_the_figures_as_a_table(restir, tmp_path, monkeypatch):
     monkeypatch.setattr(registry, "FIGURES", planted("one", "two"))
-    monkeypatch.setattr(registry, "announced_names", lambda group: [])
+    monkeypatch.setattr(registry, "plugin_names", lambda group: [])
     code, printed, told = restir("figures", "--out", tmp_path)
     assert (code, told) == (0, "")
     assert printed.index("title of one") < printed.index("title of two")
@@ -136,7 +136,7 @@ def test_a_figure_of_another_package(restir, tmp_path, monkeypatch):
     """Announced by an entry point; broken, its package is named in one line."""
     found = planted("grey")["grey"]
     point = SimpleNamespace(name="grey", value="x:GREY", dist=None, load=lambda: found)
-    monkeypatch.setattr(announced, "entry_points", lambda **_: [point])
+    monkeypatch.setattr(plugins, "entry_points", lambda **_: [point])
     assert figure_names() == [*FIGURES, "grey"]
     code, printed, _ = restir("figures", "grey", "--out", tmp_path)
     assert (code, "title of grey" in printed) == (0, True)
@@ -148,7 +148,9 @@ def test_a_figure_of_another_package(restir, tmp_path, monkeypatch):
 
 def planted(*names):
     """Registry of figures that take no time."""
-    return {name: Entry(name, lambda work, n=name: drawn(n), 2, ()) for name in names}
+    return {
+        name: FigureEntry(name, lambda work, n=name: drawn(n), 2, ()) for name in names
+    }
 
 
 def drawn(name):

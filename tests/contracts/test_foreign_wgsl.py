@@ -10,7 +10,7 @@ from reference.oracle.backends.process import PythonBackend
 from reference.oracle.backends.running import Limits
 from reference.oracle.ladder import ladder
 from reference.oracle.parts import parts, whole_contract
-from reference.oracle.verdict import climb
+from reference.oracle.verdict import run_ladder
 from tests.contracts.foreign import NAMED, all_probes, assert_named, short_ladder
 
 CONTRACT = whole_contract()
@@ -40,9 +40,11 @@ def probes():
 
 def test_it_passes(example):
     backend = PythonBackend(str(BACKEND), Limits())
-    rungs = ladder(CONTRACT, backend)
+    levels = ladder(CONTRACT, backend)
     try:
-        found = climb(CONTRACT, "float32", rungs, 60, lambda: 0.0, lambda title: None)
+        found = run_ladder(
+            CONTRACT, "float32", levels, 60, lambda: 0.0, lambda title: None
+        )
     finally:
         backend.close()
     assert [text for timed in found.steps for text in timed.step.faults] == []

@@ -6,7 +6,7 @@ import pytest
 
 from reference.scene.loaders.formats import TABLES, formats_page, words_of_format
 from reference.scene.loaders.load import LOADERS
-from reference.scene.loaders.words import Fate
+from reference.scene.loaders.words import Use
 
 PAGE = Path(__file__).parents[2] / "docs/reference/formats.md"
 
@@ -31,5 +31,5 @@ def test_a_word_stands_once_and_says_what_replaces_it(title):
     words = words_of_format(title)
     places = [(word.element, word.name) for word in words]
     assert len(set(places)) == len(places)
-    mute = [w.name for w in words if w.fate is Fate.REPLACED and not w.remark]
+    mute = [w.name for w in words if w.use is Use.REPLACED and not w.remark]
     assert not mute

@@ -1,4 +1,4 @@
-"""glTF against files written here: values, pixels, and the fate of every word."""
+"""glTF against files written here: values, pixels, and the use of every word."""
 
 import json
 
@@ -623,9 +623,9 @@ ELSEWHERE = {
     "../outside.bin": "outside the scene's folder",
     "https://example.org/a.bin": "not on this machine",
     "missing.bin": "No such file",
-    "%00": "no path of a file",
-    "%ff": "no name of a file",
-    "data:;base64,?": "no base64",
+    "%00": "not a file path",
+    "%ff": "not a file name",
+    "data:;base64,?": "not base64",
 }
 
 
@@ -744,7 +744,7 @@ def test_gltf_a_tree_of_large_scales_is_refused(tmp_path):
         ('{"asset": ' + "9" * 5000 + "}", "thousands of digits"),
         ('{"asset": NaN}', "a number of its JSON is none"),
         ('{"asset": 1,\n}', "line 2, column 1"),
-        ("[]", "its JSON is no object"),
+        ("[]", "its JSON is not an object"),
         ('{"asset": {"version": 2}}', 'no "asset" with a "version"'),
         ('{"asset": {"version": "2\\u001b"}}', "this is glTF 2\\u001b;"),
     ],

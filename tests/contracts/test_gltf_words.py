@@ -13,10 +13,17 @@ import pytest
 
 from reference.errors import UsageError
 from reference.scene.loaders.gltf_check import TABLE
-from reference.scene.loaders.gltf_forms import Flag, Index, Many, Number, Numbers, One
+from reference.scene.loaders.gltf_forms import (
+    Flag,
+    Index,
+    Many,
+    NumberForm,
+    NumbersForm,
+    One,
+)
 from reference.scene.loaders.gltf_words import WORDS
 from reference.scene.loaders.load import load_scene
-from reference.scene.loaders.words import Fate
+from reference.scene.loaders.words import Use
 from tests.contracts.gltf_files import TRIANGLE, Gltf, png
 
 PICTURE = np.array(
@@ -219,8 +226,8 @@ def tried(tmp_path):
     return load
 
 
-def rows(*fates, judged=False):
-    chosen = [w for w in WORDS if w.fate in fates and w.judged == judged]
+def rows(*uses, judged=False):
+    chosen = [w for w in WORDS if w.use in uses and w.judged == judged]
     return pytest.mark.parametrize(
         "word", chosen, ids=lambda w: f"{w.element}-{w.name}"
     )
@@ -246,9 +253,9 @@ def example(word):
     match word.form:
         case Flag():
             values = [False, True]
-        case Number(low, high):
+        case NumberForm(low, high):
             values = [min(high, max(low, 0.5)), low]
-        case Numbers(count, low):
+        case NumbersForm(count, low):
             values = [[max(low, 0.5)] * (count or 2)]
         case Index():
             values = [0]
@@ -275,13 +282,13 @@ NOT_IN_JSON = {("extension", "KHR_mesh_quantization"), ("buffer", "uri")}
 
 
 def test_the_whole_file_has_every_word_that_is_modelled(unchanged):
-    modelled = {(w.element, w.name) for w in WORDS if w.fate is Fate.MODELLED}
+    modelled = {(w.element, w.name) for w in WORDS if w.use is Use.MODELLED}
     assert modelled - places(whole_file().tree).keys() == NOT_IN_JSON
     assert "ignored" not in unchanged[1]
     assert "left out" not in unchanged[1]
 
 
-@rows(Fate.MODELLED)
+@rows(Use.MODELLED)
 def test_without_a_word_that_is_modelled_it_is_another_scene(tried, unchanged, word):
     key = word.element, word.name
     if key in NOT_IN_JSON or word.name == "buffers" or word.element == "buffer":
@@ -304,7 +311,7 @@ def test_without_a_word_that_is_modelled_it_is_another_scene(tried, unchanged, w
 # ---------------------------------------------------------------- harmless
 
 
-@rows(Fate.HARMLESS)
+@rows(Use.HARMLESS)
 def test_a_harmless_word_changes_nothing(tried, unchanged, word):
     changed, notes = tried(lambda tree: put(tree, word, example(word)))
     assert changed == unchanged[0]
@@ -315,9 +322,9 @@ def test_a_harmless_word_changes_nothing(tried, unchanged, word):
 # ---------------------------------------------------------------- replaced, refused
 
 
-@rows(Fate.REPLACED)
+@rows(Use.REPLACED)
 def test_a_word_that_is_replaced_is_refused_or_noted(tried, word):
-    inner = [w for w in WORDS if w.element == word.name and w.fate is Fate.REPLACED]
+    inner = [w for w in WORDS if w.element == word.name and w.use is Use.REPLACED]
     tried_word = inner[0] if word.element == "extension" and inner else word
 
     def change(tree):
@@ -329,14 +336,14 @@ def test_a_word_that_is_replaced_is_refused_or_noted(tried, word):
     assert f"{tried_word.name} is not modelled: {tried_word.remark}" in notes
 
 
-@rows(Fate.REPLACED)
+@rows(Use.REPLACED)
 def test_a_neutral_value_changes_nothing(tried, unchanged, word):
     for value in word.neutral:
         changed, _ = tried(lambda tree, value=value: put(tree, word, value))
         assert changed == unchanged[0]
 
 
-@rows(Fate.REFUSED)
+@rows(Use.REFUSED)
 @pytest.mark.parametrize("lenient", [False, True])
 def test_a_word_that_is_refused_is_refused_before_any_buffer_is_read(
     tried, word, lenient
@@ -470,7 +477,7 @@ def test_every_word_that_a_reader_judges_is_tried():
     assert JUDGED.keys() == {(w.element, w.name) for w in WORDS if w.judged}
 
 
-@rows(Fate.REPLACED, judged=True)
+@rows(Use.REPLACED, judged=True)
 def test_a_word_that_a_reader_judges_is_refused_or_noted(tried, word):
     change = JUDGED[word.element, word.name]
     with pytest.raises(UsageError, match=f"with --lenient: {word.remark}"):

@@ -9,7 +9,13 @@ import pytest
 
 from gradient_domain.differences import differences
 from gradient_domain.figures.gradients import times_smaller
-from gradient_domain.figures.rounds import FRAMES, Rounds, Scene, Variant, by_rounds
+from gradient_domain.figures.rounds import (
+    FRAMES,
+    Rounds,
+    RoundScene,
+    Variant,
+    by_rounds,
+)
 from gradient_domain.figures.scores import (
     gradient_errors,
     gradient_flips,
@@ -29,7 +35,7 @@ SMALL = Work(16, 3, Schedule())
 
 
 @dataclass
-class Frame:
+class StubFrame:
     """A frame that knows from where it is."""
 
     estimates: object
@@ -38,12 +44,14 @@ class Frame:
 def made_of(seeds, clock=None, seconds=0.0):
     """A method whose frame n of seed s is 100 s + n everywhere."""
 
-    def render(world, settings, bounces, seed, schedule, animation) -> Iterator[Frame]:
+    def render(
+        world, settings, bounces, seed, schedule, animation
+    ) -> Iterator[StubFrame]:
         seeds.append(seed)
         for frame in count():
             if clock:
                 clock.append(clock[-1] + seconds)
-            yield Frame(np.full((256, 9), 100.0 * seed + frame))
+            yield StubFrame(np.full((256, 9), 100.0 * seed + frame))
 
     return Variant(render, None)
 
@@ -170,7 +178,7 @@ def test_time_is_a_part_of_the_comparison():
     rng = np.random.default_rng(3)
     noise = [rng.normal(size=(64, 9)) for _ in range(400)]
     found = Rounds(
-        Scene("x", None, 1),
+        RoundScene("x", None, 1),
         {"a": noise[:200], "b": [np.sqrt(2.0) * n for n in noise[200:]]},
         {"a": 1, "b": 1},
         {"a": 4.0, "b": 1.0},

@@ -52,7 +52,7 @@ def test_what_float32_cannot_hold_becomes_infinite_without_a_warning():
 
 
 def test_rows_of_another_frame_are_refused():
-    with pytest.raises(ValueError, match="12 rows are no 3x2 frame"):
+    with pytest.raises(ValueError, match="12 rows do not make a 3x2 frame"):
         to_image(np.zeros((12, 3)), 3, 2)
 
 

@@ -142,7 +142,7 @@ def test_colours_of_vertices_are_srgb(put):
         (f"{SQUARE}surf 0 1\nf 1 2 3\n", 'line 5: "surf" is not modelled'),
         (f"{SQUARE}usemtl x\nf 1 2 3\n", 'line 5: no material file (mtllib) has "x"'),
         ("v 0 0 0 2 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "colours lie between 0 and 1"),
-        (b"v 0 0 0\0\nf 1 2 3\n", "this is no text"),
+        (b"v 0 0 0\0\nf 1 2 3\n", "this is not text"),
     ],
 )
 def test_faults_of_obj_files_are_named(put, text, message):
@@ -391,8 +391,8 @@ def test_colours_of_vertices(put, kind, stored, linear):
         (("vertex 3", "vertex 999999999999"), "it promises 999,999,999,999 rows of"),
         (("face 1", "face 77777777777777777777"), "rows of 'face' and has"),
         (("3 0 1 2", "3 0 1 7"), "face with vertex 7; its vertices are 0 to 2"),
-        (("3 0 1 2", "3 0 1 2.5"), "an index of its faces is no whole number"),
-        (("3 0 1 2", "3 0 1 nan"), "an index of its faces is no whole number"),
+        (("3 0 1 2", "3 0 1 2.5"), "an index of its faces is not a whole number"),
+        (("3 0 1 2", "3 0 1 nan"), "an index of its faces is not a whole number"),
         (("3 0 1 2", "2 0 1"), "face 0 has 2 corners; it needs 3"),
         (("3 0 1 2", "99999 0 1 2"), "it is truncated or corrupt"),
         (("3 0 1 2", "-3 0 1 2"), "it is truncated or corrupt"),

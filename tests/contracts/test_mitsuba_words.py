@@ -16,7 +16,7 @@ from reference.errors import UsageError
 from reference.scene.loaders.load import load_scene
 from reference.scene.loaders.mitsuba_nodes import mitsuba_session
 from reference.scene.loaders.mitsuba_words import ANY, WORDS, find
-from reference.scene.loaders.words import Fate
+from reference.scene.loaders.words import Use
 
 pytest.importorskip("mitsuba", reason="reads Mitsuba XML by the package mitsuba")
 
@@ -275,7 +275,7 @@ def write(folder, body):
 def test_each_word_does_what_the_table_says(folder, word):
     without, having = scenes_of(word)
     path = write(folder, having)
-    if word.fate is Fate.REPLACED:
+    if word.use is Use.REPLACED:
         name = "unheard-of" if word.name == ANY else word.name
         with pytest.raises(UsageError, match=f"{name}.*is not modelled.*--lenient"):
             load_scene(path)
@@ -284,7 +284,7 @@ def test_each_word_does_what_the_table_says(folder, word):
     scene = essence(load_scene(path))
     changes = scene != essence(load_scene(write(folder, without)))
     invisible = (word.element, word.name) in NOT_SEEN
-    assert changes == (word.fate is Fate.MODELLED and not invisible)
+    assert changes == (word.use is Use.MODELLED and not invisible)
 
 
 NOT_SEEN = {("bsdf", "null"), ("shape", "shapegroup"), ("shapegroup", "shape")}

@@ -70,9 +70,9 @@ def test_a_folder_with_expected_outputs_passes(golden, capsys, tmp_path):
         (["check", "nobody.py"], "no file nobody.py"),
         (["check", "float32", "--against", "nowhere"], "cannot read"),
         (["check", "./no-such {directory}"], "cannot run ./no-such"),
-        (["check", "'unbalanced {directory}"], "is no command line"),
+        (["check", "'unbalanced {directory}"], "is not a command line"),
         (["golden", "nowhere", "--out", "x"], "nowhere"),
-        (["golden", "glossy-floor", "--out", "x"], "other materials than paint"),
+        (["golden", "glossy-floor", "--out", "x"], "materials that are not diffuse"),
     ],
 )
 def test_bad_requests_are_one_line(capsys, arguments, words):

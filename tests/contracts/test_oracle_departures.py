@@ -21,7 +21,7 @@ DEPARTURES = {
 }
 
 
-class Changed:
+class ChangedCalls:
     """The planted backend, with another change of one pass on top."""
 
     precision = "float32"
@@ -99,7 +99,7 @@ def darker(outcome):
 
 @pytest.mark.parametrize("change", [nan, darker])
 def test_a_mistake_beside_a_departure_fails(change):
-    backend = Changed("the target lacks the cosine", "shade", change)
+    backend = ChangedCalls("the target lacks the cosine", "shade", change)
     verdict = judge(backend, 120.0, statistics=False)
     assert verdict.status == "FAIL"
     plain = as_plain(verdict, "mine", whole_contract())
@@ -110,7 +110,7 @@ def test_a_mistake_within_the_same_pass_fails():
     def wrong(outcome):
         return {"p_hat": outcome["p_hat"] * (outcome["p_hat"] < 1)}
 
-    backend = Changed("the target lacks the cosine", "target", wrong)
+    backend = ChangedCalls("the target lacks the cosine", "target", wrong)
     assert judge(backend, 120.0, statistics=False).status == "FAIL"
 
 
@@ -123,7 +123,7 @@ def test_an_answer_that_cannot_be_judged_is_no_departure():
         p_hat[0] = np.inf
         return {"p_hat": p_hat}
 
-    backend = Changed("the target lacks the cosine", "target", sometimes)
+    backend = ChangedCalls("the target lacks the cosine", "target", sometimes)
     verdict = judge(backend, 120.0, statistics=False)
     assert verdict.status == "FAIL"
     plain = as_plain(verdict, "mine", whole_contract())

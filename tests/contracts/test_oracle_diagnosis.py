@@ -9,13 +9,13 @@ from reference.arrays import normalize
 from reference.oracle.builtin.backend import FLOAT32
 from reference.oracle.diagnosis.diagnose import HYPOTHESES, diagnose
 from reference.oracle.frames import frame_cases
+from reference.oracle.levels.kernels import kernel_probes
+from reference.oracle.levels.probe import Answer, Finding, examined
+from reference.oracle.levels.replayed import replayed
 from reference.oracle.parts import whole_contract
+from reference.oracle.prepared_frame import prepare_frame
 from reference.oracle.replay.bounded import exact, rounding_of
 from reference.oracle.replay.judges import JUDGES
-from reference.oracle.rungs.kernels import kernel_probes
-from reference.oracle.rungs.probe import Answer, Finding, examined
-from reference.oracle.rungs.replayed import replayed
-from reference.oracle.stage import stage
 from reference.scene.catalogue.registry import find_scene
 
 CONTRACT = whole_contract()
@@ -36,7 +36,7 @@ WITHOUT_CHOICE = (
 def probes():
     found = [p for p in kernel_probes("float32") if "extremes" not in p.case.name]
     for scene in ("cornell-box", "door-ajar"):
-        at = stage(find_scene(scene), 24, 1)
+        at = prepare_frame(find_scene(scene), 24, 1)
         found += [replayed("L3", case) for case in frame_cases(at, "float32")]
     return found
 

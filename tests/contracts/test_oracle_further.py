@@ -12,11 +12,11 @@ from reference.oracle.contract.fields import dtype_of
 from reference.oracle.contract.further import FURTHER_PASSES
 from reference.oracle.diagnosis.diagnose import HYPOTHESES, diagnose
 from reference.oracle.diagnosis.further import FURTHER_MISTAKES
+from reference.oracle.levels.further import further_cases
+from reference.oracle.levels.probe import examined
+from reference.oracle.levels.replayed import replayed
 from reference.oracle.replay.further.judges import FURTHER_JUDGES
 from reference.oracle.replay.rules import CONTRACT_RULES
-from reference.oracle.rungs.further import further_cases
-from reference.oracle.rungs.probe import examined
-from reference.oracle.rungs.replayed import replayed
 from reference.passes.gbuffer import visible_points
 from reference.rng import pcg4d, to_unit_interval
 from reference.scene.camera import pixel_centers
@@ -450,7 +450,7 @@ def test_the_cases_are_always_the_same():
 def test_few_decisions_are_open_among_ordinary_rows():
     for name in ("gbuffer", "reproject", "validation", "boiling", "roulette"):
         first = judgements("float32", name, other("float32", name, None))[0]
-        assert first.decisions.expected_excuses <= 5
+        assert first.decisions.expected <= 5
 
 
 def test_a_word_that_is_no_flag_is_refused():

@@ -19,14 +19,14 @@ from reference.oracle.backends.files import FilesBackend
 from reference.oracle.exr_frames import write_frames
 from reference.oracle.frames import frame_cases
 from reference.oracle.golden import expected, read_golden, write_golden
-from reference.oracle.ladder import golden_rungs
+from reference.oracle.ladder import golden_levels
+from reference.oracle.levels.kernels import kernel_probes
+from reference.oracle.levels.lattice import lattice_probes
+from reference.oracle.levels.replayed import replayed
 from reference.oracle.parts import whole_contract
+from reference.oracle.prepared_frame import prepare_frame
 from reference.oracle.raw import read_cases
-from reference.oracle.rungs.kernels import kernel_probes
-from reference.oracle.rungs.lattice import lattice_probes
-from reference.oracle.rungs.replayed import replayed
-from reference.oracle.stage import stage
-from reference.oracle.verdict import climb
+from reference.oracle.verdict import run_ladder
 from reference.scene.catalogue.registry import find_scene
 
 CONTRACT = whole_contract()
@@ -43,7 +43,7 @@ def write_few(folder):
 
 
 def write(folder, precision="float32"):
-    at = stage(find_scene("cornell-box"), SIZE, 3)
+    at = prepare_frame(find_scene("cornell-box"), SIZE, 3)
     probes = [*kernel_probes(precision), *lattice_probes(precision)]
     probes += [replayed("L3", case) for case in frame_cases(at, precision)]
     about = {"scene": "cornell-box", "size": SIZE, "seed": 3}
@@ -64,8 +64,8 @@ def copy(golden, tmp_path):
 def verdict(folder):
     precision, probes = read_golden(folder)
     backend = FilesBackend(folder, precision)
-    rungs = golden_rungs(CONTRACT, backend, probes)
-    return climb(CONTRACT, precision, rungs, 60, lambda: 0.0, lambda title: None)
+    levels = golden_levels(CONTRACT, backend, probes)
+    return run_ladder(CONTRACT, precision, levels, 60, lambda: 0.0, lambda title: None)
 
 
 def answer_all(folder):

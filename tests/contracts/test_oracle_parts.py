@@ -1,4 +1,4 @@
-"""A part of the contract that another package announces: asked, judged and named."""
+"""A part of the contract that another package registers: asked, judged and named."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -16,11 +16,11 @@ from reference.oracle.checking import judge
 from reference.oracle.contract.fields import Pass, real
 from reference.oracle.diagnosis.hypothesis import mistake
 from reference.oracle.golden import expected
+from reference.oracle.levels.kernels import kernel_probes
+from reference.oracle.levels.replayed import replayed
 from reference.oracle.parts import Part, parts, whole_contract
 from reference.oracle.replay.bounded import constant, exact, rounding_of
 from reference.oracle.replay.judgement import Judgement, beside
-from reference.oracle.rungs.kernels import kernel_probes
-from reference.oracle.rungs.replayed import replayed
 
 DOUBLED = Pass(
     name="doubled",
@@ -40,8 +40,8 @@ def judge_doubled(case, outputs, rules, precision):
 def probes(precision):
     x = {"x": np.arange(1, 9).astype(precision)}
     return [
-        replayed(rung, Case(f"doubled-{rung}", "doubled", {}, x))
-        for rung in ["L0", "L3"]
+        replayed(level, Case(f"doubled-{level}", "doubled", {}, x))
+        for level in ["L0", "L3"]
     ]
 
 
@@ -59,7 +59,7 @@ PART = Part(
 )
 
 
-def announce(monkeypatch, *found):
+def register(monkeypatch, *found):
     points = [
         SimpleNamespace(name=f"p{i}", load=lambda part=part: part)
         for i, part in enumerate(found)
@@ -69,8 +69,8 @@ def announce(monkeypatch, *found):
 
 
 @pytest.fixture
-def announced(monkeypatch):
-    announce(monkeypatch, PART)
+def registered(monkeypatch):
+    register(monkeypatch, PART)
     yield
     parts.cache_clear()
 
@@ -88,13 +88,13 @@ def doubling(factor):
 
 def asked(verdict):
     return [
-        (timed.step.rung, timed.step.title)
+        (timed.step.level, timed.step.title)
         for timed in verdict.steps
         if any(a.probe.case.pass_name == "doubled" for a in timed.step.answers)
     ]
 
 
-@pytest.mark.usefixtures("announced")
+@pytest.mark.usefixtures("registered")
 def test_it_is_asked_on_its_rungs_and_passes():
     verdict = doubling(2)
     assert verdict.status == "PASS"
@@ -103,7 +103,7 @@ def test_it_is_asked_on_its_rungs_and_passes():
     assert "gbuffer" in verdict.absent
 
 
-@pytest.mark.usefixtures("announced")
+@pytest.mark.usefixtures("registered")
 def test_its_mistakes_are_named():
     verdict = doubling(3)
     assert verdict.status == "FAIL"
@@ -111,31 +111,31 @@ def test_its_mistakes_are_named():
     assert [h.name for h in found.matches] == ["tripled"]
 
 
-@pytest.mark.usefixtures("announced")
+@pytest.mark.usefixtures("registered")
 def test_what_is_no_known_mistake_has_no_name():
     (found,) = doubling(4).diagnoses
     assert found.matches == ()
 
 
-@pytest.mark.usefixtures("announced")
+@pytest.mark.usefixtures("registered")
 def test_it_is_in_the_contract():
     assert list(whole_contract())[-1] == "doubled"
 
 
 def test_two_parts_cannot_have_the_same_pass(monkeypatch):
-    announce(monkeypatch, PART, replace(PART, title="again"))
+    register(monkeypatch, PART, replace(PART, title="again"))
     with pytest.raises(UsageError, match="several parts have a pass doubled"):
         parts()
 
 
 def test_the_core_is_not_replaced(monkeypatch):
-    announce(monkeypatch, replace(PART, passes=(replace(DOUBLED, name="merge"),)))
+    register(monkeypatch, replace(PART, passes=(replace(DOUBLED, name="merge"),)))
     with pytest.raises(UsageError, match="several parts have a pass merge"):
         parts()
 
 
 def test_what_is_no_part_is_refused(monkeypatch):
-    announce(monkeypatch, "no part")
+    register(monkeypatch, "no part")
     with pytest.raises(UsageError, match=r"p0 of restir\.passes is str"):
         parts()
 

@@ -9,8 +9,8 @@ from reference.errors import UsageError
 from reference.oracle.backends.command import ProgramBackend
 from reference.oracle.backends.process import PythonBackend
 from reference.oracle.backends.running import Limits
+from reference.oracle.levels.kernels import kernel_probes
 from reference.oracle.parts import whole_contract
-from reference.oracle.rungs.kernels import kernel_probes
 from reference.oracle.steps import asked
 
 CONTRACT = whole_contract()

@@ -7,7 +7,7 @@ from reference.errors import UsageError
 from reference.exr import write_exr
 from reference.images import Image
 from reference.oracle.backends.running import Limits
-from reference.oracle.blackbox.judge import renderer_rungs
+from reference.oracle.blackbox.judge import renderer_levels
 from reference.oracle.blackbox.renderer import Renderer
 from reference.oracle.blackbox.truth import Truth, path_traced, statistics
 from reference.oracle.cases import Failure
@@ -17,18 +17,18 @@ SIZE = 8
 
 
 class Pictures(Renderer):
-    """In place of a program: pictures of a known law."""
+    """In place of a program: pictures of a known distribution."""
 
     def __init__(self, mean, same=False, changes=False):
         super().__init__("", "", 1, (SIZE, SIZE), Limits())
-        object.__setattr__(self, "law", (mean, same, changes))
+        object.__setattr__(self, "kind", (mean, same, changes))
         object.__setattr__(self, "calls", [])
 
-    __slots__ = ("calls", "law")
+    __slots__ = ("calls", "kind")
 
     def render(self, seed):
         """Exponential light about a mean."""
-        mean, same, changes = self.law
+        mean, same, changes = self.kind
         self.calls.append(seed)
         salt = len(self.calls) if changes else 0
         rng = np.random.default_rng([7 if same else seed, salt])
@@ -41,12 +41,12 @@ MEAN = 1 - np.exp(-6)
 KNOWN = Truth(np.full(17, MEAN), np.full(17, 1e-4), 4096)
 
 
-def climb(renderer, bound=7.0, runs=300):
+def run_ladder(renderer, bound=7.0, runs=300):
     """Steps of the ladder, until so many pictures have been made."""
-    rungs = renderer_rungs(
+    levels = renderer_levels(
         renderer, lambda: KNOWN, bound, lambda: runs - len(renderer.calls)
     )
-    return [take() for _, _, take in rungs]
+    return [take() for _, _, take in levels]
 
 
 def faults(steps):
@@ -55,7 +55,7 @@ def faults(steps):
 
 def test_a_right_renderer_is_not_accused():
     """With probability 5e-7 at most."""
-    steps = climb(Pictures(1.0))
+    steps = run_ladder(Pictures(1.0))
     assert faults(steps) == []
     assert "right to about" in steps[-1].more
 
@@ -63,22 +63,25 @@ def test_a_right_renderer_is_not_accused():
 @pytest.mark.parametrize("mean", [1.3, 0.5])
 def test_control_a_wrong_mean_is_found(mean):
     """Darkness takes about 2 · 7 / 0.5 · ln(2 / α) = 430 pictures."""
-    assert "relative to the truth" in faults(climb(Pictures(mean), runs=800))[0]
+    assert "relative to the truth" in faults(run_ladder(Pictures(mean), runs=800))[0]
 
 
 def test_without_a_bound_only_too_much_light_is_a_fault():
-    assert faults(climb(Pictures(1.3), bound=None))
-    dark = climb(Pictures(0.5), bound=None)
+    assert faults(run_ladder(Pictures(1.3), bound=None))
+    dark = run_ladder(Pictures(0.5), bound=None)
     assert faults(dark) == []
     assert "--bound" in dark[-1].more
 
 
 def test_seeds_that_do_nothing_are_a_fault():
-    assert "runs repeat" in faults(climb(Pictures(1.0, same=True), runs=5))[0]
+    assert "runs repeat" in faults(run_ladder(Pictures(1.0, same=True), runs=5))[0]
 
 
 def test_pictures_that_cannot_be_repeated_are_a_fault():
-    assert "of one seed differ" in faults(climb(Pictures(1.0, changes=True), runs=5))[0]
+    assert (
+        "of one seed differ"
+        in faults(run_ladder(Pictures(1.0, changes=True), runs=5))[0]
+    )
 
 
 def test_tiles_are_where_they_are_said_to_be():

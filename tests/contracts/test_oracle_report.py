@@ -20,19 +20,19 @@ from reference.oracle.cases import Failure
 from reference.oracle.diagnosis.diagnose import Diagnosis
 from reference.oracle.diagnosis.jacobians import JACOBIANS
 from reference.oracle.frames import frame_cases
+from reference.oracle.levels.kernels import kernel_probes
+from reference.oracle.levels.probe import Finding, examined
+from reference.oracle.levels.replayed import replayed
 from reference.oracle.parts import parts, whole_contract
+from reference.oracle.prepared_frame import prepare_frame
 from reference.oracle.replay.judgement import Compared, Decisions, Judgement, exactly
 from reference.oracle.report.maps import error_maps, signed_map
 from reference.oracle.report.page import pieces, write_page
 from reference.oracle.report.plain import as_plain
 from reference.oracle.report.table import table
 from reference.oracle.report.worst import answers_of, worst_answer, worst_rows
-from reference.oracle.rungs.kernels import kernel_probes
-from reference.oracle.rungs.probe import Finding, examined
-from reference.oracle.rungs.replayed import replayed
-from reference.oracle.stage import stage
-from reference.oracle.steps import Step
-from reference.oracle.verdict import Timed, Verdict, climb
+from reference.oracle.steps import LevelStep
+from reference.oracle.verdict import Timed, Verdict, run_ladder
 from reference.scene.catalogue.registry import find_scene
 from tests.contracts.elements import Page
 
@@ -44,8 +44,8 @@ EMPTY = Verdict("UNDECIDED", [], [], [], [])
 
 @cache
 def probes():
-    """Questions of two rungs, by rung."""
-    at = stage(find_scene("cornell-box"), 16, 1)
+    """Questions of two levels, by level."""
+    at = prepare_frame(find_scene("cornell-box"), 16, 1)
     cases = frame_cases(at, "float32")
     frames = [replayed("L3", case) for case in cases]
     further = [probe for part in parts() for probe in part.probes("float32")]
@@ -63,16 +63,18 @@ def answered(change, probe):
 def verdict_of(change, budget=np.inf, findings=()):
     """Verdict on the built-in backend with changed answers."""
 
-    def step(rung):
-        return Step(rung, "asked", [answered(change, p) for p in probes()[rung]])
+    def step(level):
+        return LevelStep(level, "asked", [answered(change, p) for p in probes()[level]])
 
     def spheres():
-        return Step("L2", "spheres", findings=list(findings))
+        return LevelStep("L2", "spheres", findings=list(findings))
 
-    rungs = [("L0", "asked", partial(step, "L0")), ("L2", "spheres", spheres)]
-    rungs.append(("L3", "asked", partial(step, "L3")))
-    steps = iter(rungs)
-    return climb(CONTRACT, "float32", steps, budget, time.monotonic, lambda title: None)
+    levels = [("L0", "asked", partial(step, "L0")), ("L2", "spheres", spheres)]
+    levels.append(("L3", "asked", partial(step, "L3")))
+    steps = iter(levels)
+    return run_ladder(
+        CONTRACT, "float32", steps, budget, time.monotonic, lambda title: None
+    )
 
 
 def right(case, out):
@@ -256,7 +258,7 @@ def test_an_empty_verdict(tmp_path):
     assert {p["status"] for p in plain["passes"]} == {"not judged"}
     assert plain["headline"] == "nothing was judged"
     text = written(tmp_path, EMPTY, plain)
-    assert "None was climbed" in text
+    assert "None was run" in text
     Page(text)
     assert printed(plain) == "UNDECIDED: nobody: nothing was judged\n"
 
@@ -271,7 +273,7 @@ def test_without_time_nothing_is_said(tmp_path):
 
 def with_mean(verdict, status, **more):
     """A verdict with a step of statistics."""
-    mean = Timed(Step("L4", "mean", findings=[Finding(True)], **more), 1.0)
+    mean = Timed(LevelStep("L4", "mean", findings=[Finding(True)], **more), 1.0)
     return replace(verdict, status=status, steps=[*verdict.steps, mean])
 
 
@@ -324,7 +326,7 @@ def test_among_infinitely_wrong_rows_the_largest_difference_is_worst():
     assert worst_rows(found, 2).tolist() == [3, 1]
 
 
-def test_where_only_the_budget_is_exceeded_the_excused_rows_are_worst():
+def test_where_only_the_budget_is_exceeded_the_differing_rows_are_worst():
     kept = {"kept slot": np.array([0, 1, 1]), "slot in exact arithmetic": np.ones(3)}
     decisions = Decisions(np.zeros(3, bool), 1, 0.0)
     found = judgement(

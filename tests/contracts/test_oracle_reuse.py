@@ -7,8 +7,8 @@ from extensions.oracle.reuse.part import PART
 from extensions.oracle.reuse.rules import ReuseRules
 from reference.oracle.builtin.backend import BuiltIn
 from reference.oracle.contract.fields import dtype_of
+from reference.oracle.levels.probe import examined
 from reference.oracle.parts import parts
-from reference.oracle.rungs.probe import examined
 
 PASSES = {p.name: p for p in PART.passes}
 both_precisions = pytest.mark.parametrize("precision", ["float32", "float64"])
@@ -23,7 +23,7 @@ def found_in(precision, backend):
     return texts
 
 
-def test_the_part_is_announced():
+def test_the_part_is_registered():
     assert PART in parts()
 
 

@@ -66,7 +66,7 @@ SHINING = replace(BALL, emission=(1.0, 0, 0), two_sided_emission=True)
 METAL = (0.9, 0.9, 0.9)
 GLOSSY = "sample points that are not Lambertian"
 HIDES = "occlusion between points"
-CHANCE = "lights met by chance"
+HITS = "emitter hits"
 ADDED = {
     "nothing": (LEAST, set()),
     "sphere": (replace(LEAST, spheres=(BALL,)), {"spheres", HIDES}),
@@ -85,11 +85,11 @@ ADDED = {
     "glass": (made_of(Dielectric()), {"dielectrics", "delta lobes", GLOSSY}),
     "lamp": (
         replace(LEAST, meshes=(FLOOR, replace(FLOOR, name="it", emission=(1.0, 0, 0)))),
-        {"area lights", CHANCE},
+        {"area lights", HITS},
     ),
     "textured lamp": (
         replace(LEAST, meshes=(FLOOR, replace(FLOOR, name="it", emission=GLOW))),
-        {"area lights", "textured lights", CHANCE},
+        {"area lights", "textured lights", HITS},
     ),
     "black texture": (
         replace(LEAST, meshes=(FLOOR, replace(FLOOR, name="it", emission=DARK))),
@@ -97,7 +97,7 @@ ADDED = {
     ),
     "lamp of two sides": (
         lit_by(spheres=(SHINING,)),
-        {"spheres", "area lights", "lights of two sides", HIDES, CHANCE},
+        {"spheres", "area lights", "lights of two sides", HIDES, HITS},
     ),
     "spot light": (
         lit_by(spots=(SpotLight((0, 1, 0), (0, -1, 0), (1.0, 1, 1), 30.0, 20.0),)),
@@ -109,9 +109,9 @@ ADDED = {
     ),
     "sky": (
         lit_by(environment=ConstantEnvironment((1.0, 1, 1))),
-        {"environment", CHANCE},
+        {"environment", HITS},
     ),
-    "sky map": (lit_by(environment=LatLongEnvironment(WHITE)), {"environment", CHANCE}),
+    "sky map": (lit_by(environment=LatLongEnvironment(WHITE)), {"environment", HITS}),
     "obstacle": (
         replace(LEAST, meshes=(FLOOR, box("it", (1, 1, 1), pose(9, (0, 2, 0)), GREY))),
         {HIDES},
@@ -123,7 +123,7 @@ ADDED = {
 def test_each_part_asks_for_its_feature_and_for_no_other(case):
     scene, expected = ADDED[case]
     assert names(scene) == ALWAYS | expected
-    for name in expected - {"point lights", "spot lights", "environment", CHANCE}:
+    for name in expected - {"point lights", "spot lights", "environment", HITS}:
         assert name == HIDES or '"it"' in why(scene, name)
 
 

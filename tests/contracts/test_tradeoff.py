@@ -28,14 +28,14 @@ from reference.scene.validation import validate
 from reference.schedule import Schedule
 from reference.tradeoff import knobs
 from reference.tradeoff.change import recoveries
-from reference.tradeoff.points import Point
+from reference.tradeoff.points import Design
 from reference.tradeoff.store import open_store
 from reference.tradeoff.sweep import Sweep, run_sweep
 from reference.tradeoff.trials import BEFORE, Task, opened, run_trial
 from reference.world import build_world
 
 SMALL = Named("cornell-box", False, 16, 16)
-BASE = Point("restir-gi-unbiased", ())
+BASE = Design("restir-gi-unbiased", ())
 
 
 class Here:
@@ -53,7 +53,7 @@ class Here:
 
 
 def sweep_of(*values, runs=3, changed=()):
-    points = tuple(Point(BASE.method, v) for v in ((), *values))
+    points = tuple(Design(BASE.method, v) for v in ((), *values))
     return Sweep(SMALL, 1, 4, runs, 0, points, changed)
 
 
@@ -136,7 +136,7 @@ def test_lights_change_at_once():
 
     Powers of two scale each sample by itself.
     """
-    path = Point("path", ())
+    path = Design("path", ())
     changed = run_trial(Task(SMALL, 1, 4, path, seed=1, change=2))
     left_alone = run_trial(Task(SMALL, 1, 4, path, seed=1))
     assert np.array_equal(changed.tiles[2:], left_alone.tiles[2:])
@@ -175,7 +175,7 @@ def test_brighter_scenes_are_brighter_to_the_last_bit(light):
 def test_bytes_of_arrays_count_once():
     a = np.zeros(10)
     assert nbytes([a, {"x": a}, None, 3, (np.zeros(2, np.int32),)]) == 88
-    point = Point("path", ("a=1",))
+    point = Design("path", ("a=1",))
     assert fields_but(point, "values", "label") == ["path", ""]
 
 
@@ -231,7 +231,9 @@ def test_a_damaged_run_is_told(tmp_path, damage):
     path = store.path(task)
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) // 2] if damage == "half" else damage.encode())
-    with pytest.raises(UsageError, match=r"0\.npz is no run, or is damaged; delete it"):
+    with pytest.raises(
+        UsageError, match=r"0\.npz is not a run, or is damaged; delete it"
+    ):
         store.get(task)
 
 

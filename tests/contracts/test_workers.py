@@ -17,18 +17,18 @@ from reference.cli import main
 from reference.commands import reference as command
 from reference.errors import UsageError
 from reference.exr import read_exr
-from reference.oracle.afar import Reached, rungs_afar
 from reference.oracle.backends.inside import InsideBackend
 from reference.oracle.backends.running import Limits
 from reference.oracle.blackbox.renderer import Renderer
 from reference.oracle.builtin.backend import BuiltIn
 from reference.oracle.cases import for_ever
-from reference.oracle.ladder import statistical_rungs
+from reference.oracle.distributed import Reached, distributed_levels
+from reference.oracle.ladder import statistical_levels
+from reference.oracle.levels.means import mean_over_runs, replicates
 from reference.oracle.parts import whole_contract
-from reference.oracle.rungs.means import mean_over_runs, replicates
 from reference.oracle.steps import Asker
 from reference.scene.named import Named
-from reference.tradeoff.points import Point
+from reference.tradeoff.points import Design
 from reference.tradeoff.store import open_store
 from reference.tradeoff.sweep import Sweep, run_sweep
 from reference.tradeoff.trials import run_trial
@@ -38,7 +38,7 @@ pytestmark = pytest.mark.slow
 
 
 def sweep_of(*values, runs=3):
-    points = tuple(Point("restir-gi-unbiased", v) for v in ((), *values))
+    points = tuple(Design("restir-gi-unbiased", v) for v in ((), *values))
     return Sweep(Named("cornell-box", False, 16, 16), 1, 4, runs, 0, points, ())
 
 
@@ -181,11 +181,11 @@ def test_a_cluster_gathers_the_statistics_of_a_backend(tmp_path):
     reached = Reached("float64", Limits(), "float32")
     backend, forever = reached.open(), lambda: 1e6
     here = [
-        take() for *_, take in statistical_rungs(whole_contract(), backend, forever)
+        take() for *_, take in statistical_levels(whole_contract(), backend, forever)
     ]
     with cluster(tmp_path) as (address, (first, _)), workers(1, address) as executor:
         there = []
-        for _, _, take in rungs_afar(reached, backend, executor, forever):
+        for _, _, take in distributed_levels(reached, backend, executor, forever):
             there.append(take())
             first.kill()
     assert len(here) == 5

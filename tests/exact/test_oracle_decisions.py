@@ -1,4 +1,4 @@
-"""Forced and free decisions, and the budget of those that rounding excuses.
+"""Decisions within rounding and beyond it, and the budget of the former.
 
 Both samples weigh about the same, so that the threshold of u is near 1/2, and u is put
 beside it in units of the bound that the replay itself states.
@@ -10,12 +10,12 @@ from scipy.stats import poisson
 
 from reference.oracle.builtin.backend import FLOAT32
 from reference.oracle.cases import Case
+from reference.oracle.levels.patches import eye, patch_reservoirs
 from reference.oracle.replay.bounded import exact, rounding_of
 from reference.oracle.replay.formulas import preference
-from reference.oracle.replay.judgement import EXCUSE_ALARM, Decisions
+from reference.oracle.replay.judgement import BUDGET_ALARM, Decisions
 from reference.oracle.replay.judges import JUDGES
 from reference.oracle.replay.rules import CONTRACT_RULES
-from reference.oracle.rungs.patches import eye, patch_reservoirs
 
 ROWS = 64
 ROUNDING = rounding_of("float32")
@@ -79,8 +79,8 @@ def with_other_branch(case):
     return FLOAT32.temporal(**other, **case.settings)
 
 
-@pytest.mark.parametrize(("away", "excused"), [(2.0**-23, True), (2.0**-10, False)])
-def test_a_reservoir_is_judged_along_the_branch_that_was_taken(away, excused):
+@pytest.mark.parametrize(("away", "open_"), [(2.0**-23, True), (2.0**-10, False)])
+def test_a_reservoir_is_judged_along_the_branch_that_was_taken(away, open_):
     """Weights have some 20 roundings, of four units: 2⁻²³ is inside, 2⁻¹⁰ far out."""
     case = temporal_case(np.full(ROWS, 0.5 + away))
     right = JUDGES["temporal"](
@@ -92,8 +92,8 @@ def test_a_reservoir_is_judged_along_the_branch_that_was_taken(away, excused):
     out = with_other_branch(case)
     other = JUDGES["temporal"](case, out, CONTRACT_RULES, "float32")
     assert right.passed
-    assert other.wrong.any() != excused
-    assert other.decisions.illegal.all() != excused
+    assert other.wrong.any() != open_
+    assert other.decisions.illegal.all() != open_
 
 
 def test_a_free_branch_still_needs_the_weight_that_belongs_to_it():
@@ -107,13 +107,13 @@ def test_a_free_branch_still_needs_the_weight_that_belongs_to_it():
 # ---------------------------------------------------------------- budget
 
 
-def test_excuses_beyond_their_budget_are_a_fault():
+def test_differing_decisions_beyond_their_budget_are_a_fault():
     """256 of 256 rows lean on rounding, where none is expected to."""
     u = np.full(256, 0.5)
     lenient, strict = merge_case(u), merge_case(u, random=True)
     assert merged(lenient, 1).passed
     judged = merged(strict, 1)
-    assert judged.decisions.excused == 256
+    assert judged.decisions.differing == 256
     assert judged.over_budget
     assert not judged.passed
 
@@ -121,8 +121,8 @@ def test_excuses_beyond_their_budget_are_a_fault():
 @pytest.mark.parametrize("mean", [0.0, 1e-3, 0.1, 3.0])
 def test_the_budget_is_exceeded_with_the_stated_probability(mean):
     budget = Decisions(np.zeros(1, bool), 0, mean).budget
-    assert poisson.sf(budget, mean) <= EXCUSE_ALARM
-    assert budget == 0 or poisson.sf(budget - 1, mean) > EXCUSE_ALARM
+    assert poisson.sf(budget, mean) <= BUDGET_ALARM
+    assert budget == 0 or poisson.sf(budget - 1, mean) > BUDGET_ALARM
 
 
 def test_the_expected_number_of_open_decisions_is_their_share_of_all_numbers():
@@ -133,5 +133,5 @@ def test_the_expected_number_of_open_decisions_is_their_share_of_all_numbers():
     margin = preference(exact(u, ROUNDING), ones, ones)
     open_cells = int((np.abs(margin.value) <= margin.error).sum())
     assert 2 < open_cells < reach
-    stated = merged(merge_case(np.full(1, 0.5)), 1).decisions.expected_excuses
+    stated = merged(merge_case(np.full(1, 0.5)), 1).decisions.expected
     assert abs(stated / cell - open_cells) <= 2

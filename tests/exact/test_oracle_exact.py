@@ -13,13 +13,13 @@ from reference.oracle.builtin.backend import FLOAT32, FLOAT64
 from reference.oracle.cases import Case
 from reference.oracle.contract.registry import CONTRACT
 from reference.oracle.diagnosis.diagnose import diagnose
+from reference.oracle.levels.exact import exact_outputs, examined_exactly
+from reference.oracle.levels.kernels import kernel_probes
+from reference.oracle.levels.probe import examined
 from reference.oracle.replay import formulas, sources
 from reference.oracle.replay.bounded import Bounded
 from reference.oracle.replay.judges import JUDGES
 from reference.oracle.replay.rules import CONTRACT_RULES
-from reference.oracle.rungs.exact import exact_outputs, examined_exactly
-from reference.oracle.rungs.kernels import kernel_probes
-from reference.oracle.rungs.probe import examined
 
 BACKENDS = {"float32": FLOAT32, "float64": FLOAT64}
 CASES = {

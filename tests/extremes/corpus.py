@@ -19,8 +19,8 @@ from reference.exr import write_exr
 from reference.exr_parts import MAGIC
 from reference.images import Image
 from reference.oracle.golden import write_golden
+from reference.oracle.levels.kernels import kernel_probes
 from reference.oracle.parts import whole_contract
-from reference.oracle.rungs.kernels import kernel_probes
 
 CORNERS = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 FACES = [(0, 1, 2), (0, 2, 3)]
@@ -39,7 +39,7 @@ RUN = {
 
 
 @dataclass(frozen=True)
-class Entry:
+class CorpusFile:
     """A good file, and those that it reads."""
 
     kind: str  # 'scene', 'picture', 'python' or 'golden'
@@ -47,7 +47,7 @@ class Entry:
     beside: tuple[str, ...] = ()
 
 
-def write_corpus(folder: Path, mitsuba: bool) -> list[Entry]:
+def write_corpus(folder: Path, mitsuba: bool) -> list[CorpusFile]:
     """Write all good files, and say which they are."""
     folder.mkdir(parents=True)
     picture = BytesIO()
@@ -70,20 +70,20 @@ def write_corpus(folder: Path, mitsuba: bool) -> list[Entry]:
     _write_pictures(folder)
     _write_golden(folder / "golden")
     entries = [
-        Entry("scene", "scene.json", ("wall.ply", "tile.png")),
-        Entry("scene", "room.obj", ("room.mtl", "tile.png")),
-        Entry("scene", "room.gltf"),
-        Entry("scene", "room.glb"),
-        Entry("scene", "wall.ply"),
-        Entry("scene", "binary.ply"),
-        Entry("picture", "ours.exr"),
-        Entry("picture", "restir.exr"),
-        Entry("picture", "blender.exr"),
-        Entry("python", "mine.py"),
-        Entry("golden", "golden"),
+        CorpusFile("scene", "scene.json", ("wall.ply", "tile.png")),
+        CorpusFile("scene", "room.obj", ("room.mtl", "tile.png")),
+        CorpusFile("scene", "room.gltf"),
+        CorpusFile("scene", "room.glb"),
+        CorpusFile("scene", "wall.ply"),
+        CorpusFile("scene", "binary.ply"),
+        CorpusFile("picture", "ours.exr"),
+        CorpusFile("picture", "restir.exr"),
+        CorpusFile("picture", "blender.exr"),
+        CorpusFile("python", "mine.py"),
+        CorpusFile("golden", "golden"),
     ]
     if mitsuba:
-        entries.insert(0, Entry("scene", "room.xml", ("wall.ply", "tile.png")))
+        entries.insert(0, CorpusFile("scene", "room.xml", ("wall.ply", "tile.png")))
     return entries
 
 

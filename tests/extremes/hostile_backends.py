@@ -40,7 +40,7 @@ class Serves(_Right):
         return FLOAT32.jacobian(**given)
 
 
-class Hangs:
+class HangsInEveryCall:
     """Every pass, and it does not go when it is asked to."""
 
     precision = "float32"
@@ -104,5 +104,5 @@ class Precision:
     precision = "float32\nend\nend"
 
 
-FORKS, SERVES, HANGS, STEERS = Forks(), Serves(), Hangs(), Steers()
+FORKS, SERVES, HANGS, STEERS = Forks(), Serves(), HangsInEveryCall(), Steers()
 KILLED, HUGE, PRECISION = KilledFromOutside(), Huge(), Precision()

@@ -38,7 +38,7 @@ def cross_all(origin, direction, corners):
 
 
 @dataclass(frozen=True)
-class Judgement:
+class RayJudgement:
     """What an intersector that is off by some margin may answer."""
 
     legal: np.ndarray
@@ -64,4 +64,4 @@ def judge(crossings, primitive, margin):
     named = candidate[row, np.maximum(primitive, 0)]
     legal = np.where(primitive >= 0, named, ~sure.any(axis=1))
     choices = candidate.sum(axis=1) + ~sure.any(axis=1)
-    return Judgement(legal, choices == 1)
+    return RayJudgement(legal, choices == 1)

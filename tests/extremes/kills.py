@@ -31,7 +31,7 @@ GRACE = 10.0  # seconds within which the processes of a killed command are gone
 
 
 @dataclass(frozen=True)
-class Command:
+class KilledCommand:
     """What is killed.
 
     Attributes
@@ -74,13 +74,13 @@ def runs(folder: Path) -> dict[str, object]:
 
 
 COMMANDS = (
-    Command(
+    KilledCommand(
         "reference",
         ("cornell-box", "--size", "24x24", "--spp", "300", "--checkpoint", "0"),
         "truth.exr",
         picture,
     ),
-    Command(
+    KilledCommand(
         "tradeoff",
         (
             *("cornell-box", "--size", "16x16", "--runs", "6", "--frames", "4"),
@@ -94,7 +94,9 @@ COMMANDS = (
 
 
 @contextmanager
-def started(command: Command, folder: Path) -> Iterator[tuple[str, subprocess.Popen]]:
+def started(
+    command: KilledCommand, folder: Path
+) -> Iterator[tuple[str, subprocess.Popen]]:
     """A run of a command, and the mark that all its processes bear."""
     mark = f"RESTIR_KILLS_{os.getpid()}_{time.monotonic_ns()}"
     words = [sys.executable, "-m", "reference", command.name, *command.words]
@@ -117,7 +119,7 @@ def left_of(mark: str) -> int:
     return len(found)
 
 
-def whole(command: Command, folder: Path) -> dict[str, object]:
+def whole(command: KilledCommand, folder: Path) -> dict[str, object]:
     """The result of a command that nobody kills."""
     with started(command, folder) as (_, run):
         if run.wait() != 0:
@@ -126,7 +128,7 @@ def whole(command: Command, folder: Path) -> dict[str, object]:
 
 
 def killed(
-    command: Command, count: int, rng: random.Random, tell: Callable[[str], None]
+    command: KilledCommand, count: int, rng: random.Random, tell: Callable[[str], None]
 ) -> bool:
     """Kill a command so often, and hold what comes of it against one left alone."""
     with tempfile.TemporaryDirectory() as place:

@@ -35,7 +35,7 @@ from reference.cli import build_parser, main
 from reference.commands import COMMANDS
 from reference.exr import read_exr
 from reference.methods import method_named, method_names
-from tests.extremes.corpus import Entry, spoiled, write_corpus
+from tests.extremes.corpus import CorpusFile, spoiled, write_corpus
 
 LONGEST = 20.0  # s, of one mutant
 ROOM = 256 << 20  # bytes that one may take, beside what its file has
@@ -94,7 +94,7 @@ class TooLong(BaseException):
 
 
 @dataclass(frozen=True)
-class Mutant:
+class SpoiledCommand:
     """A command line, and the files that it is given."""
 
     number: int
@@ -115,7 +115,7 @@ class Mutant:
 class Outcome:
     """What became of a mutant."""
 
-    mutant: Mutant
+    mutant: SpoiledCommand
     code: int
     out: str
     err: str
@@ -128,8 +128,8 @@ class Outcome:
 
 
 def mutants(
-    seed: int, numbers: Sequence[int], good: Path, entries: list[Entry], slow: bool
-) -> Iterator[Mutant]:
+    seed: int, numbers: Sequence[int], good: Path, entries: list[CorpusFile], slow: bool
+) -> Iterator[SpoiledCommand]:
     """Mutants of these numbers: each depends on the seed and its number alone."""
     parsers = commands()
     for number in numbers:
@@ -152,9 +152,9 @@ def _mutant(
     number: int,
     parsers: dict[str, argparse.ArgumentParser],
     good: Path,
-    entries: list[Entry],
+    entries: list[CorpusFile],
     slow: bool,
-) -> Mutant:
+) -> SpoiledCommand:
     weights = [1 if name in SLOW or name == "scenes" else 6 for name in parsers]
     command = rng.choices(list(parsers), weights)[0]
     parser = parsers[command]
@@ -179,7 +179,7 @@ def _mutant(
             words.append(flag)
     if rng.random() < 0.05:
         words.insert(rng.randrange(len(words) + 1), rng.choice(VALUES))
-    return Mutant(number, tuple(words), files)
+    return SpoiledCommand(number, tuple(words), files)
 
 
 def _choose_method(rng: random.Random, given: dict[argparse.Action, str]) -> None:
@@ -243,7 +243,7 @@ def _spoil(
     rng: random.Random,
     given: dict[argparse.Action, str],
     good: Path,
-    entries: list[Entry],
+    entries: list[CorpusFile],
 ) -> tuple[tuple[str, bytes], ...]:
     """Give a spoiled file in the place of a good one."""
     kinds = {"SCENE": ("scene",), "A.exr": ("picture",), "B.exr": ("picture",),
@@ -270,7 +270,7 @@ def _spoil(
 
 
 def run(
-    mutant: Mutant,
+    mutant: SpoiledCommand,
     box: Path,
     command: Callable[[Sequence[str]], int] = main,
     longest: float = LONGEST,
@@ -441,7 +441,7 @@ def run_all(
     return outcomes
 
 
-def _warm_up(entries: list[Entry], folder: Path) -> None:
+def _warm_up(entries: list[CorpusFile], folder: Path) -> None:
     """Run what is good: modules that come with it are nobody's growth."""
     small = ("--size", "4x4", "--out", "x.exr")
     lines = [("compare", "../good/ours.exr", "../good/restir.exr")]
@@ -451,7 +451,9 @@ def _warm_up(entries: list[Entry], folder: Path) -> None:
         for e in entries if e.kind == "scene"
     ]  # fmt: skip
     for number, line in enumerate(lines):
-        outcome = run(Mutant(-number, line), folder / f"warm-{number}", longest=120)
+        outcome = run(
+            SpoiledCommand(-number, line), folder / f"warm-{number}", longest=120
+        )
         assert outcome.code == 0, f"{line}: {outcome.err}"
 
 

@@ -1,4 +1,4 @@
-"""Hypothesis climbs to the rows on which a kernel is worst.
+"""Hypothesis searches for the rows on which a kernel is worst.
 
 ``python -m tests.extremes.search`` searches long, and writes what it found to the
 vectors that the package keeps.
@@ -49,7 +49,7 @@ def search(kernel, dtype, examples, database=None):
         st.integers(0, 2**16),
         st.lists(st.integers(0, 64), min_size=STEPS, max_size=STEPS),
     )
-    def climb(extreme, seed, steps):
+    def search(extreme, seed, steps):
         draws = Draws(np.random.default_rng(seed), 1, np.finfo(dtype), extreme)
         inputs = {k: draws.in_type(v) for k, v in kernel.draw(draws).items()}
         cell = judged_cell(kernel, extreme.name, toward_0(inputs, steps))
@@ -59,7 +59,7 @@ def search(kernel, dtype, examples, database=None):
         given_ = {k: plain(a[0]) for k, a in cell.inputs.items()}
         found.append(Worst(kernel.name, name, extreme.name, ulp, share, given_))
 
-    climb()
+    search()
     worst = {}
     for row in sorted(found, key=lambda row: row.share):
         worst[row.extreme] = row

@@ -13,7 +13,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reference import announced
+from reference import plugins
 from reference.cli import main
 from reference.commands import memory
 from reference.exr import read_exr, write_exr
@@ -470,10 +470,10 @@ def a_method(render, name="grey"):
 
 
 @pytest.fixture
-def announce(monkeypatch):
+def register(monkeypatch):
     """Announce an object as the method "grey", some number of times."""
 
-    def announce(found, times=1):
+    def register(found, times=1):
         def load():
             if isinstance(found, Exception):
                 raise found
@@ -481,12 +481,12 @@ def announce(monkeypatch):
 
         point = SimpleNamespace(name="grey", value="grey:METHOD", dist=None, load=load)
         monkeypatch.setattr(
-            announced,
+            plugins,
             "entry_points",
             lambda group, name="grey": [point] * times if name == "grey" else [],
         )
 
-    return announce
+    return register
 
 
 @pytest.mark.parametrize(
@@ -497,17 +497,17 @@ def announce(monkeypatch):
             "cannot be loaded (ImportError: no mod",
         ),
         (ZeroDivisionError(), "cannot be loaded (ZeroDivisionError"),
-        (None, "is None, which is no reference.methods.method.Method of that name"),
+        (None, "is None, which is not a reference.methods.method.Method of that name"),
         (
             a_method(nothing, "gray"),
-            "which is no reference.methods.method.Method of that name",
+            "which is not a reference.methods.method.Method of that name",
         ),
         (a_method(nothing), "did not return a picture"),
-        (a_method(too_few), "3 rows are no 4x4 frame"),
+        (a_method(too_few), "3 rows do not make a 4x4 frame"),
     ],
 )
-def test_a_broken_package_is_named(refused, announce, found, reason):
-    announce(found)
+def test_a_broken_package_is_named(refused, register, found, reason):
+    register(found)
     size = ("--size", "4x4", "--out", "x.exr")
     line = refused("render", "door-ajar", "--method", "grey", *size)
     assert "method 'grey'" in line
@@ -519,8 +519,8 @@ def test_a_broken_package_is_named(refused, announce, found, reason):
     )
 
 
-def test_two_packages_of_one_method(refused, announce):
-    announce(a_method(nothing), times=2)
+def test_two_packages_of_one_method(refused, register):
+    register(a_method(nothing), times=2)
     line = refused("render", "door-ajar", "--method", "grey", "--out", "x.exr")
-    assert "announced by" in line
+    assert "registered by" in line
     assert "uninstall all but one" in line

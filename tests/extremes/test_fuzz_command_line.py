@@ -18,7 +18,7 @@ from reference.exr import write_exr
 from reference.images import Image
 from tests.extremes.mutants import (
     ROOM,
-    Mutant,
+    SpoiledCommand,
     commands,
     mutants,
     run,
@@ -158,7 +158,7 @@ PLANTED = {
 @pytest.mark.parametrize("name", PLANTED)
 def test_control_the_judge_finds(tmp_path, name):
     command, what = PLANTED[name]
-    mutant = Mutant(0, ("render", "--json"))
+    mutant = SpoiledCommand(0, ("render", "--json"))
     found = run(
         mutant, tmp_path / "box", command, longest=0.2 if "hang" in name else 20
     )
@@ -170,12 +170,12 @@ def test_control_the_judge_finds(tmp_path, name):
 )
 def test_control_the_judge_is_content(tmp_path, command):
     argv = ("render",) if command is not PLANTED["no JSON"][0] else ()
-    found = run(Mutant(0, argv), tmp_path / "box", command)
+    found = run(SpoiledCommand(0, argv), tmp_path / "box", command)
     assert not found.violations
 
 
 def test_the_real_program_is_judged(tmp_path):
-    found = run(Mutant(0, ("render", "x")), tmp_path / "box", main)
+    found = run(SpoiledCommand(0, ("render", "x")), tmp_path / "box", main)
     assert found.code == 2
     assert found.err.startswith("restir: the following arguments are required")
     assert not list(violations(found, tmp_path / "box", late=False))

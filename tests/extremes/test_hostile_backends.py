@@ -29,8 +29,8 @@ from reference.oracle.blackbox.truth import LEAST_SAMPLES, path_traced
 from reference.oracle.builtin.backend import FLOAT32
 from reference.oracle.cases import NO_TIME, NOT_AGAIN, Failure, Unasked, UnaskedError
 from reference.oracle.checking import judge
+from reference.oracle.levels.kernels import kernel_probes
 from reference.oracle.parts import whole_contract
-from reference.oracle.rungs.kernels import kernel_probes
 from reference.oracle.verdict import Verdict
 from reference.scene.catalogue.registry import find_scene
 

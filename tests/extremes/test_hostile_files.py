@@ -152,7 +152,7 @@ def test_impossible_names_in_scenes(tmp_path):
     (tmp_path / "a.json").write_text(json.dumps({**tree, "shapes": [shape]}))
     (tmp_path / "a.obj").write_text(f"mtllib {long}.mtl\n{OBJ}f 1 2 3\n")
     for name in ("a.json", "a.obj"):
-        assert "is no path of a file" in refusal(tmp_path / name)
+        assert "is not a file path" in refusal(tmp_path / name)
 
 
 def test_impossible_names_in_mitsuba_scenes(tmp_path):
@@ -160,7 +160,7 @@ def test_impossible_names_in_mitsuba_scenes(tmp_path):
     name = f'<string name="filename" value="{"a" * 300}.obj"/>'
     text = f'<scene version="3.0.0"><shape type="obj">{name}</shape></scene>'
     (tmp_path / "a.xml").write_text(text)
-    assert "is no path of a file" in refusal(tmp_path / "a.xml")
+    assert "is not a file path" in refusal(tmp_path / "a.xml")
 
 
 # ---------------------------------------------------------------- what is promised
@@ -244,7 +244,9 @@ def test_pictures_of_other_kinds_are_not_opened(tmp_path):
     (tmp_path / "a.png").write_bytes(
         b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 9 9\n"
     )
-    with pytest.raises(UsageError, match=r"a\.png is damaged or no picture") as caught:
+    with pytest.raises(
+        UsageError, match=r"a\.png is damaged, or not a picture"
+    ) as caught:
         read_picture("a.png", Ledger(tmp_path / "scene", False))
     check_message(caught.value)
 
@@ -255,7 +257,7 @@ def test_pictures_of_other_kinds_are_not_opened(tmp_path):
         ('{"shapes": [], "shapes": []}', 'the key "shapes" stands twice'),
         ("[" * 100_000, "it is nested too deeply"),
         ('{"shapes": ' + "9" * 5000 + "}", "a value makes no sense"),
-        ("\xff", "is no text in utf-8"),
+        ("\xff", "is not text in utf-8"),
         ('{"shapes": [', "line 1, column"),
     ],
 )

@@ -121,7 +121,7 @@ def test_jacobian_far_from_the_origin_in_half_the_digits(scale, offset):
     unit_vectors(2),
 )
 def test_worst_case_search_for_the_jacobian(x_from, x_to, x, n):
-    """Hypothesis climbs towards the worst rounding."""
+    """Hypothesis searches forwards the worst rounding."""
     n = n.astype(np.float32)
     heights = [dot(n, eye - x) for eye in (x_from, x_to)]
     usable = np.flatnonzero((abs(heights[0]) > 1e-6) & (abs(heights[1]) > 1e-6))

@@ -217,7 +217,7 @@ def test_vertices_that_are_not_finite_pass_unchanged(put, suffix, value):
         ({"bufferViews": [{"buffer": 0, "byteLength": 20}]}, "beyond buffer view 0"),
         ({"buffers": [{"byteLength": 36, "uri": "no.bin"}]}, "no.bin"),
         ({"buffers": [{"byteLength": 36, "uri": "data:;base64,AAAA"}]}, "3 of its 36"),
-        ({"buffers": [{"byteLength": 36, "uri": "data:;base64,x"}]}, "is no base64"),
+        ({"buffers": [{"byteLength": 36, "uri": "data:;base64,x"}]}, "is not base64"),
         ({"extensionsRequired": ["KHR_draco_mesh_compression"]}, "requires KHR_draco"),
     ],
 )
@@ -296,15 +296,15 @@ def test_ply(put, text, message):
     [
         ([1, 2], 'a list "shapes" is needed'),
         ({**JSON, "shapes": None}, 'a list "shapes" is needed'),
-        ({**JSON, "shapes": [3]}, 'shape "0" is no object'),
-        ({**JSON, "materials": [1]}, "no object of names"),
-        ({**JSON, "materials": {"m": 1}}, 'material "m" is no object'),
+        ({**JSON, "shapes": [3]}, 'shape "0" is not an object'),
+        ({**JSON, "materials": [1]}, "not an object of names"),
+        ({**JSON, "materials": {"m": 1}}, 'material "m" is not an object'),
         ({**JSON, "camera": {"origin": [0, 0, 0]}}, "camera: "),
         (
             {**JSON, "shapes": [{"id": "w", "file": "a.ply"}]},
             "its material is missing",
         ),
-        ({**JSON, "lights": 3}, '"lights" is no list'),
+        ({**JSON, "lights": 3}, '"lights" is not a list'),
     ],
 )
 def test_json(put, tree, message):
@@ -320,7 +320,7 @@ def test_json_with_a_broken_mesh_names_the_mesh(put):
 def test_json_with_a_missing_mesh(put, tmp_path):
     (tmp_path / "a.ply").unlink()
     path = put(JSON, "scene.json")
-    assert 'shape "wall": "a.ply" is no PLY' in refused(path)
+    assert 'shape "wall": "a.ply" is not a PLY' in refused(path)
     scene = load_scene(path, lenient=True)
     assert scene.meshes == ()
     assert any("wall" in note and "left out" in note for note in scene.notes)

@@ -676,7 +676,7 @@ def test_rays_are_counted_by_kind():
     assert caster.counts == Counter(primary=256, reuse=10, shadow=10, bounce=256)
     caster.counts.clear()
     path_traced(world, "direct", points=seen)
-    # One light ray and one chance ray a vertex at most, and only from what scatters.
+    # One shadow ray and one BSDF ray a vertex at most, and only from what scatters.
     assert 0 < caster.counts["shadow"] <= hit
     assert 0 < caster.counts["bounce"] <= hit
     caster.counts.clear()

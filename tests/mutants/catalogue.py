@@ -46,8 +46,8 @@ class Mutant:
         Hypotheses that would be right.
     kind : 'bias', 'variance', 'equivalent' or 'robustness'
         'bias': the expectation changes in some input; 'variance': it is another
-        estimator of the same; 'equivalent': the same law, or a factor that cancels;
-        'robustness': only what is not a number, out of bounds, or of weight 0.
+        estimator of the same; 'equivalent': the same distribution, or a factor that
+        cancels; 'robustness': only what is not a number, out of bounds, or of weight 0.
     also : tuple of (module, old, new)
         Further edits that belong to it.
     """

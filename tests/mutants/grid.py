@@ -151,7 +151,7 @@ LIGHT_MUTANTS = [
         "np.where(seen | True, r.W[shines], 0.0)",
     ),
     Mutant(
-        "emitter hits count whole beside the lights that were chosen",
+        "an emitter hit counts whole beside light sampling",
         (),
         LIGHTS,
         "share = bsdf.delta[rows].astype(float)",

@@ -1,4 +1,4 @@
-"""Climb the ladder with a mistake in the built-in backend, and in nothing else.
+"""Run the ladder with a mistake in the built-in backend, and in nothing else.
 
 The oracle's scenes and cases are made once, by unedited code; a mutant is planted only
 while the backend runs, and its outputs are judged by unedited code again.
@@ -17,7 +17,7 @@ from reference.oracle.builtin.backend import BuiltIn
 from reference.oracle.cases import Case, Failure, Outcome, for_ever
 from reference.oracle.contract.fields import Passes, Precision
 from reference.oracle.parts import whole_contract
-from reference.oracle.verdict import Verdict, climb
+from reference.oracle.verdict import Verdict, run_ladder
 from tests.mutants.catalogue import Mutant
 from tests.mutants.plant import planted
 
@@ -29,10 +29,10 @@ ALL = (*EXACT, "L4")
 ASIDE = ("shifts of paths", "reuse of samples")
 """Steps of whole paths, which have mistakes of their own.  In the first the built-in
 backend walks through scenes itself, where others have tables: another way to draw
-directions is another walk there, though its law be the same."""
+directions is another walk there, though its distribution be the same."""
 
 STATISTICAL_SECONDS = 20.0
-"""Of rung L4, for one mutant."""
+"""Of level L4, for one mutant."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,10 +83,10 @@ class Kill:
     mutant : Mutant or None
         The mistake.
     seen : dict of str to bool
-        Of each rung that was climbed: whether it found a fault.
+        Of each level that was run: whether it found a fault.
     seconds : float or None
         Until the end of the first step that found one.
-    climbed : float
+    total : float
         Seconds of all steps.
     first : str
         First fault, one line.
@@ -99,15 +99,15 @@ class Kill:
     mutant: Mutant | None
     seen: dict[str, bool]
     seconds: float | None
-    climbed: float
+    total: float
     first: str = ""
     diagnoses: dict[str, tuple[str, ...]] = field(default_factory=dict)
     status: str = "PASS"
 
     @property
-    def rungs(self) -> tuple[str, ...]:
-        """Rungs that see it."""
-        return tuple(rung for rung, seen in self.seen.items() if seen)
+    def levels(self) -> tuple[str, ...]:
+        """Levels that see it."""
+        return tuple(level for level, seen in self.seen.items() if seen)
 
     @property
     def killed(self) -> bool:
@@ -128,32 +128,32 @@ class Kill:
 
 def kill(
     mutant: Mutant | None,
-    rungs: tuple[str, ...] = EXACT,
+    levels: tuple[str, ...] = EXACT,
     statistical: float = STATISTICAL_SECONDS,
     titles: tuple[str, ...] = (),
 ) -> Kill:
-    """Climb the ladder.
+    """Run the ladder.
 
     Parameters
     ----------
     mutant : Mutant or None
-        To plant; ``None`` climbs with the unedited code.
-    rungs : tuple of str
+        To plant; ``None`` runs the unedited code.
+    levels : tuple of str
         Which of them.
     statistical : float, s
-        For rung L4, if it is among them.
+        For level L4, if it is among them.
     titles : tuple of str
         Of the steps; empty for all but `ASIDE`.
 
     Returns
     -------
     Kill
-        What each rung found.
+        What each level found.
     """
     backend = Planted(mutant)
-    steps = _steps(backend, rungs, statistical)
+    steps = _steps(backend, levels, statistical)
     chosen = (step for step in steps if _taken(step[1], titles))
-    verdict = climb(
+    verdict = run_ladder(
         CONTRACT,
         backend.precision,
         chosen,
@@ -161,22 +161,22 @@ def kill(
         perf_counter,
         lambda title: None,
     )
-    return _told(mutant, verdict, rungs)
+    return _told(mutant, verdict, levels)
 
 
-def _told(mutant: Mutant | None, verdict: Verdict, rungs: tuple[str, ...]) -> Kill:
-    seen, seconds, climbed, first = dict.fromkeys(rungs, False), None, 0.0, ""
+def _told(mutant: Mutant | None, verdict: Verdict, levels: tuple[str, ...]) -> Kill:
+    seen, seconds, total, first = dict.fromkeys(levels, False), None, 0.0, ""
     for timed in verdict.steps:
-        climbed += timed.seconds
+        total += timed.seconds
         faults = timed.step.faults
         if faults:
-            seen[timed.step.rung] = True
+            seen[timed.step.level] = True
             if seconds is None:
-                seconds, first = climbed, faults[0]
+                seconds, first = total, faults[0]
     diagnoses = {
         d.pass_name: tuple(h.name for h in d.matches) for d in verdict.diagnoses
     }
-    return Kill(mutant, seen, seconds, climbed, first, diagnoses, verdict.status)
+    return Kill(mutant, seen, seconds, total, first, diagnoses, verdict.status)
 
 
 def _taken(title: str, titles: tuple[str, ...]) -> bool:
@@ -184,16 +184,16 @@ def _taken(title: str, titles: tuple[str, ...]) -> bool:
 
 
 def _steps(
-    backend: Planted, rungs: tuple[str, ...], statistical: float
+    backend: Planted, levels: tuple[str, ...], statistical: float
 ) -> Iterator[Any]:
     steps = oracle.ladder(CONTRACT, backend)
-    if "L4" in rungs:
+    if "L4" in levels:
         steps = chain(steps, _statistical(backend, statistical))
-    return (step for step in steps if step[0] in rungs)
+    return (step for step in steps if step[0] in levels)
 
 
 def _statistical(backend: Planted, seconds: float) -> Iterator[Any]:
     start = perf_counter()
-    yield from oracle.statistical_rungs(
+    yield from oracle.statistical_levels(
         CONTRACT, backend, lambda: start + seconds - perf_counter()
     )

@@ -178,7 +178,7 @@ HELD_OUT: tuple[Mutant, ...] = (
         also=((SPATIAL, CLOSE_S, spatially(OLD_W)),),
     ),
     Mutant(
-        "M begins anew where no sample was kept",
+        "M starts over where no sample was kept",
         ("SR-25", "RG-01"),
         RESERVOIR,
         CAP,

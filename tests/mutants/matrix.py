@@ -1,4 +1,4 @@
-"""The kill matrix: which rung sees which mistake, and what it is called.
+"""The kill matrix: which level sees which mistake, and what it is called.
 
 From the root of the checkout, in some four minutes::
 
@@ -24,10 +24,10 @@ INTRODUCTION = """\
 <!-- Written by tests.mutants.matrix. -->
 
 Mistakes that renderers made, planted one at a time in the built-in single-precision
-backend, and judged by the ladder without statistics. "First" is the rung that sees
+backend, and judged by the ladder without statistics. "First" is the level that sees
 it first, with the seconds until then on one core; "named" says whether the diagnosis
-gave the right name for every pass that it named. A mistake that keeps the law of the
-estimate, or its expectation, is no bias: where it is a
+gave the right name for every pass that it named. A mistake that keeps the distribution
+of the estimate, or its expectation, is no bias: where it is a
 [departure](oracle.md#departures) that is known, it is named and passes.
 """
 
@@ -105,8 +105,8 @@ def _totals(kills: list[Kill]) -> str:
     dead = [k for k in bias if k.killed]
     low, high = interval(len(dead), len(bias))
     named = Counter(k.named for k in dead)
-    alone = Counter(k.rungs[0] for k in dead if len(k.rungs) == 1)
-    slowest = max(k.climbed for k in kills)
+    alone = Counter(k.levels[0] for k in dead if len(k.levels) == 1)
+    slowest = max(k.total for k in kills)
     lines = [
         f"\n- biases: {len(dead)} of {len(bias)} killed"
         f" ({len(dead) / len(bias):.0%}, 95 % interval {low:.0%} to {high:.0%});"
@@ -114,8 +114,8 @@ def _totals(kills: list[Kill]) -> str:
         f"- named rightly: {named['right']} of {len(dead)}"
         f" ({named['right'] / len(dead):.0%}); right among others {named['several']};"
         f" no name {named['none']}; a wrong name alone {named['WRONG']}",
-        "- killed by one rung alone: "
-        + ", ".join(f"{rung} {n}" for rung, n in sorted(alone.items())),
+        "- killed by one level alone: "
+        + ", ".join(f"{level} {n}" for level, n in sorted(alone.items())),
         "- survivors: " + (", ".join(_survivors(bias)) or "none"),
         *_equivalents([k for k in kills if k.mutant.kind == "equivalent"]),
     ]
@@ -140,10 +140,10 @@ def _table(kills: list[Kill]) -> str:
 
 
 def _row(k: Kill) -> str:
-    first = f"{k.rungs[0]}, {k.seconds:.2f} s" if k.rungs else "–"
+    first = f"{k.levels[0]}, {k.seconds:.2f} s" if k.levels else "–"
     ids = ", ".join(k.mutant.ids)
-    seen = " ".join(k.rungs)
-    named = k.named if k.rungs else ""
+    seen = " ".join(k.levels)
+    named = k.named if k.levels else ""
     words = [k.mutant.name, ids, k.mutant.kind, k.status, first, seen, named]
     return f"| {' | '.join(words)} |\n"
 

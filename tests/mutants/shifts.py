@@ -9,7 +9,7 @@ SHIFTING = "extensions.shifting"
 
 ROUGH = "np.minimum(roughness(table, x_from), roughness(table, x_to))"
 SINGLE = "np.where(single, -1.0, np.sqrt(table.alpha))"
-PAINTED = "(kind == Kind.LAMBERTIAN) | (kind == Kind.SMOOTH_COATED)"
+DIFFUSE = "(kind == Kind.LAMBERTIAN) | (kind == Kind.SMOOTH_COATED)"
 FAR = "far = distance > criterion.distance * geometry.extent"
 JOINABLE = "(distance > 0) & far & (rough >= max(criterion.roughness, 0.0))"
 SPREAD = "spread = divide_or_zero(cosine, distance**2)"
@@ -19,10 +19,10 @@ SAME = "same = ~(step.joinable & ~leaving.bsdf.delta)"
 FITS = "fits = came.joinable & ~step.joinable & (dot(there.normal, omega) < 0)"
 HORIZON = "(dot(there.normal, omega) < 0)"
 SHARE = "weight = weight * np.where(last, share, 1.0)[:, None]"
-BY_CHANCE = "balance(p_onward, paths.pdf_light)"
+BSDF_SAMPLING = "balance(p_onward, paths.pdf_light)"
 BY_TECHNIQUE = (
     "np.where(\n            chosen,\n"
-    "            share_of_choice(world, there, paths.wi, paths.pdf_light)"
+    "            light_sampling_weight(world, there, paths.wi, paths.pdf_light)"
 )
 ONE = "p_onward = np.where(last & chosen, 1.0, p_onward)"
 DENSITY = "np.where(seen & fits, p_left * came.spread * p_onward, 0.0)"
@@ -94,7 +94,7 @@ CRITERION = [
         "what lies under a smooth coat is smooth",
         (),
         SHIFTING,
-        PAINTED,
+        DIFFUSE,
         "kind == Kind.LAMBERTIAN",
     ),
     Mutant(
@@ -302,10 +302,10 @@ VALUES = [
         ("share-left-out",),
     ),
     Mutant(
-        "a light met by chance has the share of its choice",
+        "an emitter hit has the MIS weight of light sampling",
         (),
         SHIFTING,
-        BY_CHANCE,
+        BSDF_SAMPLING,
         "balance(paths.pdf_light, p_onward)",
         ("share-of-choice-for-both",),
     ),

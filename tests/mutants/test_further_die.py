@@ -22,7 +22,7 @@ each_mutant = pytest.mark.parametrize("mutant", FURTHER_MUTANTS, ids=lambda m: m
 
 @cache
 def killed(mutant):
-    """What rung L0 says of a mutant."""
+    """What level L0 says of a mutant."""
     return kill(mutant, ("L0",))
 
 

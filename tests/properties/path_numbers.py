@@ -54,8 +54,8 @@ class Joints:
     def chosen(self):
         """(N,) bool: light follows that is chosen, and no direction is drawn at x_c."""
         paths = self.paths
-        by_choice = paths.technique == Technique.NEXT_EVENT
-        return (paths.end == paths.joint) & by_choice
+        by_light_sampling = paths.technique == Technique.NEXT_EVENT
+        return (paths.end == paths.joint) & by_light_sampling
 
     def point(self, u):
         """x_c, where the ray of the first two numbers meets its plane."""
@@ -116,7 +116,7 @@ class Joints:
 
 
 @dataclass(frozen=True)
-class Shifted:
+class ShiftedPaths:
     """Paths of a frame that were shifted and have one joint."""
 
     joints: Joints
@@ -156,7 +156,7 @@ def joined(name, kind, frame, kinds=PLAIN):
     rows = np.flatnonzero(single)
     joints = Joints(w, x_from, y, paths).of(rows)
     at = at[rows]
-    return Shifted(joints, jacobian[at], take(there, at), take(x_to, at), shift)
+    return ShiftedPaths(joints, jacobian[at], take(there, at), take(x_to, at), shift)
 
 
 @cache

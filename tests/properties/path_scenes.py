@@ -60,7 +60,7 @@ def near():
 
 
 def bright():
-    """Mirrors under a ceiling that shines, which is often met by chance."""
+    """Mirrors under a ceiling that shines, which rays often hit."""
     found, ceiling = find_scene("cornell-box"), {"emission": (1.0, 1.0, 1.0)}
     reflecting = {"material": FLOORS["mirror"]}
     meshes = tuple(
@@ -192,7 +192,7 @@ def joints(w, criterion, visited, paths):
 
 
 def least_roughness(table, points):
-    """Root of the GGX width, 1 for paint and for what lies under smooth coats."""
+    """Root of the GGX width; 1 for diffuse surfaces, also under smooth coats."""
     kind, width = table.kind[points.material], table.alpha[points.material]
     rough = np.isin(kind, (Kind.ROUGH_CONDUCTOR, Kind.ROUGH_COATED))
     painted = np.isin(kind, (Kind.LAMBERTIAN, Kind.SMOOTH_COATED))

@@ -7,9 +7,9 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from extensions.area_donor import AreaNeighbor, AreaShift, kept_in_place
 from extensions.area_restir import render_area_frames
 from extensions.area_settings import AreaSettings
+from extensions.area_shift import AreaNeighbor, AreaShift, kept_in_place
 from extensions.frame_loop import path_shift
 from extensions.windows import windows
 from reference.frame import FrameContext
@@ -150,7 +150,7 @@ def donor_of(primary):
 
 @pytest.mark.parametrize("primary", ["move", "keep"])
 def test_there_and_back_leads_to_where_it_came_from(primary):
-    """But for the rounding of hits, which are traced anew: x_1 is no part of a path."""
+    """But for the rounding of hits, traced again: x_1 is no part of a path."""
     last, donor = donor_of(primary)
     at = np.flatnonzero((donor.rows != NONE) & (last.reservoirs.W[donor.rows] > 0))
     placed, forth = donor.shifted(at)

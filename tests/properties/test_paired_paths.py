@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
-from extensions.area_donor import AreaShift
-from extensions.area_paths import Placed
+from extensions.area_paths import PlacedValue
 from extensions.area_restir import area_drawn
+from extensions.area_shift import AreaShift
 from extensions.frame_loop import path_shift
 from gradient_domain.gradient_restir import (
     MINUS,
@@ -65,7 +65,7 @@ def values(rng, size=64):
     inner = np.where(rng.random(size) < 1 / 3, 0.0, rng.lognormal(size=size))
     offset = rng.random((size, 3)) * (inner > 0)[:, None]
     none = np.zeros(size)
-    base = Placed(none, none, rng.random((size, 3)), none + 1.0)
+    base = PlacedValue(none, none, rng.random((size, 3)), none + 1.0)
     k = rng.integers(0, 2, size).astype(np.int8)
     return PairValue(k, base, offset, inner, np.zeros(size, np.int8))
 
@@ -105,7 +105,7 @@ def test_parts_of_both_signs_make_the_whole():
 def test_channels_of_both_signs_do_not_cancel():
     """Luminance of the difference may be 0 where the difference is not."""
     none = np.zeros(1)
-    base = Placed(none, none, np.array([[1.0, 0.0, 0.0]]), none + 1)
+    base = PlacedValue(none, none, np.array([[1.0, 0.0, 0.0]]), none + 1)
     r, g, _ = target_weights()
     offset = np.array([[0.0, r / g, 0.0]])
     value = PairValue(
@@ -116,7 +116,7 @@ def test_channels_of_both_signs_do_not_cancel():
 
 def target_weights():
     none = np.zeros(3)
-    base = Placed(none, none, np.eye(3), none + 1)
+    base = PlacedValue(none, none, np.eye(3), none + 1)
     zeros = np.zeros(3, np.int8)
     return target(PairValue(zeros, base, np.zeros((3, 3)), none, zeros))
 
@@ -154,8 +154,8 @@ def test_an_offset_path_leads_back_to_its_base_path(name, k):
     assert_array_equal(jacobian, r.y.inner[at])
     offset = base.moved(placed, jacobian)
     f, inner = inner_shift(within, offset, np.full(len(at), 1 - k), pairs)
-    # Hits of camera rays are traced anew: places in the image are rounded, and cosines
-    # and distances with them, to 2^-22 of the scene over 1e-2 of it.
+    # Hits of camera rays are traced afresh: places in the image are rounded, and
+    # cosines and distances with them, to 2^-22 of the scene over 1e-2 of it.
     returned = inner > 0
     assert returned.mean() > 0.995
     product = (inner * jacobian)[returned]
@@ -173,7 +173,7 @@ def around(step):
 
 @each_scene
 def test_the_outer_shift_is_that_of_the_base_path(name):
-    """Whose Jacobian is all of it; k stays, and the offset path is made anew."""
+    """Whose Jacobian is all of it; k stays, and the offset path is rebuilt."""
     within, drawn = still(name)
     both = [paired(within, drawn, PAIRS, k, EVERY) for k in (0, 1)]
     u = np.random.default_rng(4).random(len(PAIRS))

@@ -33,7 +33,7 @@ FAR = 0.01
 def drawn_again(w, x, paths, criterion, table):
     """Of the trees with these numbers the branches that end as the paths do."""
     rows, end = np.arange(len(paths)), paths.end.astype(int)
-    met = np.flatnonzero(paths.technique == Technique.CHANCE)
+    met = np.flatnonzero(paths.technique == Technique.EMITTER_HIT)
     # Lanes 3 choose: 0 takes a light, 1 leaves it, if there is another.
     table = table.copy()
     table[:, 3] = 1.0

@@ -78,7 +78,7 @@ def test_both_techniques_and_late_joints_occur(name):
     found = [drawn(name, "hybrid", frame)[2].y for frame in range(4)]
     joint = np.concatenate([y.joint[y.value.any(axis=1)] for y in found])
     technique = np.concatenate([y.technique[y.value.any(axis=1)] for y in found])
-    assert {Technique.NEXT_EVENT, Technique.CHANCE} <= set(technique)
+    assert {Technique.NEXT_EVENT, Technique.EMITTER_HIT} <= set(technique)
     assert 2 in joint
     if name in ("mirror", "glossy metal", "glass"):
         assert {0, 3} <= set(joint)

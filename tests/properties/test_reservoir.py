@@ -1,7 +1,7 @@
 """Reservoirs: identities of merge, finalize and cap, for any numbers.
 
-The law of a whole stream is proved in ``tests/exact``; here single calls are looked at,
-also where two random numbers differ by one bit.
+The distribution of a whole stream is proved in ``tests/exact``; here single calls are
+looked at, also where two random numbers differ by one bit.
 """
 
 import numpy as np

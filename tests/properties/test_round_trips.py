@@ -185,7 +185,7 @@ ONWARD = ("came.spread * p_onward, 0.0", "came.spread, 0.0")
         "joinable earlier on the offset side",
         "there, at the last step",
         "there, while numbers are replayed",
-        "there, at a light met by chance",
+        "there, at an emitter hit",
         "there, at a light chosen",
         "without geometry",
         "without the second density",

@@ -191,7 +191,7 @@ whole_weights = arrays(np.int64, st.integers(1, 9), elements=st.integers(0, 6)).
 def test_the_law_of_a_table_is_exact(weights):
     """Each index comes as often as it weighs, on midpoints of as many cells.
 
-    A midpoint is half a cell from every threshold, so no rounding excuses a miss.
+    A midpoint is half a cell from every threshold, so no rounding makes a miss.
     """
     total = weights.sum()
     u = (np.arange(total) + 0.5) / total

@@ -33,12 +33,12 @@ from reference.tradeoff.knobs import (
     usable,
 )
 from reference.tradeoff.maps import deviations
-from reference.tradeoff.points import Point, can_run, settings_of
-from reference.tradeoff.scores import Score, score
+from reference.tradeoff.points import Design, can_run, settings_of
+from reference.tradeoff.scores import DesignScore, score
 from reference.tradeoff.split import Split, products, split_error
 from reference.tradeoff.trials import Trial
 
-BASE = Point("restir-gi-unbiased", ())
+BASE = Design("restir-gi-unbiased", ())
 
 
 def known(true):
@@ -242,7 +242,7 @@ def measured(ms, mse, bias=0.0, name="x"):
     point = replace(BASE, label=name)
     time = Interval(ms, ms, ms)
     deviation = Deviation(0.0, 0.0)
-    return Score(point, time, {}, 0.0, Split(*flat), deviation, one, one, 0.0)
+    return DesignScore(point, time, {}, 0.0, Split(*flat), deviation, one, one, 0.0)
 
 
 costs = st.tuples(
@@ -389,13 +389,13 @@ def test_levels_that_never_go_together_are_told():
 
 def test_keys_tell_apart_what_decides_pixels():
     """And nothing else: neither the name nor a default that is spelled out."""
-    base = Point("restir-gi-unbiased", ())
+    base = Design("restir-gi-unbiased", ())
     mis = with_values(Settings(), ()).mis
-    same = Point("restir-gi-unbiased", (f"mis={mis}",), "mode", mis)
+    same = Design("restir-gi-unbiased", (f"mis={mis}",), "mode", mis)
     assert base.key == same.key
-    assert base.key != Point("restir-gi-unbiased", ("mis=1/M",)).key
-    assert base.key != Point("restir-gi-biased", ()).key
-    both = Point("restir-gi-unbiased", ("mis=1/M", f"mis={mis}"))
+    assert base.key != Design("restir-gi-unbiased", ("mis=1/M",)).key
+    assert base.key != Design("restir-gi-biased", ()).key
+    both = Design("restir-gi-unbiased", ("mis=1/M", f"mis={mis}"))
     assert both.key == base.key
 
 

@@ -5,8 +5,8 @@ From the root of the checkout, some ten seconds a run on one core::
     python -m tests.statistics.false_alarms --runs 1000 --out alarms.jsonl
 
 Each run has seeds of its own: rows of the kernels, frames of all scenes, runs of the
-mean and of the law; the lattices and spheres have no seed and are climbed once.  A run
-is written as soon as it ends, and what is written is not run again.
+mean and of the distribution; the lattices and spheres have no seed and are run once.  A
+run is written as soon as it ends, and what is written is not run again.
 """
 
 import argparse
@@ -19,12 +19,12 @@ from reference.oracle.backends.inside import InsideBackend
 from reference.oracle.builtin.backend import BuiltIn
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.ladder import ladder, scene_probes
+from reference.oracle.levels.distribution import SCENES as DISTRIBUTION_SCENES
+from reference.oracle.levels.distribution import same_distribution
+from reference.oracle.levels.kernels import kernel_probes
+from reference.oracle.levels.means import mean_over_runs
 from reference.oracle.parts import whole_contract
-from reference.oracle.rungs.kernels import kernel_probes
-from reference.oracle.rungs.law import SCENES as LAW_SCENES
-from reference.oracle.rungs.law import same_law
-from reference.oracle.rungs.means import mean_over_runs
-from reference.oracle.stage import SCENES
+from reference.oracle.prepared_frame import SCENES
 from reference.oracle.steps import asked
 
 CONTRACT = whole_contract()
@@ -49,8 +49,11 @@ def faults(seed: int, seconds: float) -> Iterator[str]:
     mean = mean_over_runs(
         ask, "float32", lambda: end - perf_counter(), first_seed=10**6 + 1000 * seed
     )
-    laws = [same_law(ask, "float32", s, seed=1000 + seed).finding for s in LAW_SCENES]
-    yield from (f.text for f in (mean.finding, *laws) if not f.passed)
+    distributions = [
+        same_distribution(ask, "float32", s, seed=1000 + seed).finding
+        for s in DISTRIBUTION_SCENES
+    ]
+    yield from (f.text for f in (mean.finding, *distributions) if not f.passed)
 
 
 def main() -> None:
@@ -62,7 +65,7 @@ def main() -> None:
         "--seconds",
         type=float,
         default=1.0,
-        help="for the bets, which are valid at every moment; 0 for no whole runs",
+        help="for the bets, which are valid at every time; 0 for no whole runs",
     )
     parser.add_argument("--out", type=Path, required=True, metavar="FILE.jsonl")
     given = parser.parse_args()

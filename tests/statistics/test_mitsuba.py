@@ -200,7 +200,8 @@ def test_rough_glass_and_beckmann_in_one_room():
     """All light of paths of up to four bounces, by the plain path tracer.
 
     Without reuse there is nothing else to bring a bias.  Lights are reached through
-    glass by choice and by chance; metal, lacquer and a ball of glass are Beckmann's.
+    glass by light sampling and as emitter hits; metal, lacquer and a ball of glass are
+    Beckmann's.
     """
     path = Path(__file__).with_name("frosted.xml")
     width, height, copies, rounds = 32, 24, 16, 40

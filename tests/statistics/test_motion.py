@@ -45,7 +45,7 @@ AS_STORED = replace(UNBIASED, motion="as-stored")
 
 
 @dataclass(frozen=True)
-class Plan:
+class MotionPlan:
     """How much a scene needs until the standard error of its means is near 0.2 %."""
 
     scene: str
@@ -55,9 +55,9 @@ class Plan:
 
 
 PLANS = [
-    Plan("moving-camera", 620, 1900, 2500),
-    Plan("moving-block", 440, 1900, 2500),
-    Plan("moving-light", 600, 2300, 3000),
+    MotionPlan("moving-camera", 620, 1900, 2500),
+    MotionPlan("moving-block", 440, 1900, 2500),
+    MotionPlan("moving-light", 600, 2300, 3000),
 ]
 
 

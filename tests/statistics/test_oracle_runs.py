@@ -1,17 +1,17 @@
-"""Rungs of whole runs: no false alarm, and planted biases found.
+"""Levels of whole runs: no false alarm, and planted biases found.
 
-The false alarms of the bets and of the ranks have their own tests, on laws that are
-known.  Here the loop itself is under test: that its runs are independent, that the
-truth is the truth and that the bound is one.
+The false alarms of the bets and of the ranks have their own tests, on distributions
+that are known.  Here the loop itself is under test: that its runs are independent, that
+the truth is the truth and that the bound is one.
 """
 
 import numpy as np
 import pytest
 
 from reference.oracle.builtin.backend import FLOAT32, FLOAT64
-from reference.oracle.rungs.law import SCENES, same_law
-from reference.oracle.rungs.means import mean_over_runs, replicates, truth
-from reference.oracle.rungs.spheres import room
+from reference.oracle.levels.distribution import SCENES, same_distribution
+from reference.oracle.levels.means import mean_over_runs, replicates, truth
+from reference.oracle.levels.spheres import room
 
 
 def ask_right(case):
@@ -67,7 +67,7 @@ def test_no_run_is_above_the_bound_and_their_mean_is_the_truth():
 
 def test_the_same_law_is_not_accused():
     """Each with probability 5e-7 / 4 at most."""
-    found = same_law(ask_right, "float32", "sunlit-wall")
+    found = same_distribution(ask_right, "float32", "sunlit-wall")
     assert found.finding.passed
 
 
@@ -84,7 +84,7 @@ def test_the_same_law_is_not_accused():
     ids=["brighter", "darker", "no memory"],
 )
 def test_control_another_law_is_found(pass_name, change):
-    found = same_law(changed(pass_name, change), "float32", "sunlit-wall")
+    found = same_distribution(changed(pass_name, change), "float32", "sunlit-wall")
     assert not found.finding.passed
 
 
@@ -92,7 +92,7 @@ def test_control_another_law_is_found(pass_name, change):
 def test_p_values_of_the_right_backend_are_not_too_small():
     """Of 160 runs at most 8 below 1e-2: 9 or more have probability 5e-5."""
     small = [
-        same_law(ask_right, "float32", scene, seed=100 + seed).p < 1e-2
+        same_distribution(ask_right, "float32", scene, seed=100 + seed).p < 1e-2
         for scene in SCENES
         for seed in range(40)
     ]

@@ -42,7 +42,7 @@ AT_ONCE = 8
 
 
 @dataclass(frozen=True)
-class Plan:
+class StillPlan:
     """How much a scene needs until the standard error of its mean is near 0.2 %."""
 
     scene: str
@@ -54,19 +54,19 @@ class Plan:
 
 
 PLANS = [
-    Plan("cornell-box", 310, 6, 2500, 2500, "1/M"),
-    Plan("door-ajar", 740, 6, 13500, 8000, "1/M"),
-    Plan("sunlit-wall", 310, 6, 5000, 5000, "jacobian"),
+    StillPlan("cornell-box", 310, 6, 2500, 2500, "1/M"),
+    StillPlan("door-ajar", 740, 6, 13500, 8000, "1/M"),
+    StillPlan("sunlit-wall", 310, 6, 5000, 5000, "jacobian"),
     # Between points of one plate the Jacobian is 1 on average: it is planted too large.
-    Plan("parallel-plates", 310, 6, 7500, 5000, "jacobian x 1.1"),
-    Plan("glossy-floor", 620, 6, 5000, 2500, "1/M"),
-    Plan("grazing-light", 440, 6, 12500, 6200, "jacobian"),
-    Plan("checker", 500, 6, 2500, 3100, "jacobian"),
-    Plan("many-lights", 150, 6, 5000, 2500, "1/M"),
+    StillPlan("parallel-plates", 310, 6, 7500, 5000, "jacobian x 1.1"),
+    StillPlan("glossy-floor", 620, 6, 5000, 2500, "1/M"),
+    StillPlan("grazing-light", 440, 6, 12500, 6200, "jacobian"),
+    StillPlan("checker", 500, 6, 2500, 3100, "jacobian"),
+    StillPlan("many-lights", 150, 6, 5000, 2500, "1/M"),
 ]
 
 
-def what_reuse_changes(plan: Plan, settings: Settings, runs: int) -> Means:
+def what_reuse_changes(plan: StillPlan, settings: Settings, runs: int) -> Means:
     """Differences of runs and their companions without reuse."""
     world = small_world(find_scene(plan.scene), SIZE, SIZE)
     visible = g_buffer(world)

@@ -18,11 +18,11 @@ def check():
     Each pixel draws one point, uniformly among those that it sees.
     """
     expectation = [0.0, 0.0]
-    for own, lent in product((0, 1), repeat=2):
-        chance = (0.5 if SEES[0][own] else 0.0) * (1.0 if SEES[1][lent] and lent == 0
+    for own, near in product((0, 1), repeat=2):
+        chance = (0.5 if SEES[0][own] else 0.0) * (1.0 if SEES[1][near] and near == 0
                                                    else 0.0)  # fmt: skip
-        w = TARGET[0][own] * 2.0, TARGET[0][lent] * 1.0
-        for share, kept in ((w[0], own), (w[1], lent)):
+        w = TARGET[0][own] * 2.0, TARGET[0][near] * 1.0
+        for share, kept in ((w[0], own), (w[1], near)):
             W = sum(w) / (TARGET[0][kept] * divisor(kept, (1, 1)))
             expectation[kept] += chance * share / sum(w) * W
     assert max(abs(e - 1) for e in expectation) < 1e-12, (

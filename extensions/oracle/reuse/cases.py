@@ -12,8 +12,8 @@ from reference.oracle.contract.fields import Precision, Value
 ROWS, SLOTS = 384, 4
 WEIGHTS = ("1/M", "1/Z", "balance", "pairwise", "defensive")
 EMPTY, NULL, LOST, STRANGE = 0.1, 0.25, 0.2, 0.3
-"""Shares of slots without donor, of donors without sample, of shifts that fail, and of
-samples that another donor could not have made."""
+"""Shares of slots without source, of sources without sample, of shifts that fail, and
+of samples that another source could not have made."""
 
 
 def table_cases(precision: Precision) -> list[Case]:
@@ -57,7 +57,13 @@ def _case(
     held = {
         n: v.astype(np.float32) if v.dtype.kind == "f" else v for n, v in inputs.items()
     }
-    return Case(name, "path_reuse", settings, given(held, precision), random)
+    return Case(
+        name,
+        "path_reuse",
+        settings=settings,
+        inputs=given(held, precision),
+        random=random,
+    )
 
 
 def _tables(rng: Generator, canonical: int, scale: float) -> dict[str, Any]:
@@ -77,7 +83,7 @@ def _tables(rng: Generator, canonical: int, scale: float) -> dict[str, Any]:
     jacobian = np.where(arrives, spread(), 0.0)
     here[:, canonical], jacobian[:, canonical] = base[:, canonical], 1.0
     known = rng.random((*shape, SLOTS)) > STRANGE
-    elsewhere = np.where(known & arrives[:, :, None], scale * spread(SLOTS), 0.0)
+    at_others = np.where(known & arrives[:, :, None], scale * spread(SLOTS), 0.0)
     return {
         "W": np.where(full, spread() / scale, 0.0),
         "M": rng.integers(1, 25, shape).astype(float),
@@ -85,13 +91,13 @@ def _tables(rng: Generator, canonical: int, scale: float) -> dict[str, Any]:
         "target_base": base,
         "target_here": here,
         "jacobian": jacobian,
-        "target_at": elsewhere,
+        "target_at": at_others,
         "u": rng.random(shape),
     }
 
 
 def _alone(tables: dict[str, Any], canonical: int) -> dict[str, Any]:
-    """No donor at all, donors of whom none has a sample, and a null of one's own."""
+    """No source at all, sources of which none has a sample, and a null of one's own."""
     there, W = tables["there"].copy(), tables["W"].copy()
     others = np.arange(SLOTS) != canonical
     there[0::3, others] = 0

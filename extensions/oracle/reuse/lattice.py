@@ -1,6 +1,6 @@
-"""L1: reuse integrated over every outcome of three donors, and every decision.
+"""L1: reuse integrated over every outcome of three sources, and every decision.
 
-Each donor draws each of four cells, or nothing, with probability 1/5, so that a sample
+Each source draws each of four cells, or nothing, with probability 1/5, so that a sample
 of cell x has W = 5 mu_k(x).  A decision between the weights of the contract's stream is
 asked twice, in the middle of either side of its threshold, and each answer counts with
 the length of its side.  What must come out, E[W 1{z = x}] = mu(x) of the receiver, for
@@ -16,7 +16,7 @@ from reference.arrays import Indices, Scalars
 from reference.oracle.buffers import given
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision, Value
-from reference.oracle.rungs.probe import Examine, Finding, Probe
+from reference.oracle.levels.probe import Examine, Finding, Probe
 
 PIXELS, CELLS = 3, 4
 NOTHING = CELLS
@@ -58,12 +58,12 @@ def _probe(mis: str, c: int, precision: Precision) -> Probe:
 
 
 def _tables(cells: Indices, c: int) -> dict[str, Scalars]:
-    """What each pixel offers to pixel c, and could have made of the others' offers."""
+    """What each pixel brings to pixel c, and could have made of the others' samples."""
     k = np.arange(PIXELS)
     base, mu = TARGET[k, cells], MU[k, cells]
     full = base > 0
     usable = full & (TARGET[c, cells] > 0)
-    elsewhere = TARGET.T[cells] * (MU / MU[c]).T[cells]
+    at_others = TARGET.T[cells] * (MU / MU[c]).T[cells]
     return {
         "W": np.where(full, (CELLS + 1) * mu, 0.0),
         "M": np.broadcast_to(TRUST, cells.shape),
@@ -71,7 +71,7 @@ def _tables(cells: Indices, c: int) -> dict[str, Scalars]:
         "target_base": base,
         "target_here": np.where(usable, TARGET[c, cells], 0.0),
         "jacobian": np.where(usable, MU[c, cells] / mu, 0.0),
-        "target_at": np.where(usable[:, :, None], elsewhere, 0.0),
+        "target_at": np.where(usable[:, :, None], at_others, 0.0),
     }
 
 

@@ -10,7 +10,7 @@ PASSES = ("path_reuse",)
 JACOBIAN = "w_k = m_k · target_here_k · W_k · jacobian_k"
 Z = "Z = Σ M_k of those with p_k(s) > 0"
 BALANCE = "Z = Σ M_k p_k(s) / p_s(s)"
-DONOR = "m_k = M_k / T · S p_k(k) / (S p_k(k) + M_c p_c(k))"
+PAIRWISE = "m_k = M_k / T · S p_k(k) / (S p_k(k) + M_c p_c(k))"
 CANONICAL = "m_c = Σ M_k / T · M_c p_c(c) / (S p_k(c) + M_c p_c(c))"
 CAP = "M = min(ΣM_k, cap)"
 
@@ -58,14 +58,14 @@ REUSE_MISTAKES: tuple[Hypothesis, ...] = (
     ),
     _known(
         "reuse-nulls-not-counted",
-        "donors without a sample do not count",
+        "sources without a sample do not count",
         "M_k = 0 where W_k = 0",
         "M_k counts where W_k = 0 too",
         nulls_count=False,
     ),
     _known(
         "reuse-empty-slots-counted",
-        "slots without a donor count",
+        "slots without a source count",
         "ΣM_k over all slots",
         "M_k = 0 where there_k = 0",
         empty_count=True,
@@ -93,10 +93,10 @@ REUSE_MISTAKES: tuple[Hypothesis, ...] = (
     ),
     _known(
         "reuse-z-of-everybody",
-        "Z counts donors who could not have made the sample",
+        "Z counts sources that could not have made the sample",
         "Z = Σ M_k",
         Z,
-        everybody_holds=True,
+        every_domain=True,
     ),
     _known(
         "reuse-maker-not-in-z",
@@ -135,14 +135,14 @@ REUSE_MISTAKES: tuple[Hypothesis, ...] = (
     ),
     _known(
         "reuse-pairs-canonical-in-s",
-        "the confidence of the canonical sample is among those of the donors",
+        "the confidence of the canonical sample is among those of the sources",
         "S = ΣM_k",
         "S = Σ M_k of k ≠ c",
         canonical_in_s=True,
     ),
     _known(
         "reuse-defensive-without-canonical",
-        "the canonical share is not taken from the donors",
+        "the canonical share is not taken from the sources",
         "T = S for defensive weights",
         "T = S + M_c",
         defensive_total=False,
@@ -163,9 +163,9 @@ REUSE_MISTAKES: tuple[Hypothesis, ...] = (
     ),
     _known(
         "reuse-pairs-exchanged",
-        "donor and receiver have each other's target",
+        "source and receiver have each other's target",
         "m_k = M_k / T · S p_c(k) / (S p_c(k) + M_c p_k(k))",
-        DONOR,
+        PAIRWISE,
         exchanged=True,
     ),
     _known(
@@ -184,7 +184,7 @@ REUSE_MISTAKES: tuple[Hypothesis, ...] = (
     ),
     _known(
         "reuse-capped-beforehand",
-        "donors are capped, and not what is kept of them",
+        "sources are capped, and not what is kept of them",
         "M_k = min(M_k, cap)",
         CAP,
         departure="confidence",

@@ -1,4 +1,4 @@
-"""The project's own reuse behind the contract: donors that look everything up."""
+"""The project's own reuse behind the contract: sources that look everything up."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -26,13 +26,13 @@ class _Sample:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Donor:
+class _TableSlot:
     """Slot k of every row."""
 
     k: int
     here: Array
     jacobian: Array
-    elsewhere: Array
+    at_others: Array
     reservoirs: Reservoirs
     rows: Indices
     same_domain: bool
@@ -41,7 +41,7 @@ class _Donor:
         return self.here[at, self.k, None], self.jacobian[at, self.k]
 
     def inverse(self, samples: Any, at: Indices) -> tuple[Vec3s, Scalars]:
-        p = self.elsewhere[at, samples.slot[at], self.k]
+        p = self.at_others[at, samples.slot[at], self.k]
         return p[:, None], (p > 0).astype(p.dtype)
 
 
@@ -65,8 +65,8 @@ def _path_reuse(
 ) -> dict[str, Array]:
     rows, slots = W.shape
     here = np.arange(rows)
-    donors = [
-        _Donor(
+    sources = [
+        _TableSlot(
             k,
             target_here,
             jacobian,
@@ -80,7 +80,7 @@ def _path_reuse(
         for k in range(slots)
     ]
     decisions = [u[:, k] for k in range(slots)]
-    kept = resample(donors, decisions, mis, float(cap), _target)
+    kept = resample(sources, decisions, mis, float(cap), _target)
     return {
         "slot": kept.y.slot.astype(np.int32),
         "p_hat": as_real(precision, _target(kept.y.value)),

@@ -7,9 +7,9 @@ from extensions.oracle.reuse.own import OWN
 from extensions.oracle.reuse.passes import PATH_REUSE
 from extensions.oracle.reuse.replay import judge_path_reuse
 from reference.oracle.contract.fields import Precision
+from reference.oracle.levels.probe import Probe
+from reference.oracle.levels.replayed import replayed
 from reference.oracle.parts import Part
-from reference.oracle.rungs.probe import Probe
-from reference.oracle.rungs.replayed import replayed
 
 
 def _probes(precision: Precision) -> list[Probe]:

@@ -4,7 +4,7 @@ from reference.oracle.contract.fields import Pass, Setting, bits, index, real
 
 PATH_REUSE = Pass(
     name="path_reuse",
-    summary="Which of the samples that K donors offer is kept, and its weight",
+    summary="Which of the samples that K sources bring is kept, and its weight",
     formula=(
         "c = canonical; M_k = 0 where there_k = 0; p_k(s) = target_at_sk for k ≠ s, c, "
         "target_here_s for k = c, and target_base_s / jacobian_s for k = s ≠ c;\n"
@@ -20,16 +20,16 @@ PATH_REUSE = Pass(
         "W = Σw_k / (Z · target_here_s), M = min(ΣM_k, cap); W = 0 where Σw_k = 0"
     ),
     inputs=(
-        real("W", "of the donors' reservoirs", "K"),
+        real("W", "of the sources' reservoirs", "K"),
         real("M", "their confidences", "K"),
-        bits("there", "1 where the slot has a donor at all", "K"),
-        real("target_base", "p̂ of a donor's sample where it was made", "K"),
+        bits("there", "1 where the slot has a source at all", "K"),
+        real("target_base", "p̂ of a source's sample where it was made", "K"),
         real("target_here", "p̂ of it at the receiver; 0: no such path", "K"),
         real("jacobian", "of its shift to the receiver; 0: no such path", "K"),
         real(
             "target_at",
-            "row s, column k: p̂ of the sample of slot s at donor k, times the Jacobian "
-            "of the shift there from the receiver; 0 where k cannot make it",
+            "row s, column k: p̂ of the sample of slot s at source k, times the Jacobian"
+            " of the shift there from the receiver; 0 where k cannot make it",
             "K",
             "K",
         ),
@@ -47,7 +47,7 @@ PATH_REUSE = Pass(
         Setting("cap", "number, 1 upwards", "limit of M, on the way out"),
     ),
     source=(
-        "[Lin22, Eqs. 22 and 36 to 38]. A sample may be anything: what it is worth "
+        "[Lin22, Eqs. 22 and 36 to 38]. A sample may be anything: its value "
         "where stands in the tables"
     ),
 )

@@ -13,13 +13,13 @@ class ReuseRules:
     ----------
     jacobian : 'times', 'none', 'over' or 'twice'
         In the weight of a sample that was shifted.
-    target_base : bool; the donors' target takes the place of the receiver's
-    nulls_count : bool; M of donors without a sample
-    empty_count : bool; M of slots without a donor
+    target_base : bool; the sources' target takes the place of the receiver's
+    nulls_count : bool; M of sources without a sample
+    empty_count : bool; M of slots without a source
     normalization : str
         What is divided by, whatever is asked for, but for weights in pairs; 'asked'
         for that.
-    everybody_holds : bool; Z counts who could not have made the sample too
+    every_domain : bool; Z counts who could not have made the sample too
     maker_counts : bool; who made the sample is in Z
     made : 'over', 'none', 'times' or 'here'
         Target of a sample where it was made: over the Jacobian, without it, times it,
@@ -27,15 +27,15 @@ class ReuseRules:
     maker_divides : bool
         The balance heuristic is divided by the maker's target, not the receiver's.
     canonical_in_s : bool
-        S of the donors' weights has the confidence of the canonical slot in it.
-    defensive_total : bool; T of the donors' weights has it, where it should
+        S of the sources' weights has the confidence of the canonical slot in it.
+    defensive_total : bool; T of the sources' weights has it, where it should
     canonical_share : 'of all', 'whole' or 'none'; of the canonical sample
-    exchanged : bool; in pairs, the targets of donor and receiver
+    exchanged : bool; in pairs, the targets of source and receiver
     beside_confidence : bool; weights in pairs are multiplied by M_k as well
     divided_again : bool; weights in pairs are divided by ΣM as well
     capped : 'M', 'before', 'weights', 'W' or 'never'
-        What is capped: M on the way out, M of all donors beforehand, M in their weights
-        but not in Z, W with M, or nothing.
+        What is capped: M on the way out, M of all sources beforehand, M in their
+        weights but not in Z, W with M, or nothing.
     u_turned : bool; 1 − u decides
     """
 
@@ -44,7 +44,7 @@ class ReuseRules:
     nulls_count: bool = True
     empty_count: bool = False
     normalization: str = "asked"
-    everybody_holds: bool = False
+    every_domain: bool = False
     maker_counts: bool = True
     made: str = "over"
     maker_divides: bool = True

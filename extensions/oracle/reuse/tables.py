@@ -14,15 +14,15 @@ PAIRS = ("pairwise", "defensive")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Tables:
-    """What K slots offer, and what the weights make of it.
+class ReuseTables:
+    """What K slots bring, and what the weights make of it.
 
     Attributes
     ----------
     W, M, u, here, jacobian, made : list of (N,) Bounded
         Of each slot: what is given, with M as it counts, and the target where its
         sample was made, in the receiver's measure.
-    elsewhere : (N, K, K) Bounded; of the sample of a slot, at a donor
+    at_others : (N, K, K) Bounded; of the sample of a slot, at a source
     canonical : int; slot that stands
     mis : str; what is asked for
     """
@@ -33,13 +33,13 @@ class Tables:
     here: list[Bounded]
     jacobian: list[Bounded]
     made: list[Bounded]
-    elsewhere: Bounded
+    at_others: Bounded
     canonical: int
     mis: str
     cap: float
 
     @property
-    def donors(self) -> list[int]:
+    def sources(self) -> list[int]:
         """Slots but the canonical one."""
         return [k for k in range(len(self.W)) if k != self.canonical]
 
@@ -49,8 +49,8 @@ class Tables:
         return constant(1.0, self.W[0])
 
 
-def tables_of(case: Case, rules: ReuseRules, rounding: Rounding) -> Tables:
-    """Read a case; slots without a donor offer nothing."""
+def tables_of(case: Case, rules: ReuseRules, rounding: Rounding) -> ReuseTables:
+    """Read a case; slots without a source bring nothing."""
     given = {
         name: exact(array, rounding)
         for name, array in case.inputs.items()
@@ -74,17 +74,19 @@ def tables_of(case: Case, rules: ReuseRules, rounding: Rounding) -> Tables:
     )
     if rules.target_base:
         here = base
-    return Tables(
+    return ReuseTables(
         W,
         M,
-        [given["u"][:, k] for k in slots],
-        here,
-        jacobian,
-        [_made(b, h, j, rules) for b, h, j in zip(base, here, jacobian, strict=True)],
-        exact(case.inputs["target_at"], rounding),
-        int(case.settings["canonical"]),
-        str(case.settings["mis"]),
-        cap,
+        u=[given["u"][:, k] for k in slots],
+        here=here,
+        jacobian=jacobian,
+        made=[
+            _made(b, h, j, rules) for b, h, j in zip(base, here, jacobian, strict=True)
+        ],
+        at_others=exact(case.inputs["target_at"], rounding),
+        canonical=int(case.settings["canonical"]),
+        mis=str(case.settings["mis"]),
+        cap=cap,
     )
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from extensions.oracle.reuse.rules import ReuseRules
-from extensions.oracle.reuse.tables import PAIRS, Tables
+from extensions.oracle.reuse.tables import PAIRS, ReuseTables
 from reference.arrays import Indices
 from reference.oracle.replay.bounded import Bounded, exact
 from reference.oracle.replay.formulas import capped
@@ -23,7 +23,7 @@ def total(terms: list[Bounded]) -> Bounded:
     return found
 
 
-def arriving(t: Tables, rules: ReuseRules) -> list[Bounded]:
+def arriving(t: ReuseTables, rules: ReuseRules) -> list[Bounded]:
     """Weights w_k with which samples compete.
 
     Returns list of (N,) Bounded; in the order of the slots.
@@ -50,17 +50,17 @@ def arriving(t: Tables, rules: ReuseRules) -> list[Bounded]:
     return found
 
 
-def _in_pairs(t: Tables, rules: ReuseRules) -> list[Bounded]:
+def _in_pairs(t: ReuseTables, rules: ReuseRules) -> list[Bounded]:
     """Weights m_k that stand in place of M_k, each below 1."""
-    c, donors = t.canonical, t.donors
-    if not donors:
+    c, sources = t.canonical, t.sources
+    if not sources:
         return [t.one]
-    S, defensive = total([t.M[k] for k in donors]), t.mis == "defensive"
+    S, defensive = total([t.M[k] for k in sources]), t.mis == "defensive"
     m = list(t.M)
     m[c] = _canonical(t, S, S + t.M[c] if defensive else S, defensive, rules)
     S = S + t.M[c] if rules.canonical_in_s else S
     T = S + t.M[c] if defensive and rules.defensive_total else S
-    for k in donors:
+    for k in sources:
         p, p_c = t.made[k], t.here[k]
         if rules.exchanged:
             p, p_c = p_c, p
@@ -69,7 +69,7 @@ def _in_pairs(t: Tables, rules: ReuseRules) -> list[Bounded]:
 
 
 def _canonical(
-    t: Tables, S: Bounded, T: Bounded, defensive: bool, rules: ReuseRules
+    t: ReuseTables, S: Bounded, T: Bounded, defensive: bool, rules: ReuseRules
 ) -> Bounded:
     c = t.canonical
     if rules.canonical_share == "whole":
@@ -77,7 +77,7 @@ def _canonical(
     if rules.canonical_share == "none":
         return t.one - t.one
     p_c = t.M[c] * t.here[c]
-    parts = [t.M[k] / T * _share(p_c, S * t.elsewhere[:, c, k]) for k in t.donors]
+    parts = [t.M[k] / T * _share(p_c, S * t.at_others[:, c, k]) for k in t.sources]
     if defensive:
         parts.append(t.M[c] / T)
         return total(parts)
@@ -88,7 +88,7 @@ def _share(a: Bounded, b: Bounded) -> Bounded:
     return a / (a + b)
 
 
-def divisor(t: Tables, kept: Indices, rules: ReuseRules) -> Bounded:
+def divisor(t: ReuseTables, kept: Indices, rules: ReuseRules) -> Bounded:
     """What the sum of weights is divided by, beside the target.
 
     Parameters
@@ -111,20 +111,22 @@ def divisor(t: Tables, kept: Indices, rules: ReuseRules) -> Bounded:
     return total([M * p_k for M, p_k in zip(t.M, p, strict=True)]) / made
 
 
-def _at(t: Tables, k: int, kept: Indices) -> Bounded:
+def _at(t: ReuseTables, k: int, kept: Indices) -> Bounded:
     """Target of what is kept at slot k, in the receiver's measure."""
     if k == t.canonical:
         return of_kept(t.here, kept)
     row = np.arange(len(kept))
-    return choose(kept == k, t.made[k], t.elsewhere[row, kept, k])
+    return choose(kept == k, t.made[k], t.at_others[row, kept, k])
 
 
-def _held(t: Tables, k: int, p: Bounded, kept: Indices, rules: ReuseRules) -> Bounded:
-    holds = (p.value > 0) | rules.everybody_holds
+def _held(
+    t: ReuseTables, k: int, p: Bounded, kept: Indices, rules: ReuseRules
+) -> Bounded:
+    in_domain = (p.value > 0) | rules.every_domain
     if not rules.maker_counts:
-        holds &= kept != k
+        in_domain &= kept != k
     none = exact(np.zeros_like(p.value), p.rounding)
-    return choose(holds, t.M[k], none)
+    return choose(in_domain, t.M[k], none)
 
 
 def of_kept(slots: list[Bounded], kept: Indices) -> Bounded:

@@ -7,7 +7,7 @@ import numpy as np
 
 from extensions.oracle.shifts.passes import SHIFT
 from extensions.oracle.shifts.rows import buffers, eventful
-from extensions.oracle.shifts.stage import frame_of
+from extensions.oracle.shifts.scenes import frame_of
 from extensions.pt_settings import CRITERIA
 from extensions.shifting import Criterion
 from reference.oracle.buffers import given
@@ -30,12 +30,12 @@ KINDS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class RowOrigin:
     """Where rows come from.
 
     Attributes
     ----------
-    scene, kind : str; of `extensions.oracle.shifts.stage.BLOCKS`, and of `KINDS`
+    scene, kind : str; of `extensions.oracle.shifts.scenes.BLOCKS`, and of `KINDS`
     frame : int; of the random numbers
     right, down : int, pixels; to which pixels paths are shifted
     """
@@ -48,40 +48,49 @@ class Place:
 
 
 PLACES = (
-    Place("paint", "hybrid", 0, 2, 1),
-    Place("paint", "wide", 1, 5, 3),
-    Place("rough-metal", "hybrid", 2, 1, 1),
-    Place("rough-metal", "wide", 3, 3, 1),
-    Place("glossy-metal", "hybrid", 4, 1, 0),
-    Place("mirror", "hybrid", 5, 0, 1),
-    Place("glass", "hybrid", 6, 1, 2),
-    Place("rough-coat", "hybrid", 7, 3, 2),
-    Place("smooth-coat", "hybrid", 8, 1, 1),
-    Place("smooth-coat", "wide", 9, 2, 2),
-    Place("bright", "hybrid", 12, 2, 1),
-    Place("mirror", "reconnection", 10, 4, 1),
-    Place("rough-metal", "replay", 11, 1, 1),
-    Place("bright", "replay", 13, 1, 2),
+    RowOrigin("paint", "hybrid", 0, 2, 1),
+    RowOrigin("paint", "wide", 1, 5, 3),
+    RowOrigin("rough-metal", "hybrid", 2, 1, 1),
+    RowOrigin("rough-metal", "wide", 3, 3, 1),
+    RowOrigin("glossy-metal", "hybrid", 4, 1, 0),
+    RowOrigin("mirror", "hybrid", 5, 0, 1),
+    RowOrigin("glass", "hybrid", 6, 1, 2),
+    RowOrigin("rough-coat", "hybrid", 7, 3, 2),
+    RowOrigin("smooth-coat", "hybrid", 8, 1, 1),
+    RowOrigin("smooth-coat", "wide", 9, 2, 2),
+    RowOrigin("bright", "hybrid", 12, 2, 1),
+    RowOrigin("mirror", "reconnection", 10, 4, 1),
+    RowOrigin("rough-metal", "replay", 11, 1, 1),
+    RowOrigin("bright", "replay", 13, 1, 2),
 )
 
 
 @cache
-def shift_case(place: Place, precision: Precision) -> Case:
+def shift_case(place: RowOrigin, precision: Precision) -> Case:
     """Rows of one frame."""
     criterion = KINDS[place.kind]
-    frame = frame_of(place.scene, SIZE, SEED, place.frame, BOUNCES, criterion)
+    frame = frame_of(
+        place.scene,
+        SIZE,
+        seed=SEED,
+        frame=place.frame,
+        bounces=BOUNCES,
+        criterion=criterion,
+    )
     grid = np.arange(SIZE * SIZE).reshape(SIZE, SIZE)
     to = np.roll(grid, (-place.down, -place.right), axis=(0, 1)).ravel()
     start = np.flatnonzero(frame.paths.value.any(axis=1))
-    inputs = buffers(frame, criterion, start, to[start], BOUNCES)
-    rows = eventful(frame, criterion, start, to[start], inputs)
+    inputs = buffers(frame, criterion, start=start, to=to[start], bounces=BOUNCES)
+    rows = eventful(frame, criterion, start=start, to=to[start], inputs=inputs)
     inputs = {name: array[rows] for name, array in inputs.items()}
     name = f"shift-{place.scene}-{place.kind}"
     settings = settings_of(float(frame.world.geometry.extent), criterion, place)
     return Case(name, "shift", settings, given(inputs, precision))
 
 
-def settings_of(extent: float, criterion: Criterion, place: Place) -> dict[str, Value]:
+def settings_of(
+    extent: float, criterion: Criterion, place: RowOrigin
+) -> dict[str, Value]:
     """Settings of a case, in the order of the contract.
 
     Parameters
@@ -107,7 +116,7 @@ def null_case(precision: Precision) -> Case:
 
     Made soon: whoever does not answer is not asked further.
     """
-    place, bounces = Place("paint", "hybrid", 0, 0, 0), 1
+    place, bounces = RowOrigin("paint", "hybrid", 0, 0, 0), 1
     criterion = KINDS[place.kind]
     inputs = {}
     for field in SHIFT.inputs:

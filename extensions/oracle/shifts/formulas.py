@@ -12,7 +12,7 @@ from reference.oracle.replay.verbs import choose, inner, square_root
 
 
 def told(array: NDArray[Any], rounding: Rounding) -> Bounded:
-    """Numbers of a walk, which were rounded once to be told.
+    """PathNumbers of a walk, which were rounded once to be told.
 
     Parameters
     ----------
@@ -21,7 +21,8 @@ def told(array: NDArray[Any], rounding: Rounding) -> Bounded:
     Returns
     -------
     Bounded
-        Within one `unit`: whoever walks himself has them unrounded, and is as right.
+        Within one `unit`: a backend that walks itself has them unrounded, and is as
+        right.
     """
     wide = np.asarray(array).astype(np.float64)
     return Bounded(wide, rounding.unit * np.abs(wide), rounding)

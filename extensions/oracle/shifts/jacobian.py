@@ -54,7 +54,7 @@ def judge_jacobian(
     left = given["p_from"], given["p_to"]
     onward = given["p_onward_from"], given["p_onward_to"]
     base = spreads[0] * left[0] * onward[0]
-    found = jacobian_of(base, spreads[1], left, onward, part)
+    found = jacobian_of(base, spreads[1], p=left, p_onward=onward, rules=part)
     return Judgement(
         (beside("jacobian", outputs["jacobian"], found),),
         {"spread from": spreads[0].value, "spread to": spreads[1].value},

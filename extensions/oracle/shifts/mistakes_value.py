@@ -90,7 +90,7 @@ VALUES = (
     ),
     mistake(
         "share-of-choice-for-both",
-        "lights that are met by chance have the share of those that are chosen",
+        "emitter hits have the MIS weight of light sampling",
         "pdf_light / (pdf_light + pdf_onward) for technique 2",
         SHARE_RIGHT,
         SHIFT,

@@ -6,7 +6,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from extensions.oracle.shifts.stage import frame_of
+from extensions.oracle.shifts.scenes import frame_of
 from extensions.shifting import Criterion, PathNeighbor, Paths, Shift, segment
 from reference.arrays import Indices, Scalars, Vec3s, divide_or_zero
 from reference.oracle.builtin.buffers import Array, as_real
@@ -43,8 +43,8 @@ def _lobes(alpha: Array, single: Array) -> _Lobes:
     turn = np.arange(len(alpha)) % 2 == 0
     alone = np.where(turn, Kind.SMOOTH_CONDUCTOR, Kind.DIELECTRIC)
     rough = np.where(turn, Kind.ROUGH_CONDUCTOR, Kind.ROUGH_COATED)
-    painted = np.where(turn, Kind.LAMBERTIAN, Kind.SMOOTH_COATED)
-    kind = np.where(single == 1, alone, np.where(alpha == 1, painted, rough))
+    diffuse = np.where(turn, Kind.LAMBERTIAN, Kind.SMOOTH_COATED)
+    kind = np.where(single == 1, alone, np.where(alpha == 1, diffuse, rough))
     width = np.where((single == 1) | (alpha == 1), 0.0, alpha)
     return _Lobes(kind.astype(np.int8), width)
 
@@ -132,14 +132,16 @@ def _shift(
 ) -> dict[str, Array]:
     """Walks again, in the scene: of the tables only the record is read."""
     criterion = Criterion(roughness, least_distance, last_joint, replays == 1)
-    at = frame_of(scene, size, seed, frame, bounces, criterion)
+    at = frame_of(
+        scene, size, seed=seed, frame=frame, bounces=bounces, criterion=criterion
+    )
     base = take(at.paths, path.astype(np.int64) % (size * size))
     record = {name: tables[name].astype(np.int8) for name in RECORD}
     record |= {name: tables[name].astype(float) for name in NUMBERS}
     paths, shift = replace(base, **record), Shift(criterion, at.numbers)
     here = take(at.points, path.astype(np.int64) % (size * size))
     there = take(at.points, pixel.astype(np.int64))
-    value, jacobian = _by_turns(shift, at.world, here, there, paths)
+    value, jacobian = _by_turns(shift, at.world, here=here, there=there, paths=paths)
     return {
         "value": as_real(precision, value),
         "jacobian": as_real(precision, jacobian),
@@ -153,17 +155,33 @@ def _by_turns(
     there: SurfacePoints,
     paths: Paths,
 ) -> tuple[Vec3s, Scalars]:
-    """From donor to receiver, and from receiver to donor; the donors stand reversed."""
+    """The shift in even rows, its inverse in odd ones; sources are in reverse order."""
     size = len(paths)
     value, jacobian = np.zeros((size, 3)), np.zeros(size)
     rows = np.arange(size)[::-1]
-    forth, back = np.arange(0, size, 2), np.arange(1, size, 2)
+    forward, inverse = np.arange(0, size, 2), np.arange(1, size, 2)
     ones = np.ones(size)
-    offered = Reservoirs(take(paths, rows), ones, ones)
-    donor = PathNeighbor(shift, world, there, world, take(here, rows), offered, rows)
-    value[forth], jacobian[forth] = donor.shifted(forth)
-    donor = PathNeighbor(shift, world, here, world, take(there, rows), offered, rows)
-    value[back], jacobian[back] = donor.inverse(paths, back)
+    reused = Reservoirs(take(paths, rows), ones, ones)
+    neighbor = PathNeighbor(
+        shift,
+        world,
+        points=there,
+        world_from=world,
+        points_from=take(here, rows),
+        reservoirs=reused,
+        rows=rows,
+    )
+    value[forward], jacobian[forward] = neighbor.shifted(forward)
+    neighbor = PathNeighbor(
+        shift,
+        world,
+        points=here,
+        world_from=world,
+        points_from=take(there, rows),
+        reservoirs=reused,
+        rows=rows,
+    )
+    value[inverse], jacobian[inverse] = neighbor.inverse(paths, inverse)
     return value, jacobian
 
 

@@ -9,9 +9,9 @@ from extensions.oracle.shifts.own import OWN
 from extensions.oracle.shifts.passes import SHIFT_PASSES
 from extensions.oracle.shifts.replay import judge_shift
 from reference.oracle.contract.fields import Precision
+from reference.oracle.levels.probe import Probe
+from reference.oracle.levels.replayed import replayed
 from reference.oracle.parts import Part
-from reference.oracle.rungs.probe import Probe
-from reference.oracle.rungs.replayed import replayed
 
 
 def _probes(precision: Precision) -> list[Probe]:

@@ -23,7 +23,7 @@ JOINABLE = Pass(
         "single_to = 0, √alpha_from ≥ roughness and √alpha_to ≥ roughness; else 0"
     ),
     inputs=(
-        real("alpha_from", "GGX width of x_v; 1 for paint, 0 for single directions"),
+        real("alpha_from", "GGX width of x_v; 1 for diffuse, 0 for single directions"),
         real("alpha_to", "GGX width of x_(v+1), likewise"),
         bits("single_from", "1 where x_v scatters into single directions alone"),
         bits("single_to", "1 where x_(v+1) does"),
@@ -59,7 +59,7 @@ PATH_JACOBIAN = Pass(
 RECORD = (
     index("joint", "c of the base path; 0 where it is replayed whole"),
     index("end", "index of its last surface point, 2 to V; 0 for no path"),
-    index("technique", "1: its light was chosen; 2: met by chance; 0: no path"),
+    index("technique", "1: its light was sampled; 2: an emitter hit; 0: no path"),
     vector(
         "incoming", "light that arrives at x_c, over all densities beyond, W/(m² sr)"
     ),
@@ -79,7 +79,7 @@ WALK = (
     bits("hit", "1 where the walk has a point x_v", "V"),
     real("position", "where its rays leave x_v, m", "V", 3),
     real("contact", "x_v on its surface, as it is seen from x_(v−1), m", "V", 3),
-    real("alpha", "GGX width at x_v; 1 for paint, 0 for single directions", "V"),
+    real("alpha", "GGX width at x_v; 1 for diffuse, 0 for single directions", "V"),
     bits("single", "1 where x_v scatters into single directions alone", "V"),
     real("weight", "f cos / p of the direction drawn at x_v", "V", 3),
     bits("delta", "1 where that was drawn from a delta lobe", "V"),
@@ -88,7 +88,7 @@ WALK = (
 CONNECTION = (
     vector("joint_position", "x_c on its surface, m"),
     vector("joint_normal", "unit normal, on the side that the base path came from"),
-    real("joint_alpha", "GGX width there; 1 for paint, 0 for single directions"),
+    real("joint_alpha", "GGX width there; 1 for diffuse, 0 for single directions"),
     bits("joint_single", "1 where it scatters into single directions alone"),
     vector("left", "f cos at x_(c−1) towards x_c"),
     real("pdf_left", "density of that direction, 1/sr"),
@@ -99,7 +99,7 @@ CONNECTION = (
 
 SHIFT = Pass(
     name="shift",
-    summary="What a path is worth at another pixel, and the Jacobian of its shift",
+    summary="Value of a path at another pixel, and the Jacobian of its shift",
     formula=(
         "D(x, y) = y − x, d = |D|;\n"
         "came_v, v = 2 to V: pass joinable of x_(v−1) and x_v, with d from position to "
@@ -120,7 +120,7 @@ SHIFT = Pass(
         "both 0 where there is no path, or value is 0"
     ),
     inputs=(
-        index("path", "number of the base path; only for whoever walks himself"),
+        index("path", "number of the base path; only for a backend that walks itself"),
         index("pixel", "row y · size + x that it is shifted to; likewise"),
         *RECORD,
         *MORE,
@@ -147,7 +147,7 @@ SHIFT = Pass(
         "draws with the base path's random numbers. Where the offset walk has no "
         "point, its columns hold the base path's numbers: what stands there is to be "
         "refused, not read. None of the columns base_ is needed. What lies under a "
-        "smooth coat counts as paint"
+        "smooth coat counts as diffuse"
     ),
 )
 

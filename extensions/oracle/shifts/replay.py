@@ -13,7 +13,11 @@ from extensions.oracle.shifts.formulas import (
     where_positive,
 )
 from extensions.oracle.shifts.rules import ShiftRules, shifting
-from extensions.oracle.shifts.worth import Shifted, worth_joined, worth_replayed
+from extensions.oracle.shifts.shifted_path import (
+    ShiftedPath,
+    shifted_by_joining,
+    shifted_by_replay,
+)
 from reference.arrays import Indices, Masks
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
@@ -31,7 +35,7 @@ class Kinds:
     Attributes
     ----------
     joins, chosen : (N,) bool
-        Joined, else replayed whole; the light was chosen, else met by chance.
+        Joined, else replayed whole; the light was sampled, else an emitter hit.
     last : (N,) int; m, index of the last point of the offset walk that takes part
     """
 
@@ -58,34 +62,36 @@ def judge_shift(
     """
     rounding, part = rounding_of(precision), shifting(rules)
     kinds = kinds_of(case, part)
-    worth = _worth(case, kinds, rounding, part)
-    there = all_of(_domain(case, kinds, rounding, part), _not_nothing(worth.value))
+    shifted = _shifted(case, kinds, rounding, part)
+    there = all_of(_domain(case, kinds, rounding, part), _not_nothing(shifted.value))
     says = (outputs["value"] != 0).any(axis=1) | (outputs["jacobian"] != 0)
     exists = there.settled(says)
-    nothing = constant(0.0, worth.value)
+    nothing = constant(0.0, shifted.value)
     base = told(case.inputs["base_value"], rounding)
-    value = base if part.bases_value else worth.value
+    value = base if part.bases_value else shifted.value
     value = choose(exists, value, nothing)
-    jacobian = choose(exists, worth.jacobian, nothing[:, 0])
+    jacobian = choose(exists, shifted.jacobian, nothing[:, 0])
     return Judgement(
         (
             beside("value", outputs["value"], value),
             beside("jacobian", outputs["jacobian"], jacobian),
         ),
-        {"exists": there.own, "value if it does": worth.value.value},
+        {"exists": there.own, "value if it does": shifted.value.value},
         there.decisions(says),
         case.random,
     )
 
 
-def _worth(case: Case, kinds: Kinds, rounding: Rounding, rules: ShiftRules) -> Shifted:
+def _shifted(
+    case: Case, kinds: Kinds, rounding: Rounding, rules: ShiftRules
+) -> ShiftedPath:
     """Of every row in its own way, whether or not the path exists."""
     with np.errstate(invalid="ignore", over="ignore"):
-        yes = worth_joined(case, kinds.last, rounding, rules)
-        no = worth_replayed(case, kinds.last, rounding, rules)
+        yes = shifted_by_joining(case, kinds.last, rounding, rules)
+        no = shifted_by_replay(case, kinds.last, rounding, rules)
     value = choose(kinds.joins, yes.value, no.value)
     jacobian = choose(kinds.joins, yes.jacobian, no.jacobian)
-    return Shifted(bounded_somehow(value), bounded_somehow(jacobian))
+    return ShiftedPath(bounded_somehow(value), bounded_somehow(jacobian))
 
 
 def _not_nothing(value: Bounded) -> Choice:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from extensions.oracle.shifts.stage import Frame
+from extensions.oracle.shifts.scenes import DrawnPaths
 from extensions.oracle.shifts.tables import (
     columns,
     connection,
@@ -25,7 +25,7 @@ ROWS = 6
 
 
 def buffers(
-    frame: Frame, criterion: Criterion, start: Indices, to: Indices, bounces: int
+    frame: DrawnPaths, criterion: Criterion, start: Indices, to: Indices, bounces: int
 ) -> dict[str, Any]:
     """All buffers of shifts; N rows, by name.
 
@@ -35,7 +35,13 @@ def buffers(
     """
     paths = take(frame.paths, start)
     base, offset = (
-        _side(frame, criterion, take(frame.points, at), paths, bounces)
+        _side(
+            frame,
+            criterion,
+            points=take(frame.points, at),
+            paths=paths,
+            bounces=bounces,
+        )
         for at in (start, to)
     )
     return {
@@ -71,14 +77,16 @@ class _Side:
 
 
 def _side(
-    frame: Frame,
+    frame: DrawnPaths,
     criterion: Criterion,
     points: SurfacePoints,
     paths: Paths,
     bounces: int,
 ) -> _Side:
     uniforms = frame.numbers(paths.number)
-    walk = walked(frame.world, criterion, points, uniforms, bounces + 1)
+    walk = walked(
+        frame.world, criterion, points=points, uniforms=uniforms, slots=bounces + 1
+    )
     table = columns(frame.world, walk)
     hit = table.pop("hit") == 1
     x = at_slot(walk, _before(paths))
@@ -116,7 +124,7 @@ def _throughput(weight: Any, last: Indices) -> Any:
 
 
 def eventful(
-    frame: Frame,
+    frame: DrawnPaths,
     criterion: Criterion,
     start: Indices,
     to: Indices,
@@ -135,7 +143,7 @@ def eventful(
     shift = Shift(criterion, frame.numbers)
     value, _ = shift(frame.world, frame.points, to, frame.paths, start)
     joint, end, hit = inputs["joint"], inputs["end"], inputs["hit"]
-    back = inputs["joint_normal"] * (
+    facing = inputs["joint_normal"] * (
         inputs["joint_position"] - inputs["position"][:, 0]
     )
     kinds = np.stack(
@@ -146,7 +154,7 @@ def eventful(
             value.any(axis=1),
             hit.cumprod(axis=1).sum(axis=1) >= np.where(joint > 0, joint - 1, end),
             inputs["seen"],
-            back.sum(axis=1) > 0,
+            facing.sum(axis=1) > 0,
             inputs["left"].any(axis=1),
             inputs["delta"].any(axis=1),
             inputs["joint_alpha"] < 1.0,

@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from extensions.oracle.shifts.stage import Frame
-from extensions.oracle.shifts.walks import Walk
+from extensions.oracle.shifts.scenes import DrawnPaths
+from extensions.oracle.shifts.walks import ReplayedWalk
 from extensions.shifting import NEVER_JOINED, Criterion, Paths, Technique, segment
 from reference.arrays import Masks, Scalars, Vec3s, dot
-from reference.direct_light import choose_light, met_lights
-from reference.light_shares import share_of_chance
+from reference.direct_light import choose_light, emitter_hits
+from reference.light_mis import bsdf_sampling_weight
 from reference.oracle.cases import Buffers
 from reference.records import scatter, take
 from reference.rng import Uniforms
@@ -21,7 +21,7 @@ from reference.scene.surface import SurfacePoints
 from reference.world import World
 
 
-def columns(world: World, walk: Walk) -> dict[str, Any]:
+def columns(world: World, walk: ReplayedWalk) -> dict[str, Any]:
     """A walk as buffers, (N, V) or (N, V, 3) each."""
     points = [step.points for step in walk.steps]
     lobes = [lobes_of(world.materials, x) for x in points]
@@ -45,7 +45,7 @@ def lobes_of(table: MaterialTable, points: SurfacePoints) -> tuple[Scalars, Mask
     Returns
     -------
     (N,) float64, (N,) bool
-        1 for paint and for what lies under a smooth coat; 0 for misses.
+        1 for diffuse surfaces and for what lies under a smooth coat; 0 for misses.
     """
     kind = table.kind[points.material]
     rough = (kind == Kind.ROUGH_CONDUCTOR) | (kind == Kind.ROUGH_COATED)
@@ -55,7 +55,7 @@ def lobes_of(table: MaterialTable, points: SurfacePoints) -> tuple[Scalars, Mask
 
 
 def connection(
-    frame: Frame, criterion: Criterion, x: SurfacePoints, paths: Paths
+    frame: DrawnPaths, criterion: Criterion, x: SurfacePoints, paths: Paths
 ) -> dict[str, Any]:
     """What joins points to the joints of paths.
 
@@ -88,7 +88,7 @@ def connection(
     }
 
 
-def joints(frame: Frame, paths: Paths) -> dict[str, Any]:
+def joints(frame: DrawnPaths, paths: Paths) -> dict[str, Any]:
     """Reconnection vertices as buffers, of what has no joint: any."""
     alpha, single = lobes_of(frame.world.materials, paths.surface)
     return {
@@ -99,7 +99,7 @@ def joints(frame: Frame, paths: Paths) -> dict[str, Any]:
     }
 
 
-def lights(world: World, walk: Walk, paths: Paths, uniforms: Uniforms) -> Vec3s:
+def lights(world: World, walk: ReplayedWalk, paths: Paths, uniforms: Uniforms) -> Vec3s:
     """Light that reaches x_end by the technique of the base path.
 
     Returns
@@ -112,9 +112,9 @@ def lights(world: World, walk: Walk, paths: Paths, uniforms: Uniforms) -> Vec3s:
         x, leaving = walk.steps[v - 1].points, walk.leavings[v - 1]
         here = (paths.end == v) & x.hit
         light = choose_light(world, x, uniforms.draw(2 * v - 1), here & chosen)
-        rows, radiance, by_choice = met_lights(world, x, leaving.bsdf, leaving.hits)
+        rows, radiance, p_light = emitter_hits(world, x, leaving.bsdf, leaving.hits)
         bsdf = take(leaving.bsdf, rows)
-        share = share_of_chance(bsdf.pdf, bsdf.delta, by_choice)
+        share = bsdf_sampling_weight(bsdf.pdf, bsdf.delta, p_light)
         met = leaving.bsdf.weight * scatter(rows, radiance * share[:, None], len(paths))
         found = np.where((here & chosen)[:, None], light.value, found)
         found = np.where((here & ~chosen)[:, None], met, found)
@@ -122,7 +122,7 @@ def lights(world: World, walk: Walk, paths: Paths, uniforms: Uniforms) -> Vec3s:
 
 
 def filled(there: Masks, offset: Buffers, base: Buffers) -> dict[str, Any]:
-    """Numbers of the offset walk, and the base path's where it has none.
+    """PathNumbers of the offset walk, and the base path's where it has none.
 
     Parameters
     ----------

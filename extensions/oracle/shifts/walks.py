@@ -11,7 +11,7 @@ from reference.world import World
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Walk:
+class ReplayedWalk:
     """Replayed walks of N paths.
 
     Attributes
@@ -32,7 +32,7 @@ def walked(
     points: SurfacePoints,
     uniforms: Uniforms,
     slots: int,
-) -> Walk:
+) -> ReplayedWalk:
     """Replay walks from visible points.
 
     Parameters
@@ -43,13 +43,17 @@ def walked(
     steps, leavings = [start(points)], []
     for vertex in range(1, slots + 1):
         step = steps[-1]
-        leavings.append(leave(world, step, vertex, uniforms, step.points.hit))
-        steps.append(arrive(world, criterion, step, vertex, leavings[-1]))
+        leavings.append(
+            leave(world, step, vertex=vertex, uniforms=uniforms, active=step.points.hit)
+        )
+        steps.append(
+            arrive(world, criterion, step=step, vertex=vertex, leaving=leavings[-1])
+        )
     weights = tuple(step.weight for step in steps[1:])
-    return Walk(tuple(steps[:-1]), tuple(leavings), weights)
+    return ReplayedWalk(tuple(steps[:-1]), tuple(leavings), weights)
 
 
-def at_slot(walk: Walk, index: Indices) -> SurfacePoints:
+def at_slot(walk: ReplayedWalk, index: Indices) -> SurfacePoints:
     """Each row's point of a slot of its own.
 
     Parameters

@@ -53,7 +53,7 @@ class ProgramBackend:
         try:
             self._words = shlex.split(template)
         except ValueError as error:
-            raise UsageError(f"{template!r} is no command line: {error}") from error
+            raise UsageError(f"{template!r} is not a command line: {error}") from error
         self._limits, self.precision, self.remaining = limits, precision, remaining
         self._too_slow: set[str] = set()
         self._workspace = Workspace("cases")

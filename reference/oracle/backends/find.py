@@ -1,4 +1,4 @@
-"""Backends by name: built-in, announced by a package, a module's or a file's object."""
+"""Backends by name: built-in, of a plug-in, a module's or a file's object."""
 
 import importlib
 import importlib.util
@@ -15,7 +15,7 @@ ATTRIBUTE = "BACKEND"
 
 
 def backend_names() -> list[str]:
-    """Names of built-in and announced backends.
+    """Names of built-in and registered backends.
 
     Returns
     -------

@@ -23,7 +23,7 @@ LARGEST_FILE = 2**30
 LAST_BYTES = 4096
 """Of what a process says, that are kept."""
 
-A_MOMENT = 0.5
+SHORTLY = 0.5
 """Seconds within which what an ended process has said is there."""
 
 
@@ -128,10 +128,10 @@ class LastWords:
         Returns
         -------
         str
-            Of what is there a moment after the process ended: who still holds the pipe
+            Of what is there shortly after the process ended: who still holds the pipe
             is not waited for.
         """
-        self._reader.join(A_MOMENT)
+        self._reader.join(SHORTLY)
         text = self._kept.decode(errors="replace")
         lines = [line.strip() for line in text.splitlines() if line.strip()]
         return lines[-1][:200] if lines else ""

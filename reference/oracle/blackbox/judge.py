@@ -13,7 +13,7 @@ from reference.arrays import Scalars
 from reference.oracle.blackbox.renderer import Renderer
 from reference.oracle.blackbox.truth import TILES, Truth, statistics
 from reference.oracle.cases import NO_TIME, Failure, UnaskedError
-from reference.oracle.rungs.probe import Finding
+from reference.oracle.levels.probe import Finding
 from reference.oracle.statistics.betting import Bets, e_value, interval_bets, place
 from reference.oracle.statistics.families import average_e
 from reference.oracle.statistics.intervals import (
@@ -21,7 +21,7 @@ from reference.oracle.statistics.intervals import (
     student_deviations,
     truth_interval,
 )
-from reference.oracle.steps import Rung, Step
+from reference.oracle.steps import Level, LevelStep
 
 ALPHA = 5e-7
 DEVIATIONS = 6.0
@@ -38,14 +38,14 @@ FIRST_SEED = 100
 Pictures = Callable[[Iterator[int]], Iterator[NDArray[Any] | Failure]]
 
 
-def renderer_rungs(
+def renderer_levels(
     renderer: Renderer,
     truth: Callable[[], Truth],
     bound: float | None,
     remaining: Callable[[], float],
     pictures: Pictures | None = None,
-) -> Iterator[Rung]:
-    """Rungs for pictures.
+) -> Iterator[Level]:
+    """Levels for pictures.
 
     Parameters
     ----------
@@ -64,12 +64,12 @@ def renderer_rungs(
 
     Yields
     ------
-    rung, title : str
+    level, title : str
         Of the next step.
     callable
         Takes it.
     """
-    yield "L2", "seeds", lambda: Step("L2", "seeds", findings=[_seeds(renderer)])
+    yield "L2", "seeds", lambda: LevelStep("L2", "seeds", findings=[_seeds(renderer)])
     rendered = (pictures or partial(map, renderer.render))(count(FIRST_SEED))
     yield "L4", "mean", lambda: _mean(rendered, truth(), bound, remaining)
 
@@ -95,7 +95,7 @@ def _mean(
     truth: Truth,
     bound: float | None,
     remaining: Callable[[], float],
-) -> Step:
+) -> LevelStep:
     deviations = student_deviations(DEVIATIONS, truth.samples)
     low, high = truth_interval(truth.mean, truth.standard_error, deviations)
     most = np.maximum((bound or UNBOUNDED) * truth.mean, high)
@@ -108,11 +108,11 @@ def _mean(
             bets, runs = place(bets, statistics(picture)), runs + 1
             found = _accused(bets, truth.mean, runs)
         if found is not None:
-            return Step("L4", f"mean of {runs} pictures", findings=[found])
+            return LevelStep("L4", f"mean of {runs} pictures", findings=[found])
     if runs < 2:
         raise UnaskedError(NO_TIME.reason)
     more, title = _more(bets, bound, runs), f"mean of {runs} pictures"
-    return Step("L4", title, findings=[Finding(True)], more=more)
+    return LevelStep("L4", title, findings=[Finding(True)], more=more)
 
 
 def _until_the_time_is_over(

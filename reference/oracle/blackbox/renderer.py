@@ -141,7 +141,7 @@ class Renderer:
             words = shlex.split(self.template)
         except ValueError as error:
             raise UsageError(
-                f"{self.template!r} is no command line: {error}"
+                f"{self.template!r} is not a command line: {error}"
             ) from error
         for place, text in zip(PLACES, given, strict=True):
             words = [word.replace(place, text) for word in words]

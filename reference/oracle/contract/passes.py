@@ -59,10 +59,10 @@ MOVED = Pass(
         "the past with w₀ = p̂(y₀) W₀ M₀ J(x_past → x), 0 where x does not see y₀;\n"
         "then the new sample with w₁ = p̂(y₁) / pdf; it is kept where u (w₀ + w₁) < w₁,"
         " and where w₀ = 0 < w₁;\n"
-        "1/M: Z = M₀ + 1;  1/Z: Z = M₀ + 1 where x_past holds the kept sample, else "
-        "1;\n"
-        "x_past holds y where p̂(y) > 0 at x_past, with its normal and albedo, and "
-        "x_past sees y;\n"
+        "1/M: Z = M₀ + 1;  1/Z: Z = M₀ + 1 where the kept sample is in the domain of"
+        " x_past, else 1;\n"
+        "y is in the domain of x_past where p̂(y) > 0 there, with its normal and albedo,"
+        " and x_past sees y;\n"
         "W = (w₀ + w₁) / (p̂(y) Z), M = min(M₀ + 1, cap), whatever x sees"
     ),
     inputs=(
@@ -87,7 +87,7 @@ MOVED = Pass(
 
 NEIGHBORS = Pass(
     name="neighbors",
-    summary="Which pixels lend their samples",
+    summary="Neighbours whose samples a pixel reuses",
     formula=(
         "N = width · height; r = max(radius · width, min_radius);\n"
         "for each k: offset = r √u₀ (cos 2πu₁, sin 2πu₁), each component rounded to the"

@@ -56,7 +56,7 @@ CHOICES = (
     ),
     mistake(
         "keeps-the-other-side",
-        "u is used as 1 − u: right in law, and other numbers",
+        "u is used as 1 − u: the same distribution, and other numbers",
         "kept where (1 − u) (w_before + w) < w",
         U_RIGHT,
         ("merge", *REUSE),
@@ -99,7 +99,7 @@ CHOICES = (
     ),
     mistake(
         "stream-reversed",
-        "the stream runs backwards: right in law, and other samples",
+        "the stream runs backwards: the same distribution, and other samples",
         "the last of the stream comes first",
         "the past, then the pixel's own, then neighbours in their order",
         REUSE,

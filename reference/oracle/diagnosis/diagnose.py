@@ -13,9 +13,9 @@ from reference.oracle.diagnosis.merging import MERGING
 from reference.oracle.diagnosis.shading import SHADING
 from reference.oracle.diagnosis.targets import TARGETS
 from reference.oracle.diagnosis.weights import WEIGHTS
+from reference.oracle.levels.probe import Answer
 from reference.oracle.parts import judge_of, parts
 from reference.oracle.replay.rules import CONTRACT_RULES, Rules
-from reference.oracle.rungs.probe import Answer
 
 HYPOTHESES: tuple[Hypothesis, ...] = (
     *JACOBIANS,

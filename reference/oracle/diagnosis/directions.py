@@ -73,7 +73,7 @@ DIRECTIONS = (
     ),
     mistake(
         "directions-from-the-other-end",
-        "u₀ is used as 1 − u₀: right in law, and other numbers",
+        "u₀ is used as 1 − u₀: the same distribution, and other numbers",
         "cos θ = 1 − u₀, √u₀",
         COSINE,
         IN,
@@ -82,7 +82,8 @@ DIRECTIONS = (
     ),
     mistake(
         "cosine-directions-from-the-other-end",
-        "u₀ is used as 1 − u₀ for the cosine density: right in law, and other numbers",
+        "u₀ is used as 1 − u₀ for the cosine density: the same distribution, and other"
+        " numbers",
         "cos θ = √u₀",
         COSINE,
         IN,

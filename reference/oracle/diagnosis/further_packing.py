@@ -168,7 +168,7 @@ NUMBERS = (
     ),
     mistake(
         "pack-m-wraps",
-        "an M that is too large begins anew at 0",
+        "an M that is too large starts over at 0",
         "M mod 65536",
         M_RIGHT,
         PACK,

@@ -11,11 +11,11 @@ SHIFTED = ("moved", "spatial")
 
 
 Departure = Literal["", "order", "confidence", "target", "filter"]
-"""What a mistake leaves alone.  'order': the law of every run, as where other random
-numbers decide in the same way; 'confidence': the mean, as W is rebuilt from what is
-stored and any M that depends on no sample will do; 'target': the mean, as p̂ cancels
-between weight and W where it is the same in both; 'filter': all runs of the loop,
-which has no such pass.  Empty: nothing."""
+"""What a mistake leaves alone.  'order': the distribution of every run, as where other
+random numbers decide in the same way; 'confidence': the mean, as W is rebuilt from what
+is stored and any M that depends on no sample will do; 'target': the mean, as p̂ cancels
+between weight and W where it is the same in both; 'filter': all runs of the loop, which
+has no such pass.  Empty: nothing."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@ from reference.oracle.diagnosis.jacobian_limits import rejected
 from reference.oracle.diagnosis.targets import TARGETS_IN
 from reference.oracle.replay.bounded import Bounded, constant
 from reference.oracle.replay.formulas import finalized, target, weight
-from reference.oracle.replay.points import Point, Receiver
+from reference.oracle.replay.points import Receiver, SamplePoint
 from reference.oracle.replay.verbs import choose
 
 MERGED = "w = w_a + w_b, M = M_a + M_b"
@@ -57,8 +57,8 @@ def _divisor_at_least(
 
 def _target_at_least(
     least: float, kinds: tuple[Value, ...]
-) -> Callable[[Value, Receiver, Point], Bounded]:
-    def changed(kind: Value, x: Receiver, y: Point) -> Bounded:
+) -> Callable[[Value, Receiver, SamplePoint], Bounded]:
+    def changed(kind: Value, x: Receiver, y: SamplePoint) -> Bounded:
         p_hat = target(kind, x, y)
         if kind not in kinds:
             return p_hat
@@ -148,16 +148,16 @@ MERGING = (
     mistake(
         "donors-target-in-both",
         "the target of reused samples is that at the point that made them",
-        "w = p̂_donor W M J, W = Σ w / (p̂_donor Z)",
+        "w = p̂_source W M J, W = Σ w / (p̂_source Z)",
         "p̂ is that at the receiver",
         SHIFTED,
-        donors_target=True,
+        source_target=True,
     ),
     mistake(
         "none-is-pixel-0",
         "a neighbour that there is not is pixel 0",
         "row = max(row, 0)",
-        "row −1 lends nothing",
+        "row −1 brings nothing",
         SPATIAL,
         none_is_first=True,
     ),
@@ -165,7 +165,7 @@ MERGING = (
         "rejected-counted",
         "a neighbour that there is not still counts",
         "M of row max(row, 0) is added",
-        "row −1 lends nothing",
+        "row −1 brings nothing",
         SPATIAL,
         rejected_counts=True,
     ),

@@ -4,7 +4,7 @@ from reference.oracle.contract.fields import Value
 from reference.oracle.diagnosis.hypothesis import REUSE, SHIFTED, mistake
 from reference.oracle.replay.bounded import Bounded, exact
 from reference.oracle.replay.geometry import luminance
-from reference.oracle.replay.points import Point, Receiver
+from reference.oracle.replay.points import Receiver, SamplePoint
 from reference.oracle.replay.verbs import choose, inner, where_positive
 
 W_RIGHT = "W = Σ w / (p̂(y) Z)"
@@ -33,11 +33,11 @@ def _at_most_4(w: Bounded, p_hat: Bounded, Z: Bounded) -> Bounded:
     return choose(W.value <= 4, W, exact(W.value * 0 + 4, W.rounding))
 
 
-def _any_light(kind: Value, x: Receiver, y: Point) -> Bounded:
+def _any_light(kind: Value, x: Receiver, y: SamplePoint) -> Bounded:
     return luminance(y.radiance)
 
 
-def _either_side(kind: Value, x: Receiver, y: Point) -> Bounded:
+def _either_side(kind: Value, x: Receiver, y: SamplePoint) -> Bounded:
     above = inner(x.normal, y.position - x.position)
     return where_positive(above, luminance(y.radiance))
 
@@ -99,11 +99,11 @@ WEIGHTS = (
     mistake(
         "divided-by-the-donors-target",
         "W is divided by the target at the point that made the sample",
-        "W = Σ w / (p̂_donor(y) Z)",
+        "W = Σ w / (p̂_source(y) Z)",
         W_RIGHT,
         SHIFTED,
         "HIPRT 2861d1c5",
-        divides_by_donor=True,
+        divides_by_source_target=True,
     ),
     mistake(
         "canonical-missing-in-z",
@@ -116,8 +116,8 @@ WEIGHTS = (
     mistake(
         "visibility-missing-in-z",
         "Z counts neighbours that do not see the kept sample",
-        "holds = above the horizon and lit",
-        "holds = above the horizon, lit, and visible from the neighbour",
+        "domain: above the horizon and lit",
+        "domain: above the horizon, lit, and visible from the neighbour",
         SHIFTED,
         "the paper's Algorithm 4 with Equation 10",
         visibility_in_z=False,
@@ -183,18 +183,18 @@ WEIGHTS = (
     ),
     mistake(
         "receivers-target-in-z",
-        "the receiver is asked in place of the donor whether it holds the sample",
-        "holds = p̂_receiver(y) > 0",
-        "holds = p̂_donor(y) > 0",
+        "the domain test is that of the receiver in place of the source",
+        "domain: p̂_receiver(y) > 0",
+        "domain: p̂_source(y) > 0",
         SHIFTED,
         "OloEngine #1183",
         receivers_domain=True,
     ),
     mistake(
         "receivers-visibility-in-z",
-        "the receiver's visibility is asked in place of the donor's",
-        "holds = the receiver sees the sample, which it always does",
-        "holds = the donor sees the sample",
+        "the domain test has the receiver's visibility in place of the source's",
+        "domain: the receiver sees the sample, which it always does",
+        "domain: the source sees the sample",
         SHIFTED,
         visibility_in_z=False,
     ),
@@ -219,8 +219,8 @@ WEIGHTS = (
     mistake(
         "horizon-missing-in-z",
         "Z asks whether there is light, and not on which side of whom",
-        "holds = L_o > 0 and visible",
-        "holds = above the donor's horizon, lit, and visible",
+        "domain: L_o > 0 and visible",
+        "domain: above the source's horizon, lit, and visible",
         SHIFTED,
         "the paper's Algorithm 4 with Equation 10",
         domain_target=_any_light,
@@ -228,8 +228,8 @@ WEIGHTS = (
     mistake(
         "side-missing-in-z",
         "Z does not ask on which side the sample shines",
-        "holds = above the donor's horizon and visible",
-        "holds = above the donor's horizon, lit, and visible",
+        "domain: above the source's horizon and visible",
+        "domain: above the source's horizon, lit, and visible",
         SHIFTED,
         domain_target=_either_side,
     ),

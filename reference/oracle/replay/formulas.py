@@ -7,7 +7,7 @@ import numpy as np
 from reference.oracle.contract.fields import Value
 from reference.oracle.replay.bounded import Bounded, constant
 from reference.oracle.replay.geometry import cosine_at, luminance, on_both_sides
-from reference.oracle.replay.points import Point, Receiver
+from reference.oracle.replay.points import Receiver, SamplePoint
 from reference.oracle.replay.verbs import (
     choose,
     inner,
@@ -16,7 +16,7 @@ from reference.oracle.replay.verbs import (
 )
 
 
-def target(kind: Value, x: Receiver, y: Point) -> Bounded:
+def target(kind: Value, x: Receiver, y: SamplePoint) -> Bounded:
     """Target p̂, Equation 9 or 10.
 
     Parameters
@@ -25,7 +25,7 @@ def target(kind: Value, x: Receiver, y: Point) -> Bounded:
         Which.
     x : Receiver
         N visible points.
-    y : Point
+    y : SamplePoint
         N sample points.
 
     Returns
@@ -40,14 +40,14 @@ def target(kind: Value, x: Receiver, y: Point) -> Bounded:
     return on_both_sides(x, y, value)
 
 
-def reflected(x: Receiver, y: Point) -> Bounded:
+def reflected(x: Receiver, y: SamplePoint) -> Bounded:
     """Integrand f = albedo / π · cos θ · L_o.
 
     Parameters
     ----------
     x : Receiver
         N visible points.
-    y : Point
+    y : SamplePoint
         N sample points.
 
     Returns
@@ -60,14 +60,14 @@ def reflected(x: Receiver, y: Point) -> Bounded:
     return on_both_sides(x, y, color)
 
 
-def jacobian(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
+def jacobian(x_from: Receiver, x_to: Receiver, y: SamplePoint) -> Bounded:
     """Ratio |∂ω_to / ∂ω_from|, Equation 11.
 
     Parameters
     ----------
     x_from, x_to : Receiver
         N visible points each; their normals are not used.
-    y : Point
+    y : SamplePoint
         N sample points.
 
     Returns

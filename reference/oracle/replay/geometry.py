@@ -3,7 +3,7 @@
 import numpy as np
 
 from reference.oracle.replay.bounded import Bounded
-from reference.oracle.replay.points import Point, Receiver
+from reference.oracle.replay.points import Receiver, SamplePoint
 from reference.oracle.replay.verbs import inner, square_root, where_positive
 
 LUMINANCE = (0.2126, 0.7152, 0.0722)
@@ -45,14 +45,14 @@ def sum_of_shares(color: Bounded, shares: tuple[float, float, float]) -> Bounded
     return inner(color, Bounded(of_rows, rounding.unit * of_rows, rounding))
 
 
-def cosine_at(x: Receiver, y: Point) -> Bounded:
+def cosine_at(x: Receiver, y: SamplePoint) -> Bounded:
     """Cosine of the sample's direction with the receiver's normal.
 
     Parameters
     ----------
     x : Receiver
         N visible points.
-    y : Point
+    y : SamplePoint
         N sample points.
 
     Returns
@@ -64,14 +64,14 @@ def cosine_at(x: Receiver, y: Point) -> Bounded:
     return inner(x.normal, toward) / square_root(inner(toward, toward))
 
 
-def lit_at(x: Receiver, y: Point) -> Bounded:
+def lit_at(x: Receiver, y: SamplePoint) -> Bounded:
     """Positive where the receiver is on the lit side of the sample point.
 
     Parameters
     ----------
     x : Receiver
         N visible points.
-    y : Point
+    y : SamplePoint
         N sample points.
 
     Returns
@@ -82,14 +82,14 @@ def lit_at(x: Receiver, y: Point) -> Bounded:
     return -inner(y.normal, y.position - x.position)
 
 
-def on_both_sides(x: Receiver, y: Point, value: Bounded) -> Bounded:
+def on_both_sides(x: Receiver, y: SamplePoint, value: Bounded) -> Bounded:
     """A value where the sample is above the horizon and lit, else 0.
 
     Parameters
     ----------
     x : Receiver
         N visible points.
-    y : Point
+    y : SamplePoint
         N sample points.
     value : Bounded
         (N,) or (N, 3)

@@ -1,4 +1,4 @@
-"""What a replay finds: numbers side by side, decisions, and what rounding excuses."""
+"""What a replay finds: numbers side by side, and decisions within rounding."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,7 +11,7 @@ from scipy.stats import poisson
 from reference.arrays import Masks, Scalars
 from reference.oracle.replay.bounded import Bounded
 
-EXCUSE_ALARM = 1e-6
+BUDGET_ALARM = 1e-6
 """Probability that a right backend has more open decisions than its budget."""
 
 
@@ -54,20 +54,23 @@ class Decisions:
     ----------
     illegal : (N,) bool
         No rounding explains the choice.
-    excused : int
-        Choices that differ from ours, which rounding explains.
-    expected_excuses : float
+    differing : int
+        Choices that differ from the exact rule within rounding.
+    expected : float
         Mean number of decisions that rounding leaves open, if u are random.
+    what : str
+        That was decided, for messages.
     """
 
     illegal: Masks
-    excused: int
-    expected_excuses: float
+    differing: int
+    expected: float
+    what: str = "which sample was kept"
 
     @property
     def budget(self) -> int:
-        """Excuses that a right backend exceeds with probability `EXCUSE_ALARM`."""
-        return int(poisson.ppf(1 - EXCUSE_ALARM, self.expected_excuses))
+        """Differing choices that a right backend exceeds at rate `BUDGET_ALARM`."""
+        return int(poisson.ppf(1 - BUDGET_ALARM, self.expected))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,7 +86,7 @@ class Judgement:
     decisions : Decisions or None
         Of passes that choose.
     counted : bool
-        Excuses count against the budget: the decisions were random.
+        Differing choices count against the budget: the decisions were random.
     """
 
     compared: tuple[Compared, ...]
@@ -104,11 +107,11 @@ class Judgement:
         """More choices lean on rounding than rounding leaves open."""
         if self.decisions is None or not self.counted:
             return False
-        return self.decisions.excused > self.decisions.budget
+        return self.decisions.differing > self.decisions.budget
 
     @property
     def passed(self) -> bool:
-        """No row is wrong, and the excuses are within their budget."""
+        """No row is wrong, and the differing choices are within their budget."""
         return not self.over_budget and not self.wrong.any()
 
 

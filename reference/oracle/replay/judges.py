@@ -60,7 +60,7 @@ def _merge(case: Case, out: Buffers, rules: Rules, precision: Precision) -> Judg
     prefers = rules.preference(given["u"], w_a, w_b)
     second = either("second", out["second"], prefers)
     flipped = (second.found != second.expected) & (second.excess <= 1)
-    excused, mean = int(flipped.sum()), _open_merges(given)
+    differing, mean = int(flipped.sum()), _open_merges(given)
     return Judgement(
         (
             second,
@@ -68,7 +68,7 @@ def _merge(case: Case, out: Buffers, rules: Rules, precision: Precision) -> Judg
             beside("M", out["M"], rules.merged_confidence(given["M_a"], given["M_b"])),
         ),
         {"u (w_a + w_b)": given["u"].value * (w_a + w_b).value, "w_b": w_b.value},
-        Decisions(np.zeros(case.rows, bool), excused, mean),
+        Decisions(np.zeros(case.rows, bool), differing, mean),
         case.random,
     )
 

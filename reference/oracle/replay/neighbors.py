@@ -105,7 +105,7 @@ def judge_neighbors(
     rows, width = np.arange(case.rows), int(s["width"])
     least = float(s["min_radius"])
     radius = np.full(case.rows, max(float(s["radius"]) * width, least))
-    wrong, excused, mean = np.zeros(case.rows, bool), 0, 0.0
+    wrong, differing, mean = np.zeros(case.rows, bool), 0, 0.0
     expected = np.empty_like(found)
     for k in range(found.shape[1]):
         u = case.inputs["u"][:, k].astype(float)
@@ -119,7 +119,7 @@ def judge_neighbors(
         expected[:, k] = own
         is_legal = np.any(legal, axis=0)
         wrong |= ~is_legal
-        excused += int((is_legal & (found[:, k] != own)).sum())
+        differing += int((is_legal & (found[:, k] != own)).sum())
         mean += odds + float(sum((a.error > 0).sum() for a in answers[:1]))
         missed = (found[:, k] < 0) & ~_is_itself(options, answers, rows)
         if rules.narrows:
@@ -131,7 +131,8 @@ def judge_neighbors(
         np.zeros(found.shape),
     )
     terms = {"exact": expected, "radius after the last": radius}
-    return Judgement((compared,), terms, Decisions(wrong, excused, mean), case.random)
+    decisions = Decisions(wrong, differing, mean, "which neighbours were found")
+    return Judgement((compared,), terms, decisions, case.random)
 
 
 def _landings(

@@ -38,7 +38,7 @@ class Receiver:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Point:
+class SamplePoint:
     """Sample points, N rows.
 
     Attributes
@@ -51,7 +51,7 @@ class Point:
     normal: Bounded
     radiance: Bounded
 
-    def rows(self, rows: Indices) -> "Point":
+    def rows(self, rows: Indices) -> "SamplePoint":
         """Some of the points.
 
         Parameters
@@ -61,10 +61,10 @@ class Point:
 
         Returns
         -------
-        Point
+        SamplePoint
             K rows.
         """
-        return Point(self.position[rows], self.normal[rows], self.radiance[rows])
+        return SamplePoint(self.position[rows], self.normal[rows], self.radiance[rows])
 
 
 def receiver_of(buffers: Buffers, rounding: Rounding, prefix: str = "") -> Receiver:
@@ -88,7 +88,7 @@ def receiver_of(buffers: Buffers, rounding: Rounding, prefix: str = "") -> Recei
     return Receiver(*(exact(buffers[prefix + name], rounding) for name in names))
 
 
-def point_of(buffers: Buffers, rounding: Rounding, prefix: str = "") -> Point:
+def point_of(buffers: Buffers, rounding: Rounding, prefix: str = "") -> SamplePoint:
     """Sample points among buffers.
 
     Parameters
@@ -102,21 +102,21 @@ def point_of(buffers: Buffers, rounding: Rounding, prefix: str = "") -> Point:
 
     Returns
     -------
-    Point
+    SamplePoint
         N rows.
     """
     names = ("position", "normal", "radiance")
-    return Point(*(exact(buffers[prefix + name], rounding) for name in names))
+    return SamplePoint(*(exact(buffers[prefix + name], rounding) for name in names))
 
 
-def same_points(buffers: Buffers, y: Point) -> Masks:
+def same_points(buffers: Buffers, y: SamplePoint) -> Masks:
     """Whether buffers hold the very numbers of sample points.
 
     Parameters
     ----------
     buffers : mapping of str to array
         With ``position``, ``normal`` and ``radiance``.
-    y : Point
+    y : SamplePoint
         N rows.
 
     Returns

@@ -6,7 +6,7 @@ from reference.arrays import Indices, Masks
 from reference.oracle.cases import Buffers
 from reference.oracle.replay.bounded import Bounded, exact
 from reference.oracle.replay.judgement import Compared, Decisions, Judgement, beside
-from reference.oracle.replay.points import Point, same_points
+from reference.oracle.replay.points import SamplePoint, same_points
 from reference.oracle.replay.rules import Rules
 from reference.oracle.replay.slots import Closing, Slot, backwards, nothing
 from reference.oracle.replay.stream import choices_of, left_open, sums_of
@@ -94,8 +94,8 @@ def _closed(
     if rules.cap_when == "first":
         Z = rules.capped(Z, closing.cap)
     divisor = (
-        _donor_target(slots, kept, y, p_hat, closing)
-        if rules.divides_by_donor
+        _source_target(slots, kept, y, p_hat, closing)
+        if rules.divides_by_source_target
         else p_hat
     )
     W = rules.finalized(total, divisor, Z)
@@ -106,11 +106,11 @@ def _closed(
     return {"W": W, "p_hat": divisor, "Z": Z, "sum of w": total}, M
 
 
-def _of_kept(slots: list[Slot], kept: Indices) -> tuple[Point, Bounded]:
+def _of_kept(slots: list[Slot], kept: Indices) -> tuple[SamplePoint, Bounded]:
     y, p_hat = slots[0].y, slots[0].p_hat
     for k, slot in enumerate(slots[1:], start=1):
         here = kept == k
-        y = Point(
+        y = SamplePoint(
             *(choose(here, getattr(slot.y, name), getattr(y, name)) for name in COPIED)
         )
         p_hat = choose(here, slot.p_hat, p_hat)
@@ -120,7 +120,7 @@ def _of_kept(slots: list[Slot], kept: Indices) -> tuple[Point, Bounded]:
 def _normalization(
     slots: list[Slot],
     kept: Indices,
-    y: Point,
+    y: SamplePoint,
     M: Bounded,
     closing: Closing,
     rules: Rules,
@@ -142,7 +142,7 @@ def _normalization(
         seen = slot.domain.sees[kept, _row(kept)] | (not rules.visibility_in_z)
         if not rules.maker_in_z:
             seen = seen & (kept != k)
-        Z = Z + _where_holds(p, seen, counted)
+        Z = Z + _if_in_domain(p, seen, counted)
     return Z
 
 
@@ -169,7 +169,7 @@ def _counted(slots: list[Slot], k: int, M: Bounded, rules: Rules) -> Bounded:
     return slots[k].M
 
 
-def _where_holds(p: Bounded, seen: Masks, M: Bounded) -> Bounded:
+def _if_in_domain(p: Bounded, seen: Masks, M: Bounded) -> Bounded:
     """M where the target is positive and the sample is seen; either, if uncertain."""
     sure = p.surely_positive | p.surely_not_positive | ((p.value == 0) & (p.error == 0))
     value = np.where(seen & (p.value > 0), M.value, 0.0)
@@ -177,8 +177,8 @@ def _where_holds(p: Bounded, seen: Masks, M: Bounded) -> Bounded:
     return Bounded(value, error, M.rounding)
 
 
-def _donor_target(
-    slots: list[Slot], kept: Indices, y: Point, p_hat: Bounded, closing: Closing
+def _source_target(
+    slots: list[Slot], kept: Indices, y: SamplePoint, p_hat: Bounded, closing: Closing
 ) -> Bounded:
     rules = Rules()
     for k, slot in enumerate(slots):

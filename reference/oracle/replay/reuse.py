@@ -9,7 +9,7 @@ from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
 from reference.oracle.replay.bounded import Bounded, constant, exact, rounding_of
 from reference.oracle.replay.judgement import Judgement
-from reference.oracle.replay.points import Point, Receiver, point_of, receiver_of
+from reference.oracle.replay.points import Receiver, SamplePoint, point_of, receiver_of
 from reference.oracle.replay.resampling import judge_resampling
 from reference.oracle.replay.rules import Rules
 from reference.oracle.replay.slots import (
@@ -172,7 +172,7 @@ def _reused(
     M = rules.reused_confidence(M)
     if rules.cap_when == "arrival":
         M = rules.capped(M, float(case.settings["cap"]))
-    at = x_from if x_from and rules.donors_target else x
+    at = x_from if x_from and rules.source_target else x
     p_hat = rules.reuse_target(case.settings["target"], at, y)
     J = rules.jacobian(x_from, x, y) if x_from else constant(1.0, W)
     w = _weighted(rules, p_hat, W, M, J)
@@ -206,13 +206,13 @@ def _neighbor(
 ) -> Slot:
     rounding = rounding_of(precision)
     there, row = row >= 0, np.maximum(row, 0)
-    y: Point = point_of(case.inputs, rounding).rows(row)
+    y: SamplePoint = point_of(case.inputs, rounding).rows(row)
     x_from = x.rows(row)
     W, M = (exact(case.inputs[name][row], rounding) for name in ("W", "M"))
     none = constant(0.0, M)
     there = there | rules.none_is_first
     M = rules.reused_confidence(choose(there | rules.rejected_counts, M, none))
-    at = x_from if rules.donors_target else x
+    at = x_from if rules.source_target else x
     p_hat = rules.reuse_target(case.settings["target"], at, y)
     trusted = M * constant(rules.neighbor_trust, M) if rules.neighbor_trust != 1 else M
     J = rules.jacobian(x_from, x, y)

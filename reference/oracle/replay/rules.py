@@ -20,7 +20,7 @@ from reference.oracle.replay.formulas import (
     target,
     weight,
 )
-from reference.oracle.replay.points import Point, Receiver
+from reference.oracle.replay.points import Receiver, SamplePoint
 from reference.oracle.replay.sources import density, drawn_cosine
 
 
@@ -50,7 +50,7 @@ class Rules:
 finalized, density, drawn_cosine, fresh_weight, shaded : callable
         Formulas, as the functions of this module.
     reuse_target, domain_target : callable
-        Target of reused samples at the receiver, and of the kept sample at donors.
+        Target of reused samples at the receiver, and of the kept sample at sources.
     merged_weight, merged_confidence : callable
         What a merge leaves of two weights, and of two confidences.
     reused_confidence : callable
@@ -65,7 +65,7 @@ finalized, density, drawn_cosine, fresh_weight, shaded : callable
     canonical_in_z, maker_in_z : bool
         The receiver's own reservoir, and that of who made the kept sample.
     receivers_domain : bool
-        The receiver is asked in place of the donor.
+        The domain test is that of the receiver in place of the source.
     backwards : bool
         The stream is read from its end, with the same numbers.
     canonical_merged : bool
@@ -75,9 +75,9 @@ finalized, density, drawn_cosine, fresh_weight, shaded : callable
     refused_counts : bool
         M of a reservoir whose shift has a Jacobian of 0.
     rejected_counts, none_is_first : bool
-        A neighbour of row −1 lends the M of row 0, or all that row 0 has.
-    donors_target : bool
-        The target of reused samples is that at the donor.
+        A neighbour of row −1 brings the M of row 0, or all that row 0 has.
+    source_target : bool
+        The target of reused samples is that at the source.
     target_of : 'kept' or 'first'
         Slot whose target W is divided by.
     counted_as : 'own', 'last', 'one', 'merged' or 'rest'
@@ -85,7 +85,7 @@ finalized, density, drawn_cosine, fresh_weight, shaded : callable
         receiver the sum of all.  'rest': 1/M leaves out the first in the stream.
     as_stored : bool
         What moved is reused as if it had not.
-    divides_by_donor : bool
+    divides_by_source_target : bool
         W is divided by the target of who made the sample.
     neighbor_trust : float
         Factor on M of neighbours in their weight.
@@ -111,17 +111,17 @@ finalized, density, drawn_cosine, fresh_weight, shaded : callable
         What passes of another part of the contract calculate with; ``None`` for theirs.
     """
 
-    target: Callable[[Value, Receiver, Point], Bounded] = target
-    reuse_target: Callable[[Value, Receiver, Point], Bounded] = target
-    reflected: Callable[[Receiver, Point], Bounded] = reflected
-    jacobian: Callable[[Receiver, Receiver, Point], Bounded] = jacobian
+    target: Callable[[Value, Receiver, SamplePoint], Bounded] = target
+    reuse_target: Callable[[Value, Receiver, SamplePoint], Bounded] = target
+    reflected: Callable[[Receiver, SamplePoint], Bounded] = reflected
+    jacobian: Callable[[Receiver, Receiver, SamplePoint], Bounded] = jacobian
     weight: Callable[[Bounded, Bounded, Bounded, Bounded], Bounded] = weight
     preference: Callable[[Bounded, Bounded, Bounded], Bounded] = preference
     fresh_confidence: Callable[[Bounded], Bounded] = fresh_confidence
     capped: Callable[[Bounded, float], Bounded] = capped
     finalized: Callable[[Bounded, Bounded, Bounded], Bounded] = finalized
     density: Callable[[Value, Bounded], Bounded] = density
-    domain_target: Callable[[Value, Receiver, Point], Bounded] = target
+    domain_target: Callable[[Value, Receiver, SamplePoint], Bounded] = target
     drawn_cosine: Callable[[Value, Bounded], Bounded] = drawn_cosine
     fresh_weight: Callable[[Bounded, Bounded], Bounded] = fresh_weight
     shaded: Callable[[Bounded, Bounded], Bounded] = shaded
@@ -133,7 +133,7 @@ finalized, density, drawn_cosine, fresh_weight, shaded : callable
     refused_counts: bool = True
     rejected_counts: bool = False
     none_is_first: bool = False
-    donors_target: bool = False
+    source_target: bool = False
     target_of: str = "kept"
     visibility_in_weight: bool = True
     visibility_in_z: bool = True
@@ -145,7 +145,7 @@ finalized, density, drawn_cosine, fresh_weight, shaded : callable
     counted_as: str = "own"
     as_stored: bool = False
     normalization: str = "asked"
-    divides_by_donor: bool = False
+    divides_by_source_target: bool = False
     neighbor_trust: float = 1.0
     shared_decision: str = ""
     ignored_words: tuple[int, ...] = ()

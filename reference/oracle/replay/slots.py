@@ -6,7 +6,7 @@ import numpy as np
 
 from reference.arrays import Masks, Scalars
 from reference.oracle.replay.bounded import Bounded
-from reference.oracle.replay.points import Point, Receiver
+from reference.oracle.replay.points import Receiver, SamplePoint
 from reference.oracle.replay.rules import Rules
 from reference.oracle.replay.verbs import choose
 
@@ -18,7 +18,7 @@ class Domain:
     Attributes
     ----------
     x : Receiver
-        Visible points of the donors.
+        Visible points of the sources.
     sees : (S, N) bool
         Whether they see the sample of each slot.
     """
@@ -33,7 +33,7 @@ class Slot:
 
     Attributes
     ----------
-    y : Point
+    y : SamplePoint
         Its sample.
     p_hat, w, M : Bounded
         (N,): target at the receiver, weight and confidence.
@@ -43,7 +43,7 @@ class Slot:
         ``None`` for what stands at the receiver itself.
     """
 
-    y: Point
+    y: SamplePoint
     p_hat: Bounded
     w: Bounded
     M: Bounded

@@ -4,9 +4,9 @@ import numpy as np
 
 from reference.arrays import Scalars
 from reference.comparison.maps import SIGNED, UNSIGNED, ErrorMap, scale_of
+from reference.oracle.levels.probe import Answer
 from reference.oracle.replay.judgement import Compared, Judgement
 from reference.oracle.report.worst import excess_of, other_decisions
-from reference.oracle.rungs.probe import Answer
 
 ALLOWED = (
     "(found − expected) / what rounding allows: red where the backend gives too much,"
@@ -18,7 +18,7 @@ RELATIVE = (
 )
 DECISIONS = (
     "Bright where the backend kept another sample than exact arithmetic does, be it"
-    " excused by rounding or not."
+    " within rounding or not."
 )
 
 

@@ -5,10 +5,10 @@ from typing import Any
 from reference.oracle.cases import Case
 from reference.oracle.contract.fields import Passes
 from reference.oracle.diagnosis.diagnose import Diagnosis
+from reference.oracle.levels.probe import Answer
 from reference.oracle.replay.judgement import Judgement
 from reference.oracle.report.rows import as_number, worst_case
 from reference.oracle.report.worst import answers_of, excess_of, worst_answer
-from reference.oracle.rungs.probe import Answer
 from reference.oracle.verdict import Timed, Verdict, departs, explicable
 
 DOCUMENTATION = ""
@@ -21,7 +21,7 @@ def as_plain(verdict: Verdict, name: str, passes: Passes) -> dict[str, Any]:
     Parameters
     ----------
     verdict : Verdict
-        As far as the ladder was climbed.
+        As far as the ladder was run.
     name : str
         Of the backend.
     passes : mapping of str to Pass
@@ -82,7 +82,7 @@ def _step(timed: Timed) -> dict[str, Any]:
     step = timed.step
     wrong = [a for a in step.answers if a.finding and not a.finding.passed]
     return {
-        "rung": step.rung,
+        "rung": step.level,
         "title": step.title,
         "seconds": float(timed.seconds),
         "asked": len(step.answers) + len(step.findings),
@@ -115,7 +115,7 @@ def _pass(verdict: Verdict, pass_name: str) -> dict[str, Any]:
         "wrong_rows": sum(int(judgement.wrong.sum()) for _, judgement in judged),
         "rows": sum(case.rows for case, _ in judged),
         "excess": _largest([judgement for _, judgement in judged]),
-        "excuses": _excuses(judged),
+        "excuses": _rounding_budget(judged),
         "worst": worst_case(worst) if worst else None,
         "conclusion": _conclusion(matches, worst) if faults else None,
         "diagnosis": [entry for diagnosis in matches for entry in _named(diagnosis)],
@@ -139,7 +139,7 @@ def _largest(judgements: list[Judgement]) -> dict[str, float | None]:
     return {name: as_number(excess) for name, excess in most.items()}
 
 
-def _excuses(judged: list[tuple[Case, Judgement]]) -> dict[str, Any] | None:
+def _rounding_budget(judged: list[tuple[Case, Judgement]]) -> dict[str, Any] | None:
     """Of the case that comes closest to its budget, or exceeds it most."""
     counted = [
         (case, judgement.decisions)
@@ -148,11 +148,11 @@ def _excuses(judged: list[tuple[Case, Judgement]]) -> dict[str, Any] | None:
     ]
     if not counted:
         return None
-    case, most = max(counted, key=lambda pair: pair[1].excused - pair[1].budget)
+    case, most = max(counted, key=lambda pair: pair[1].differing - pair[1].budget)
     return {
         "case": case.name,
-        "used": int(most.excused),
-        "expected": float(most.expected_excuses),
+        "used": int(most.differing),
+        "expected": float(most.expected),
         "budget": most.budget,
     }
 

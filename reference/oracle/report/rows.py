@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from reference.oracle.cases import Buffers
+from reference.oracle.levels.probe import Answer
 from reference.oracle.replay.judgement import Compared, Judgement
 from reference.oracle.report.worst import excess_of, worst_rows
-from reference.oracle.rungs.probe import Answer
 
 MOST_ROWS = 5
 

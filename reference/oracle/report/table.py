@@ -19,9 +19,9 @@ def table(plain: Mapping[str, Any]) -> Group:
     Returns
     -------
     Group
-        A line for each rung, two for each wrong pass, and last the verdict.
+        A line for each level, two for each wrong pass, and last the verdict.
     """
-    parts: list[Table | Text] = [_rungs(plain)] if plain["steps"] else []
+    parts: list[Table | Text] = [_levels(plain)] if plain["steps"] else []
     wrong = [p for p in plain["passes"] if p["status"] in ("wrong", "departs")]
     if wrong:
         parts.append(_wrong(wrong))
@@ -85,9 +85,9 @@ def _text(text: str) -> Text:
     return Text(printable(text))
 
 
-def _rungs(plain: Mapping[str, Any]) -> Table:
+def _levels(plain: Mapping[str, Any]) -> Table:
     made = Table()
-    made.add_column("rung")
+    made.add_column("level")
     made.add_column("step")
     for title in ("seconds", "asked", "unanswered", "failed"):
         made.add_column(title, justify="right")

@@ -3,8 +3,8 @@
 import numpy as np
 
 from reference.arrays import Indices, Masks, Scalars
+from reference.oracle.levels.probe import Answer
 from reference.oracle.replay.judgement import Compared, Judgement
-from reference.oracle.rungs.probe import Answer
 from reference.oracle.verdict import Verdict
 
 
@@ -80,8 +80,8 @@ def worst_rows(judgement: Judgement, most: int) -> Indices:
     Returns
     -------
     (R,) int
-        The worst first; where all rows are right but too many are excused, those that
-        are.
+        The worst first; where all rows are right but too many decisions differ, those
+        that are.
     """
     rows = np.flatnonzero(judgement.wrong)
     if not rows.size:

@@ -1,1 +1,1 @@
-"""Tests of means and of laws whose false-alarm rates are proved, not approximated."""
+"""Tests of means and distributions, with proved rates of false alarm."""

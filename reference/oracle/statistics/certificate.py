@@ -1,4 +1,4 @@
-"""How large a bias can still be, after what was seen: a bound for every moment.
+"""How large a bias can still be, after what was seen: a bound for every time.
 
 The bets of :mod:`reference.oracle.statistics.betting` are placed against many
 candidates for the mean at once, μ (1 + b) for each b of a grid.

@@ -1,8 +1,8 @@
-"""Exact law of a sum of scores of k among n, all choices being equally likely.
+"""Exact distribution of a sum of scores of k among n, all choices being equally likely.
 
-Under the claim that two samples have one law, which of the n values belong to the
-first is a choice of k at random, whatever the values are.  Their scores are integers:
-so are the sums, and their law is counted, not approximated.
+Under the claim that two samples have one distribution, which of the n values belong to
+the first is a choice of k at random, whatever the values are.  Their scores are
+integers: so are the sums, and their distribution is counted, not approximated.
 """
 
 import numpy as np

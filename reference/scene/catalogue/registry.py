@@ -19,7 +19,7 @@ from reference.suggestions import unknown
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class CatalogueScene:
     """A built-in scene.
 
     Attributes
@@ -53,110 +53,110 @@ def _cornell_box(name: str) -> Callable[[], Scene]:
 
 
 _ENTRIES = (
-    Entry(
+    CatalogueScene(
         "cornell-box",
         rooms.cornell_box,
         "colours of two walls bleed onto two white blocks",
     ),
-    Entry(
+    CatalogueScene(
         "door-ajar",
         rooms.door_ajar,
         "hard: a room lit only through the gap of a door",
     ),
-    Entry(
+    CatalogueScene(
         "sunlit-wall",
         walls.sunlit_wall,
         "a sunlit wall lights the floor before it, as Figure 7 of the paper",
         "floor, 1 bounce: reflectances times E/pi times the wall's form factor",
     ),
-    Entry(
+    CatalogueScene(
         "glossy-floor",
         walls.glossy_floor,
         "shadows and reflections of thin legs, as Figure 9 of the paper",
     ),
-    Entry(
+    CatalogueScene(
         "grazing-light",
         walls.grazing_light,
         "all light comes from near the floor's horizon, as Figure 14 of the paper",
     ),
-    Entry(
+    CatalogueScene(
         "sphere-furnace",
         spheres.sphere_furnace,
         "inside a sphere that glows evenly: no noise at all",
         "all pixels, k bounces: emission times the sum of albedo^i, i = 2 to k + 1",
     ),
-    Entry(
+    CatalogueScene(
         "half-lit-sphere",
         spheres.half_lit_sphere,
         "inside a sphere, half grey and half black: M times the picture is an integer",
         "all pixels, 1 bounce: albedo^2 I/pi times n/M, n ~ Binomial(M, 1/2)",
     ),
-    Entry(
+    CatalogueScene(
         "parallel-plates",
         walls.parallel_plates,
         "a sunlit plate lights the one below it",
         "lower plate, 1 bounce: reflectances times E/pi times the upper form factor",
     ),
-    Entry(
+    CatalogueScene(
         "checker",
         walls.checker,
         "checkered floor and wall and a block under an even sky",
     ),
-    Entry(
+    CatalogueScene(
         "many-lights",
         rooms.many_lights,
         "a hall under 30,000 small coloured lamps",
     ),
-    Entry(
+    CatalogueScene(
         "night-market",
         market.night_market,
         "900 stalls under 30,000 lamps, of which each place sees a few",
     ),
-    Entry(
+    CatalogueScene(
         "shaft",
         shaft.shaft,
         "hard: a room lit only from the top of a tall shaft",
     ),
-    Entry(
+    CatalogueScene(
         "specular-floor",
         speculars.specular_floor,
         "a polished floor mirrors a ceiling that only a lit spot of the floor lights",
     ),
-    Entry(
+    CatalogueScene(
         "mirror-floor",
         speculars.mirror_floor,
         "a room on a mirror, which light passes too",
     ),
-    Entry(
+    CatalogueScene(
         "glass-floor",
         speculars.glass_floor,
-        "a room on a pane of glass over a painted ground",
+        "a room on a pane of glass over a diffuse ground",
     ),
-    Entry(
+    CatalogueScene(
         "moving-camera",
         _cornell_box("moving-camera"),
         "the Cornell box from a camera that flies and turns",
         animate=animations.moving_camera,
     ),
-    Entry(
+    CatalogueScene(
         "moving-block",
         _cornell_box("moving-block"),
         "the Cornell box whose short block slides and turns",
         animate=animations.moving_block,
     ),
-    Entry(
+    CatalogueScene(
         "moving-light",
         _cornell_box("moving-light"),
         "the Cornell box whose light travels under the ceiling",
         animate=animations.moving_light,
     ),
-    Entry(
+    CatalogueScene(
         "light-switch",
         _cornell_box("light-switch"),
         "the Cornell box whose light goes out at frame 16",
         animate=animations.light_switch,
     ),
-    Entry(
+    CatalogueScene(
         "sunlight-turns",
         animations.sunlit_room,
         "the sun turns suddenly at frame 16, as in Figure 11 of the paper",
@@ -164,7 +164,7 @@ _ENTRIES = (
     ),
 )
 
-CATALOGUE: dict[str, Entry] = {entry.name: entry for entry in _ENTRIES}
+CATALOGUE: dict[str, CatalogueScene] = {entry.name: entry for entry in _ENTRIES}
 """All built-in scenes, by name."""
 
 
@@ -215,7 +215,7 @@ def find_animation(name: str, scene: Scene | None = None) -> Animation:
     return entry.animate(scene) if entry.animate else still(scene)
 
 
-def _entry(name: str) -> Entry:
+def _entry(name: str) -> CatalogueScene:
     if name in CATALOGUE:
         return CATALOGUE[name]
     raise UsageError(unknown("scene", name, CATALOGUE))

@@ -47,13 +47,13 @@ def mirror_floor() -> Scene:
     Returns
     -------
     Scene
-        The lamp is met by way of the floor too: by chance alone.
+        Rays hit the lamp by way of the floor too, where light sampling finds nothing.
     """
     return _on(mirror((0.9, 0.9, 0.92)), "mirror-floor")
 
 
 def glass_floor() -> Scene:
-    """A room on a pane of glass over a painted ground.
+    """A room on a pane of glass over a diffuse ground.
 
     Returns
     -------
@@ -62,8 +62,8 @@ def glass_floor() -> Scene:
     """
     # Into the walls: rims that lie in them would let light out of the room.
     pane = box("pane", (6.4, 0.12, 6.4), pose(0, (0, -0.06, -1)), Dielectric(1.5))
-    paint = Lambertian(Checker((0.7, 0.58, 0.35), (0.35, 0.42, 0.5), scale=(6, 6)))
-    ground = quad("ground", (-3, -0.5, 2), (6, 0, 0), (0, 0, -6), paint)
+    checker = Lambertian(Checker((0.7, 0.58, 0.35), (0.35, 0.42, 0.5), scale=(6, 6)))
+    ground = quad("ground", (-3, -0.5, 2), (6, 0, 0), (0, 0, -6), checker)
     return _furnished("glass-floor", (pane, ground), bottom=-0.5)
 
 

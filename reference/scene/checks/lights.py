@@ -94,7 +94,7 @@ def check_environment(where: str, environment: Environment) -> None:
     need_numbers(where, "rotation", turn, count=9)
     if np.abs(turn @ turn.T - np.eye(3)).max() > UNIT:
         right = "its rows must be orthogonal unit vectors"
-        refuse(where, "to_world is no rotation", right)
+        refuse(where, "to_world is not a rotation", right)
 
 
 def is_lit(scene: Scene) -> bool:

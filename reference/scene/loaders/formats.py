@@ -7,7 +7,7 @@ from itertools import groupby
 from reference.files import MOST_BYTES
 from reference.scene.loaders.ledger import MOST_EXPANSION, ROOM
 from reference.scene.loaders.pictures import HDR_BYTES, PICTURE_BYTES
-from reference.scene.loaders.words import Fate, Word
+from reference.scene.loaders.words import Use, Word
 
 TABLES = {
     "glTF 2.0 (.gltf, .glb)": "gltf_words",
@@ -25,12 +25,12 @@ This page is printed from the tables by which the loaders decide.
 `--lenient` a word that is not modelled is replaced, and a note says by what. All
 refusals of a file are told at once, in one line, before its meshes are read.
 
-| fate | is |
+| use | is |
 |---|---|
-| {Fate.MODELLED.name.lower()} | in the picture, within the limits beside it |
-| {Fate.HARMLESS.name.lower()} | ignored: it does not change the picture |
-| {Fate.REPLACED.name.lower()} | refused; under `--lenient` replaced as stands beside |
-| {Fate.REFUSED.name.lower()} | refused, also under `--lenient` |
+| {Use.MODELLED.name.lower()} | in the picture, within the limits beside it |
+| {Use.HARMLESS.name.lower()} | ignored: it does not change the picture |
+| {Use.REPLACED.name.lower()} | refused; under `--lenient` replaced as stands beside |
+| {Use.REFUSED.name.lower()} | refused, also under `--lenient` |
 
 A word that is not in the table of its format is not modelled: it is refused, or ignored
 under `--lenient`.
@@ -92,15 +92,15 @@ def words_of_format(title: str) -> tuple[Word, ...]:
 
 def _section(title: str) -> Iterator[str]:
     yield f"## {title}\n"
-    yield "| in | word | fate | remark |"
+    yield "| in | word | use | remark |"
     yield "|---|---|---|---|"
     words = sorted(words_of_format(title), key=lambda word: word.element)
     for element, group in groupby(words, key=lambda word: word.element):
         shown = element
-        alike = groupby(group, key=lambda word: (word.fate, word.remark))
-        for (fate, remark), some in alike:
+        alike = groupby(group, key=lambda word: (word.use, word.remark))
+        for (use, remark), some in alike:
             names = ", ".join(f"`{word.name}`" for word in some)
-            yield f"| {shown} | {names} | {fate.name.lower()} | {_cell(remark)} |"
+            yield f"| {shown} | {names} | {use.name.lower()} | {_cell(remark)} |"
             shown = ""
     yield ""
 

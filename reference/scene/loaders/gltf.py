@@ -23,9 +23,13 @@ from reference.scene.loaders.framing import (
 from reference.scene.loaders.gltf_buffers import Document, read_document
 from reference.scene.loaders.gltf_check import check_words, named, replace_word
 from reference.scene.loaders.gltf_forms import printable
-from reference.scene.loaders.gltf_lights import Lights, add_light
+from reference.scene.loaders.gltf_lights import GltfLights, add_light
 from reference.scene.loaders.gltf_materials import Finish, read_finish
-from reference.scene.loaders.gltf_meshes import SURFACES, Placed, read_primitive
+from reference.scene.loaders.gltf_meshes import (
+    SURFACES,
+    PlacedPrimitive,
+    read_primitive,
+)
 from reference.scene.loaders.gltf_nodes import instances, nodes
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.scene import Scene
@@ -37,9 +41,9 @@ LONG_SIDE = 256  # pixels; a glTF camera knows the shape of its image, not the s
 class _Parts:
     """What hangs in the tree, before any accessor is read."""
 
-    placed: list[Placed] = field(default_factory=list)
+    placed: list[PlacedPrimitive] = field(default_factory=list)
     cameras: list[Camera] = field(default_factory=list)
-    lights: Lights = field(default_factory=Lights)
+    lights: GltfLights = field(default_factory=GltfLights)
 
 
 def load(ledger: Ledger) -> Scene:
@@ -105,7 +109,7 @@ def _collect(document: Document) -> _Parts:
                     continue
                 worn = finish(primitive.get("material"))
                 if not worn.absent:
-                    parts.placed.append(Placed(label, primitive, worn, stands))
+                    parts.placed.append(PlacedPrimitive(label, primitive, worn, stands))
         if "camera" in node:
             entry = document.entry("cameras", node["camera"])
             called = named("camera", entry, node["camera"])

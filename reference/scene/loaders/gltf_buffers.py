@@ -137,7 +137,7 @@ def _parse(contents: bytes, ledger: Ledger) -> dict[str, Any]:
     except ValueError:
         problem = "a number of its JSON is none, or has thousands of digits"
     else:
-        problem = "its JSON is no object"
+        problem = "its JSON is not an object"
         if isinstance(tree, dict):
             return tree
     return ledger.stop(f"not a valid glTF file: {problem}")
@@ -193,12 +193,12 @@ def resolve_uri(uri: str, document: Document) -> bytes:
         try:
             return base64.b64decode(payload, validate=True)
         except (binascii.Error, ValueError):
-            raise UsageError("its data URI is no base64; save it anew") from None
+            raise UsageError("its data URI is not base64; save it again") from None
     if uri not in document.files:
         try:
             name = unquote_to_bytes(uri).decode("utf-8")
         except UnicodeError:
-            raise UsageError(f"{shown(uri)} is no name of a file") from None
+            raise UsageError(f"{shown(uri)} is not a file name") from None
         document.files[uri] = document.ledger.read(name)
     return document.files[uri]
 

@@ -7,7 +7,7 @@ from typing import Any
 from reference.scene.loaders.gltf_forms import Many, One, fault, shown
 from reference.scene.loaders.gltf_words import WORDS, GltfWord
 from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.words import Fate
+from reference.scene.loaders.words import Use
 
 TABLE = {(word.element, word.name): word for word in WORDS}
 ELEMENTS = {word.element for word in WORDS}
@@ -42,7 +42,7 @@ def check_words(tree: dict[str, Any], ledger: Ledger) -> None:
 def replace_word(
     ledger: Ledger, element: str, name: str, where: str, problem: str
 ) -> None:
-    """Let a word have the fate that its row of the table says: replaced, or refused.
+    """Treat a word as its row of the table says: replaced, or refused.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def replace_word(
     element, name : str
         Row of the table that a reader judges.
     where : str
-        'material "paint"'.
+        'material "wall"'.
     problem : str
         What is not modelled.
     """
@@ -73,7 +73,7 @@ def named(element: str, entry: dict[str, Any], index: int) -> str:
     Returns
     -------
     str
-        'material "paint"' or 'material 3'.
+        'material "wall"' or 'material 3'.
     """
     name = entry.get("name")
     if not isinstance(name, str) or not name:
@@ -120,7 +120,7 @@ class _Check:
         if needs is not None:
             problem = f"{key} is {shown(value)}; it must be {needs}"
             self.ledger.stop(f"{where}: {problem}")
-        at_once = word.fate is Fate.REPLACED and not word.judged
+        at_once = word.use is Use.REPLACED and not word.judged
         if at_once and value not in word.neutral:
             self.replace(f"{where}: {key} is not modelled", word.remark)
         if isinstance(word.form, One):
@@ -153,7 +153,7 @@ class _Check:
                 if not isinstance(entry, dict):
                     self.ledger.stop(f"{where}: {name} is {shown(entry)}, no object")
                 self.object(name, entry, f"{where}, {name}")
-            elif word is not None and word.fate is Fate.REPLACED:
+            elif word is not None and word.use is Use.REPLACED:
                 self.replace(f"{where}: {name} is not modelled", word.remark)
 
     def extensions_by_name(self) -> None:
@@ -170,12 +170,12 @@ class _Check:
                 else:
                     problem = f"the file uses {shown(name)}, which is unknown"
                     self.ledger.replace(problem, "ignored")
-            elif word.fate is Fate.REFUSED:
+            elif word.use is Use.REFUSED:
                 verb = "requires" if name in required else "uses"
                 problem = f"the file {verb} {name}, which is not modelled"
                 self.ledger.refuse(f"{problem}; {word.remark}")
                 hopeless = True
-            elif word.fate is Fate.HARMLESS:
+            elif word.use is Use.HARMLESS:
                 self.ledger.note(f"The extension {name} is ignored: {word.remark}")
         if hopeless:
             self.ledger.settle()

@@ -19,7 +19,7 @@ class Flag:
 
 
 @dataclass(frozen=True, slots=True)
-class Number:
+class NumberForm:
     """A number between bounds, inclusive; a whole one without a fraction."""
 
     low: float = -LARGEST
@@ -28,7 +28,7 @@ class Number:
 
 
 @dataclass(frozen=True, slots=True)
-class Numbers:
+class NumbersForm:
     """So many numbers (0: any number of them), each between bounds."""
 
     count: int
@@ -49,7 +49,7 @@ class Texts:
 
 
 @dataclass(frozen=True, slots=True)
-class Choice:
+class ChoiceForm:
     """One of some whole numbers."""
 
     choices: tuple[int, ...]
@@ -86,11 +86,11 @@ class Many:
 Form = (
     Anything
     | Flag
-    | Number
-    | Numbers
+    | NumberForm
+    | NumbersForm
     | Text
     | Texts
-    | Choice
+    | ChoiceForm
     | Index
     | Indexes
     | One
@@ -119,10 +119,10 @@ def fault(form: Form, value: Any, tree: dict[str, Any]) -> str | None:
     match form:
         case Flag():
             fits, needs = isinstance(value, bool), "true or false"
-        case Number(low, high, whole):
+        case NumberForm(low, high, whole):
             fits = _is_number(value, low, high) and (not whole or type(value) is int)
             needs = f"a {'whole ' * whole}number{_bounds(low, high)}"
-        case Numbers(count, low, high):
+        case NumbersForm(count, low, high):
             fits = isinstance(value, list) and len(value) == (count or len(value))
             fits = fits and all(_is_number(each, low, high) for each in value)
             needs = f"{count or 'any'} numbers{_bounds(low, high)}"
@@ -133,7 +133,7 @@ def fault(form: Form, value: Any, tree: dict[str, Any]) -> str | None:
             fits = isinstance(value, list)
             fits = fits and all(isinstance(each, str) for each in value)
             needs = "a list of texts"
-        case Choice(choices):
+        case ChoiceForm(choices):
             fits = type(value) is int and value in choices
             needs = f"one of {', '.join(map(str, choices))}"
         case Index(of):

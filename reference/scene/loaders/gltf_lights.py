@@ -15,7 +15,7 @@ from reference.scene.loaders.ledger import Ledger
 
 
 @dataclass(slots=True)
-class Lights:
+class GltfLights:
     """Lights of a scene, as they are found.
 
     Attributes
@@ -34,13 +34,17 @@ class Lights:
 
 
 def add_light(
-    lights: Lights, index: int, light: dict[str, Any], matrix: Scalars, ledger: Ledger
+    lights: GltfLights,
+    index: int,
+    light: dict[str, Any],
+    matrix: Scalars,
+    ledger: Ledger,
 ) -> None:
     """Put a light of KHR_lights_punctual into the world.
 
     Parameters
     ----------
-    lights : Lights
+    lights : GltfLights
         Takes it.
     index : int
         In the list of the file.

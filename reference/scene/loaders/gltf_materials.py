@@ -72,7 +72,7 @@ class Finish:
 
 
 @dataclass(frozen=True, slots=True)
-class _Entry:
+class _GltfEntry:
     """A material of the file, and what its parts are read with."""
 
     document: Document
@@ -113,7 +113,7 @@ def read_finish(document: Document, index: int | None) -> Finish:
     if index is not None:
         words = document.entry("materials", index)
         where = named("material", document.entry("materials", index), index)
-    entry = _Entry(document, words, where)
+    entry = _GltfEntry(document, words, where)
     texture = entry.pbr.get("baseColorTexture")
     material = _material(entry)
     opacity, cutoff, absent = _opacity(entry)
@@ -141,7 +141,7 @@ def read_finish(document: Document, index: int | None) -> Finish:
     )
 
 
-def _material(entry: _Entry) -> Material:
+def _material(entry: _GltfEntry) -> Material:
     metallic, rough = _metallic_roughness(entry)
     alpha = roughness(rough**2, entry.where, entry.document.ledger)
     if 0 < metallic < 1:
@@ -164,14 +164,14 @@ def _material(entry: _Entry) -> Material:
     return Coated(_reflectance(entry), alpha=alpha, ior=ior)
 
 
-def _note_sides(entry: _Entry) -> None:
+def _note_sides(entry: _GltfEntry) -> None:
     if not entry.words.get("doubleSided", False):
         entry.document.ledger.note(
             "Single-sided materials of the file scatter on both sides here"
         )
 
 
-def _metallic_roughness(entry: _Entry) -> tuple[float, float]:
+def _metallic_roughness(entry: _GltfEntry) -> tuple[float, float]:
     """Both factors, times the texture's one value or else its mean."""
     metallic = float(entry.pbr.get("metallicFactor", 1.0))
     rough = float(entry.pbr.get("roughnessFactor", 1.0))
@@ -187,7 +187,7 @@ def _metallic_roughness(entry: _Entry) -> tuple[float, float]:
     return float(parts[0].flat[0]), float(parts[1].flat[0])
 
 
-def _transmits(entry: _Entry) -> bool:
+def _transmits(entry: _GltfEntry) -> bool:
     """Whether it is glass; says where that is only nearly so."""
     transmission = entry.extension("KHR_materials_transmission")
     element = "KHR_materials_transmission"
@@ -215,7 +215,7 @@ def _transmits(entry: _Entry) -> bool:
     return True
 
 
-def _is_specular(entry: _Entry) -> bool:
+def _is_specular(entry: _GltfEntry) -> bool:
     """Whether it has a coat at all; says where that is weaker or coloured."""
     element = "KHR_materials_specular"
     specular = entry.extension(element)
@@ -234,7 +234,7 @@ def _is_specular(entry: _Entry) -> bool:
     return True
 
 
-def _reflectance(entry: _Entry) -> Texture:
+def _reflectance(entry: _GltfEntry) -> Texture:
     factor = np.array(entry.pbr.get("baseColorFactor", [1, 1, 1, 1]), float)[:3]
     texture = entry.pbr.get("baseColorTexture")
     if texture is None:
@@ -243,7 +243,7 @@ def _reflectance(entry: _Entry) -> Texture:
     return bitmap(entry.document, texture, pixels * factor)
 
 
-def _opacity(entry: _Entry) -> tuple[Bitmap | None, float, bool]:
+def _opacity(entry: _GltfEntry) -> tuple[Bitmap | None, float, bool]:
     """Mask, cutoff, and whether there is nothing to see."""
     mode = entry.words.get("alphaMode", "OPAQUE")
     cutoff = float(entry.words.get("alphaCutoff", 0.5))
@@ -264,7 +264,7 @@ def _opacity(entry: _Entry) -> tuple[Bitmap | None, float, bool]:
     return bitmap(entry.document, texture, pixels), cutoff, False
 
 
-def _emission(entry: _Entry) -> Texture:
+def _emission(entry: _GltfEntry) -> Texture:
     factor = np.array(entry.words.get("emissiveFactor", [0, 0, 0]), float)
     strength = entry.extension("KHR_materials_emissive_strength")
     factor = factor * float(strength.get("emissiveStrength", 1.0))

@@ -24,7 +24,7 @@ SURFACES = (TRIANGLES, STRIP, FAN)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Placed:
+class PlacedPrimitive:
     """A primitive that stands in the scene, before its accessors are read.
 
     Attributes
@@ -45,14 +45,14 @@ class Placed:
     matrices: list[Scalars]
 
 
-def read_primitive(document: Document, placed: Placed) -> Mesh | None:
+def read_primitive(document: Document, placed: PlacedPrimitive) -> Mesh | None:
     """Triangles of one material, in the world.
 
     Parameters
     ----------
     document : Document
         The file.
-    placed : Placed
+    placed : PlacedPrimitive
         What to read.
 
     Returns

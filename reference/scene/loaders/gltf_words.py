@@ -9,27 +9,27 @@ from typing import Any
 
 from reference.scene.loaders.gltf_forms import (
     Anything,
-    Choice,
+    ChoiceForm,
     Flag,
     Form,
     Index,
     Indexes,
     Many,
-    Number,
-    Numbers,
+    NumberForm,
+    NumbersForm,
     One,
     Text,
     Texts,
 )
-from reference.scene.loaders.words import Fate, Word
+from reference.scene.loaders.words import Use, Word
 
-MODELLED, HARMLESS = Fate.MODELLED, Fate.HARMLESS
-REPLACED, REFUSED = Fate.REPLACED, Fate.REFUSED
+MODELLED, HARMLESS = Use.MODELLED, Use.HARMLESS
+REPLACED, REFUSED = Use.REPLACED, Use.REFUSED
 
-SIZE = Number(0, 2.0**53, whole=True)
-POSITIVE = Number(1e-30)
-SHARE, SHARES = Number(0, 1), Numbers(3, 0, 1)
-LIGHT = Numbers(3, 0)
+SIZE = NumberForm(0, 2.0**53, whole=True)
+POSITIVE = NumberForm(1e-30)
+SHARE, SHARES = NumberForm(0, 1), NumbersForm(3, 0, 1)
+LIGHT = NumbersForm(3, 0)
 WRAPS = (10497, 33071, 33648)
 SAME_PICTURE = "the texture's own source shows the same picture"
 OTHER_RENDERERS = "a hint for other kinds of renderers"
@@ -93,19 +93,19 @@ NODES = (
     W("node", "camera", MODELLED, form=Index("cameras")),
     W("node", "children", MODELLED, form=Indexes("nodes")),
     W("node", "mesh", MODELLED, form=Index("meshes")),
-    W("node", "matrix", MODELLED, form=Numbers(16)),
-    W("node", "rotation", MODELLED, form=Numbers(4)),
-    W("node", "scale", MODELLED, form=Numbers(3)),
-    W("node", "translation", MODELLED, form=Numbers(3)),
+    W("node", "matrix", MODELLED, form=NumbersForm(16)),
+    W("node", "rotation", MODELLED, form=NumbersForm(4)),
+    W("node", "scale", MODELLED, form=NumbersForm(3)),
+    W("node", "translation", MODELLED, form=NumbersForm(3)),
     W("node", "skin", REPLACED, "the mesh stands where its node is", form=Anything()),
     W("node", "weights", REPLACED, "its morph targets are ignored",
-      form=Numbers(0), judged=True),
+      form=NumbersForm(0), judged=True),
     W("camera", "type", MODELLED, form=Text(("perspective", "orthographic")),
       needed=True),
     W("camera", "perspective", MODELLED, "of the first such camera",
       form=One("perspective camera")),
     W("camera", "orthographic", REPLACED, "the camera is ignored", judged=True),
-    W("perspective camera", "yfov", MODELLED, form=Number(1e-6, 3.1415926),
+    W("perspective camera", "yfov", MODELLED, form=NumberForm(1e-6, 3.1415926),
       needed=True),
     W("perspective camera", "aspectRatio", MODELLED, form=POSITIVE),
     W("perspective camera", "znear", HARMLESS, OTHER_RENDERERS),
@@ -115,12 +115,12 @@ NODES = (
 MESHES = (
     W("mesh", "primitives", MODELLED, form=Many("primitive"), needed=True),
     W("mesh", "weights", REPLACED, "its morph targets are ignored",
-      form=Numbers(0), judged=True),
+      form=NumbersForm(0), judged=True),
     W("primitive", "attributes", MODELLED, form=One("attribute"), needed=True),
     W("primitive", "indices", MODELLED, form=Index("accessors")),
     W("primitive", "material", MODELLED, form=Index("materials")),
     W("primitive", "mode", MODELLED, "triangles, strips and fans; points and lines have"
-      " no surface and are left out, with a note", form=Choice(tuple(range(7)))),
+      " no surface and are left out, with a note", form=ChoiceForm(tuple(range(7)))),
     W("primitive", "targets", HARMLESS, "unless there are weights"),
     W("attribute", "POSITION", MODELLED, form=Index("accessors")),
     W("attribute", "NORMAL", MODELLED, form=Index("accessors")),
@@ -151,10 +151,10 @@ MATERIALS = (
     W("material", "alphaMode", MODELLED, "OPAQUE and MASK, and BLEND where alpha is 1",
       form=Text(("OPAQUE", "MASK", "BLEND"))),
     W("material", "alphaMode BLEND", REPLACED, "taken as opaque", judged=True),
-    W("material", "alphaCutoff", MODELLED, form=Number(0)),
+    W("material", "alphaCutoff", MODELLED, form=NumberForm(0)),
     W("material", "normalTexture", REPLACED, "the surface is smooth"),
     W("material", "occlusionTexture", HARMLESS, "occlusion is computed"),
-    W("pbrMetallicRoughness", "baseColorFactor", MODELLED, form=Numbers(4, 0, 1)),
+    W("pbrMetallicRoughness", "baseColorFactor", MODELLED, form=NumbersForm(4, 0, 1)),
     W("pbrMetallicRoughness", "baseColorTexture", MODELLED,
       form=One("texture reference")),
     W("pbrMetallicRoughness", "metallicFactor", MODELLED, "1 is metal, 0 a diffuse base"
@@ -173,10 +173,10 @@ MATERIALS = (
     W("texture", "no source that can be read", REPLACED, "taken as mid grey",
       judged=True),
     W("texture", "sampler", MODELLED, form=Index("samplers")),
-    W("sampler", "magFilter", MODELLED, form=Choice((9728, 9729))),
+    W("sampler", "magFilter", MODELLED, form=ChoiceForm((9728, 9729))),
     W("sampler", "minFilter", HARMLESS, "pictures are read at full resolution"),
-    W("sampler", "wrapS", MODELLED, form=Choice(WRAPS)),
-    W("sampler", "wrapT", MODELLED, form=Choice(WRAPS)),
+    W("sampler", "wrapS", MODELLED, form=ChoiceForm(WRAPS)),
+    W("sampler", "wrapT", MODELLED, form=ChoiceForm(WRAPS)),
     W("image", "uri", MODELLED, "a file or data", form=Text()),
     W("image", "bufferView", MODELLED, form=Index("bufferViews")),
     W("image", "mimeType", HARMLESS, "the bytes tell"),
@@ -186,7 +186,7 @@ BUFFERS = (
     W("accessor", "bufferView", MODELLED, form=Index("bufferViews")),
     W("accessor", "byteOffset", MODELLED, form=SIZE),
     W("accessor", "componentType", MODELLED, needed=True,
-      form=Choice((5120, 5121, 5122, 5123, 5125, 5126))),
+      form=ChoiceForm((5120, 5121, 5122, 5123, 5125, 5126))),
     W("accessor", "normalized", MODELLED, form=Flag()),
     W("accessor", "count", MODELLED, form=SIZE, needed=True),
     W("accessor", "type", MODELLED, needed=True,
@@ -199,14 +199,14 @@ BUFFERS = (
     W("sparse accessor", "values", MODELLED, form=One("sparse values"), needed=True),
     W("sparse indices", "bufferView", MODELLED, form=Index("bufferViews"), needed=True),
     W("sparse indices", "byteOffset", MODELLED, form=SIZE),
-    W("sparse indices", "componentType", MODELLED, form=Choice((5121, 5123, 5125)),
+    W("sparse indices", "componentType", MODELLED, form=ChoiceForm((5121, 5123, 5125)),
       needed=True),
     W("sparse values", "bufferView", MODELLED, form=Index("bufferViews"), needed=True),
     W("sparse values", "byteOffset", MODELLED, form=SIZE),
     W("buffer view", "buffer", MODELLED, form=Index("buffers"), needed=True),
     W("buffer view", "byteOffset", MODELLED, form=SIZE),
     W("buffer view", "byteLength", MODELLED, form=SIZE, needed=True),
-    W("buffer view", "byteStride", MODELLED, form=Number(1, 65535, whole=True)),
+    W("buffer view", "byteStride", MODELLED, form=NumberForm(1, 65535, whole=True)),
     W("buffer view", "target", HARMLESS, OTHER_RENDERERS),
     W("buffer", "uri", MODELLED, "a file or data", form=Text()),
     W("buffer", "byteLength", MODELLED, form=SIZE, needed=True),
@@ -220,19 +220,24 @@ LIGHTS = (
       needed=True),
     W("light", "color", MODELLED, form=LIGHT),
     W("light", "intensity", MODELLED, "photometric numbers as radiometric ones (noted)",
-      form=Number(0)),
+      form=NumberForm(0)),
     W("light", "spot", MODELLED, form=One("spot")),
     W("light", "range", REPLACED, "it falls off with 1/d² alone",
       form=POSITIVE, judged=True),
-    W("spot", "innerConeAngle", MODELLED, form=Number(0, 1.5707964)),
-    W("spot", "outerConeAngle", MODELLED, form=Number(1e-6, 1.5707964)),
+    W("spot", "innerConeAngle", MODELLED, form=NumberForm(0, 1.5707964)),
+    W("spot", "outerConeAngle", MODELLED, form=NumberForm(1e-6, 1.5707964)),
 )  # fmt: skip
 
 MATERIAL_EXTENSIONS = (
     W("extension", "KHR_materials_emissive_strength", MODELLED),
-    W("KHR_materials_emissive_strength", "emissiveStrength", MODELLED, form=Number(0)),
+    W(
+        "KHR_materials_emissive_strength",
+        "emissiveStrength",
+        MODELLED,
+        form=NumberForm(0),
+    ),
     W("extension", "KHR_materials_ior", MODELLED),
-    W("KHR_materials_ior", "ior", MODELLED, "at 1 without a coat", form=Number(0)),
+    W("KHR_materials_ior", "ior", MODELLED, "at 1 without a coat", form=NumberForm(0)),
     W("KHR_materials_ior", "ior below 1", REPLACED, "without a coat", judged=True),
     W("extension", "KHR_materials_specular", MODELLED, "all, or nothing at all"),
     W("KHR_materials_specular", "specularFactor", MODELLED, "0 (matt) or 1",
@@ -258,7 +263,7 @@ MATERIAL_EXTENSIONS = (
       "taken as colourless", judged=True),
     W("extension", "KHR_materials_volume", MODELLED),
     W("KHR_materials_volume", "thicknessFactor", MODELLED, "0 is a thin wall, else the"
-      " mesh bounds a solid", form=Number(0)),
+      " mesh bounds a solid", form=NumberForm(0)),
     W("KHR_materials_volume", "thicknessTexture", HARMLESS,
       "the mesh itself has a thickness"),
     W("KHR_materials_volume", "attenuationDistance", MODELLED, "with white",
@@ -267,7 +272,7 @@ MATERIAL_EXTENSIONS = (
       form=SHARES, judged=True),
     W("extension", "KHR_materials_dispersion", REPLACED, "one index of refraction"),
     W("KHR_materials_dispersion", "dispersion", REPLACED, "one index of refraction",
-      form=Number(0), neutral=(0,)),
+      form=NumberForm(0), neutral=(0,)),
     W("extension", "KHR_materials_clearcoat", REPLACED, "without that coat"),
     W("KHR_materials_clearcoat", "clearcoatFactor", REPLACED, "without that coat",
       form=SHARE, neutral=(0,)),
@@ -318,9 +323,9 @@ MATERIAL_EXTENSIONS = (
 
 OTHER_EXTENSIONS = (
     W("extension", "KHR_texture_transform", MODELLED),
-    W("KHR_texture_transform", "offset", MODELLED, form=Numbers(2)),
-    W("KHR_texture_transform", "rotation", MODELLED, form=Number()),
-    W("KHR_texture_transform", "scale", MODELLED, form=Numbers(2)),
+    W("KHR_texture_transform", "offset", MODELLED, form=NumbersForm(2)),
+    W("KHR_texture_transform", "rotation", MODELLED, form=NumberForm()),
+    W("KHR_texture_transform", "scale", MODELLED, form=NumbersForm(2)),
     W("KHR_texture_transform", "texCoord", MODELLED, form=SIZE),
     W("extension", "EXT_texture_webp", MODELLED),
     W("EXT_texture_webp", "source", MODELLED, form=Index("images")),

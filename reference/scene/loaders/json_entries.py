@@ -6,7 +6,7 @@ from typing import Any
 
 from reference.scene.loaders.json_words import names
 from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.words import Fate
+from reference.scene.loaders.words import Use
 from reference.scene.textures import Color
 
 MOST_COUNT = 2**24  # beyond it no picture has a side
@@ -37,7 +37,7 @@ def _is_number(value: Any) -> bool:
 
 
 @dataclass(slots=True)
-class Entry:
+class JsonObject:
     """One object of the file.
 
     Attributes
@@ -60,7 +60,7 @@ class Entry:
 
     def __post_init__(self) -> None:
         if not isinstance(self.raw, dict):
-            self.ledger.stop(f"{self.name} is no object with keys")
+            self.ledger.stop(f"{self.name} is not an object with keys")
 
     @property
     def id(self) -> str:
@@ -181,7 +181,7 @@ class Entry:
         UsageError
             Unless lenient.
         """
-        harmless = names(self.element, Fate.HARMLESS)
+        harmless = names(self.element, Use.HARMLESS)
         for key in sorted(self.raw.keys() - self._read - set(harmless)):
             if isinstance(self.raw[key], str):
                 self.ledger.note(f'{self.name}: the remark "{key}" is ignored')

@@ -1,6 +1,6 @@
 """Materials of scene.json files."""
 
-from reference.scene.loaders.json_entries import Entry, shown
+from reference.scene.loaders.json_entries import JsonObject, shown
 from reference.scene.loaders.json_words import names
 from reference.scene.loaders.ledger import roughness
 from reference.scene.materials.kinds import (
@@ -23,12 +23,12 @@ MATT = Lambertian((0.5, 0.5, 0.5), two_sided=False)
 WHITE = (1.0, 1.0, 1.0)
 
 
-def read_material(entry: Entry) -> Material:
+def read_material(entry: JsonObject) -> Material:
     """Material of a file; one-sided unless it says ``"twosided": true``.
 
     Parameters
     ----------
-    entry : Entry
+    entry : JsonObject
         An object with a "type".
 
     Returns
@@ -65,7 +65,7 @@ def read_material(entry: Entry) -> Material:
     return material
 
 
-def _metal(entry: Entry, rough: bool, two_sided: bool) -> Conductor:
+def _metal(entry: JsonObject, rough: bool, two_sided: bool) -> Conductor:
     key = "reflectance" if "reflectance" in entry.raw else "specular_reflectance"
     reflectance = entry.color(key, WHITE)
     eta, k = (entry.color(x) if x in entry.raw else None for x in ("eta", "k"))
@@ -89,7 +89,7 @@ def _metal(entry: Entry, rough: bool, two_sided: bool) -> Conductor:
     )
 
 
-def _coat(entry: Entry, rough: bool, two_sided: bool) -> Coated:
+def _coat(entry: JsonObject, rough: bool, two_sided: bool) -> Coated:
     key = "reflectance" if "reflectance" in entry.raw else "diffuse_reflectance"
     return Coated(
         entry.color(key),
@@ -102,11 +102,11 @@ def _coat(entry: Entry, rough: bool, two_sided: bool) -> Coated:
     )
 
 
-def _alpha(entry: Entry) -> float:
+def _alpha(entry: JsonObject) -> float:
     return roughness(entry.number("alpha"), entry.name, entry.ledger)
 
 
-def _distribution(entry: Entry) -> Distribution:
+def _distribution(entry: JsonObject) -> Distribution:
     given = entry.get("distribution", "ggx")
     known: dict[object, Distribution] = {"ggx": "ggx", "beckmann": "beckmann"}
     if not isinstance(given, str) or given not in known:
@@ -117,7 +117,7 @@ def _distribution(entry: Entry) -> Distribution:
     return known[given]
 
 
-def _ior(entry: Entry) -> float:
+def _ior(entry: JsonObject) -> float:
     if "int_ior" in entry.raw:
         return entry.number("int_ior") / entry.number("ext_ior", 1.0)
     return entry.number("ior", 1.5)

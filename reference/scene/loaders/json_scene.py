@@ -20,7 +20,7 @@ from reference.scene.lights import (
     SpotLight,
 )
 from reference.scene.loaders.framing import camera_or_framing, color, fov_axis
-from reference.scene.loaders.json_entries import Entry, shown
+from reference.scene.loaders.json_entries import JsonObject, shown
 from reference.scene.loaders.json_materials import MATT, read_material
 from reference.scene.loaders.json_words import names
 from reference.scene.loaders.ledger import Ledger
@@ -69,19 +69,21 @@ def load(ledger: Ledger) -> Scene:
     shapes = []
     for i, raw in enumerate(tree["shapes"]):
         name = raw.get("id", raw.get("file", i)) if isinstance(raw, dict) else i
-        shapes.append(_shape(Entry("shape", f'shape "{name}"', raw, ledger), materials))
+        shapes.append(
+            _shape(JsonObject("shape", f'shape "{name}"', raw, ledger), materials)
+        )
     lights = tree.get("lights") or []
     if not isinstance(lights, list):
-        ledger.stop('"lights" is no list of objects')
+        ledger.stop('"lights" is not a list of objects')
     entries = [
-        Entry("light", f"light {i}", raw, ledger) for i, raw in enumerate(lights)
+        JsonObject("light", f"light {i}", raw, ledger) for i, raw in enumerate(lights)
     ]
     if tree.get("environment") is not None:
         entries.append(_environment_entry(tree["environment"], ledger))
     made = [light for light in map(_light, entries) if light is not None]
     environments = [x for x in made if isinstance(x, Environment)]
     camera = (
-        _camera(Entry("camera", "camera", tree["camera"], ledger))
+        _camera(JsonObject("camera", "camera", tree["camera"], ledger))
         if "camera" in tree
         else None
     )
@@ -115,14 +117,14 @@ def _object(pairs: list[tuple[str, Any]], ledger: Ledger) -> dict[str, Any]:
 
 def _materials(raw: Any, ledger: Ledger) -> dict[str, Material]:
     if not isinstance(raw, dict):
-        ledger.stop('"materials" is no object of names and materials')
+        ledger.stop('"materials" is not an object of names and materials')
     return {
-        name: read_material(Entry("material", f'material "{name}"', entry, ledger))
+        name: read_material(JsonObject("material", f'material "{name}"', entry, ledger))
         for name, entry in raw.items()
     }
 
 
-def _camera(entry: Entry) -> Camera:
+def _camera(entry: JsonObject) -> Camera:
     width, height = entry.count("width", 256), entry.count("height", 256)
     camera = Camera(
         position=entry.color("origin"),
@@ -138,7 +140,7 @@ def _camera(entry: Entry) -> Camera:
 
 
 def _shape(
-    entry: Entry, materials: Mapping[str, Material]
+    entry: JsonObject, materials: Mapping[str, Material]
 ) -> Sphere | Callable[[], Iterator[Mesh]] | None:
     """Sphere; or what reads the meshes, once all words were found to be right."""
     ledger = entry.ledger
@@ -169,7 +171,7 @@ def _shape(
     return made
 
 
-def _mesh_file(entry: Entry) -> str | None:
+def _mesh_file(entry: JsonObject) -> str | None:
     """Name of the file of a shape, if there is one that can be one."""
     name = entry.get("file")
     entry.get("triangles")
@@ -180,7 +182,7 @@ def _mesh_file(entry: Entry) -> str | None:
         return None
     if not found or not name.lower().endswith((".ply", ".obj")):
         entry.ledger.replace(
-            f"{entry.name}: {shown(name)} is no PLY or OBJ file beside the scene",
+            f"{entry.name}: {shown(name)} is not a PLY or OBJ file beside the scene",
             "left out",
         )
         return None
@@ -195,14 +197,14 @@ class _Glow:
     two_sided: bool
 
 
-def _emission(entry: Entry) -> _Glow:
+def _emission(entry: JsonObject) -> _Glow:
     two_sided = bool(entry.get("two_sided_emission", False))
     raw = entry.get("emission")
     if raw is None:
         return _Glow((0.0, 0.0, 0.0), two_sided)
     if not isinstance(raw, dict):
         return _Glow(entry.color("emission"), two_sided)
-    own = Entry("emission", f"emission of {entry.name}", raw, entry.ledger)
+    own = JsonObject("emission", f"emission of {entry.name}", raw, entry.ledger)
     name = str(own.get("file"))
     scale = own.number("scale", 1.0)
     own.refuse_unread()
@@ -213,7 +215,9 @@ def _emission(entry: Entry) -> _Glow:
         return _Glow((0.0, 0.0, 0.0), two_sided)
 
 
-def _meshes(entry: Entry, name: str, material: Material, glow: _Glow) -> Iterator[Mesh]:
+def _meshes(
+    entry: JsonObject, name: str, material: Material, glow: _Glow
+) -> Iterator[Mesh]:
     ledger = entry.ledger
     parts = read_parts(name, ledger)
     found, promised = sum(len(p.faces) for p in parts), entry.get("triangles")
@@ -240,20 +244,20 @@ def _meshes(entry: Entry, name: str, material: Material, glow: _Glow) -> Iterato
         yield drop_texture_without_uv(mesh, ledger)
 
 
-def _environment_entry(raw: Any, ledger: Ledger) -> Entry:
+def _environment_entry(raw: Any, ledger: Ledger) -> JsonObject:
     if not isinstance(raw, dict):
         raw = {"type": "constant", "radiance": raw}
     kind = "envmap" if "file" in raw else "constant"
-    return Entry("light", "environment", {"type": kind, **raw}, ledger)
+    return JsonObject("light", "environment", {"type": kind, **raw}, ledger)
 
 
-def _direction(entry: Entry) -> Color:
+def _direction(entry: JsonObject) -> Color:
     direction = np.array(entry.color("direction"))
     # A direction of length zero is the validation's to report.
     return color(direction / (np.linalg.norm(direction) or 1.0))
 
 
-def _light(entry: Entry) -> Lamp | DirectionalLight | Environment | None:
+def _light(entry: JsonObject) -> Lamp | DirectionalLight | Environment | None:
     kind = entry.get("type")
     light: Lamp | DirectionalLight | Environment
     if kind == "point":

@@ -3,15 +3,15 @@
 `json_entries.Entry` hands out keys of this table alone, and refuses all others.
 """
 
-from reference.scene.loaders.words import Fate, Word
+from reference.scene.loaders.words import Use, Word
 
 
 def _words(element: str, names: str, remark: str = "") -> tuple[Word, ...]:
-    return tuple(Word(element, name, Fate.MODELLED, remark) for name in names.split())
+    return tuple(Word(element, name, Use.MODELLED, remark) for name in names.split())
 
 
 def _harmless(element: str, names: str, remark: str = "") -> tuple[Word, ...]:
-    return tuple(Word(element, name, Fate.HARMLESS, remark) for name in names.split())
+    return tuple(Word(element, name, Use.HARMLESS, remark) for name in names.split())
 
 
 _COAT = "of a coat or of glass"
@@ -19,7 +19,7 @@ _ANY_OTHER = "any other"
 
 WORDS = (
     *_words("file", "name camera materials shapes lights environment"),
-    Word("file", _ANY_OTHER, Fate.HARMLESS, "noted"),
+    Word("file", _ANY_OTHER, Use.HARMLESS, "noted"),
     *_words("camera", "origin target up fov_deg fov_axis width height"),
     *_harmless("camera", "near far near_clip far_clip", "nothing is cut off"),
     *_words("material type", "diffuse"),
@@ -29,7 +29,7 @@ WORDS = (
     *_words("material type", "plastic", "smooth coat"),
     *_words("material type", "dielectric", "smooth glass"),
     *_words("material type", "roughdielectric rough_dielectric", "rough glass"),
-    Word("material type", _ANY_OTHER, Fate.REPLACED, "diffuse with reflectance 0.5"),
+    Word("material type", _ANY_OTHER, Use.REPLACED, "diffuse with reflectance 0.5"),
     *_words("material", "type twosided"),
     *_words("material", "reflectance", "not of glass"),
     *_words("material", "specular_reflectance", "of metals and coats"),
@@ -48,7 +48,7 @@ WORDS = (
     *_harmless("shape", "vertices area bounds bbox", "tell nothing new"),
     *_words("emission", "file scale", "a picture, where it is not a colour"),
     *_words("light type", "point spot directional constant envmap"),
-    Word("light type", _ANY_OTHER, Fate.REPLACED, "left out"),
+    Word("light type", _ANY_OTHER, Use.REPLACED, "left out"),
     *_words("light", "type"),
     *_words("light", "position intensity", "of points and spots"),
     *_words("light", "direction", "of spots and directional lights"),
@@ -58,20 +58,20 @@ WORDS = (
     *_words("light", "radiance", "of constant ones"),
     *_words("light", "file scale", "of an envmap"),
     *(
-        Word(element, _ANY_OTHER, Fate.REPLACED, "ignored; noted where it is a text")
+        Word(element, _ANY_OTHER, Use.REPLACED, "ignored; noted where it is a text")
         for element in ("camera", "material", "shape", "emission", "light")
     ),
 )
 
 
-def names(element: str, fate: Fate = Fate.MODELLED) -> tuple[str, ...]:
-    """Words of an element that share a fate.
+def names(element: str, use: Use = Use.MODELLED) -> tuple[str, ...]:
+    """Words of an element of one use.
 
     Parameters
     ----------
     element : str
         As in `WORDS`.
-    fate : Fate
+    use : Use
         Theirs.
 
     Returns
@@ -79,4 +79,4 @@ def names(element: str, fate: Fate = Fate.MODELLED) -> tuple[str, ...]:
     tuple of str
         In the order of the table.
     """
-    return tuple(w.name for w in WORDS if w.element == element and w.fate is fate)
+    return tuple(w.name for w in WORDS if w.element == element and w.use is use)

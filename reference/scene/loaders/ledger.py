@@ -19,7 +19,7 @@ with 4096 x 4096 pixels."""
 MOST_EXPANSION = 1100
 """Further bytes of memory for each byte of the files: deflate ends at 1032."""
 MOST_TOLD = 20  # refusals in one message
-ELSEWHERE = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:/*//|//")
+REMOTE = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:/*//|//")
 
 
 @dataclass(slots=True)
@@ -73,7 +73,7 @@ class Ledger:
             folder, be it by "..", by a link or as an absolute path.
         """
         plain = name.replace("\\", "/")
-        if ELSEWHERE.match(plain):
+        if REMOTE.match(plain):
             raise UsageError(
                 f'"{name}" is not on this machine; put the file beside the scene and'
                 " name it by its path"
@@ -85,7 +85,7 @@ class Ledger:
         # A NUL, a ring of links, too many letters.
         except (OSError, ValueError, RuntimeError) as error:
             shown = name if len(name) <= 60 else f"{name[:57]}..."
-            raise UsageError(f"{shown!r} is no path of a file") from error
+            raise UsageError(f"{shown!r} is not a file path") from error
         if not self.allow_outside and not target.is_relative_to(folder):
             raise UsageError(
                 f'"{name}" lies outside the scene\'s folder; move it there, or read it'
@@ -269,7 +269,7 @@ def _in_words(error: Exception) -> str:
         case JSONDecodeError():
             return f"line {error.lineno}, column {error.colno}: {error.msg}"
         case UnicodeDecodeError():
-            return f"byte {error.start} is no text in {error.encoding}"
+            return f"byte {error.start} is not text in {error.encoding}"
         case KeyError():
             return f"it lacks {error.args[0]!r}" if error.args else "it lacks a part"
         case IndexError():

@@ -7,9 +7,9 @@ import numpy as np
 
 from reference.scene.loaders.framing import camera_or_framing, default_environment
 from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.mtl import PLAIN, Look, read_looks
+from reference.scene.loaders.mtl import PLAIN, MtlAppearance, read_looks
 from reference.scene.loaders.obj import ObjText, read_obj_faces, read_obj_words
-from reference.scene.loaders.parts import Part
+from reference.scene.loaders.parts import MeshPart
 from reference.scene.loaders.ply import read_ply
 from reference.scene.loaders.triangles import (
     check_indices,
@@ -20,7 +20,7 @@ from reference.scene.materials.kinds import Lambertian
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh
 
-WHITE = Look(Lambertian((1.0, 1.0, 1.0)))
+WHITE = MtlAppearance(Lambertian((1.0, 1.0, 1.0)))
 
 
 def load(ledger: Ledger) -> Scene:
@@ -42,7 +42,7 @@ def load(ledger: Ledger) -> Scene:
         Not such a file, truncated, without triangles, or (unless lenient) with
         something missing or not modelled.
     """
-    contents, looks = ledger.contents(), dict[str, Look]()
+    contents, looks = ledger.contents(), dict[str, MtlAppearance]()
     if ledger.path.suffix.lower() == ".obj":
         text = read_obj_words(contents, "", ledger)
         looks, complete = read_looks(text.libraries, ledger)
@@ -63,7 +63,9 @@ def load(ledger: Ledger) -> Scene:
     return replace(scene, environment=environment, notes=tuple(ledger.notes))
 
 
-def _refuse_missing(text: ObjText, looks: Mapping[str, Look], ledger: Ledger) -> None:
+def _refuse_missing(
+    text: ObjText, looks: Mapping[str, MtlAppearance], ledger: Ledger
+) -> None:
     for name, line in {n: line for line, n in reversed(text.materials)}.items():
         if name not in looks:
             ledger.replace(
@@ -72,7 +74,7 @@ def _refuse_missing(text: ObjText, looks: Mapping[str, Look], ledger: Ledger) ->
             )
 
 
-def _mesh(part: Part, looks: Mapping[str, Look], ledger: Ledger) -> Mesh:
+def _mesh(part: MeshPart, looks: Mapping[str, MtlAppearance], ledger: Ledger) -> Mesh:
     name = part.material or ledger.path.stem
     look = looks.get(part.material or "", PLAIN)
     if part.material is None:
@@ -99,7 +101,7 @@ def _mesh(part: Part, looks: Mapping[str, Look], ledger: Ledger) -> Mesh:
     return drop_texture_without_uv(turn_faces_to_normals(mesh), ledger)
 
 
-def read_parts(name: str, ledger: Ledger) -> list[Part]:
+def read_parts(name: str, ledger: Ledger) -> list[MeshPart]:
     """All triangles of an OBJ or PLY file beside a scene, without its materials.
 
     Parameters
@@ -111,7 +113,7 @@ def read_parts(name: str, ledger: Ledger) -> list[Part]:
 
     Returns
     -------
-    list of Part
+    list of MeshPart
         Of one material each, in the order of their names.
 
     Raises

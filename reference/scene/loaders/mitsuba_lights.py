@@ -22,7 +22,7 @@ from reference.scene.loaders.pictures import read_picture
 
 
 @dataclass(slots=True)
-class Lights:
+class MitsubaLights:
     """Lights of one file that are not shapes.
 
     Attributes
@@ -43,12 +43,12 @@ class Lights:
     environment: Environment | None = None
 
 
-def add_light(lights: Lights, node: Node, textures: Textures) -> None:
+def add_light(lights: MitsubaLights, node: Node, textures: Textures) -> None:
     """Add what an emitter outside the shapes stands for.
 
     Parameters
     ----------
-    lights : Lights
+    lights : MitsubaLights
         Grows.
     node : Node
         The emitter.

@@ -40,7 +40,7 @@ INVISIBLE = ("null", "thindielectric", "polarizer", "retarder", "circular")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Look:
+class MitsubaAppearance:
     """What a BSDF makes of a shape.
 
     Attributes
@@ -79,10 +79,10 @@ class Materials:
     mi: Any
     ledger: Ledger
     textures: Textures
-    made: dict[tuple[int, bool], Look | None] = field(default_factory=dict)
+    made: dict[tuple[int, bool], MitsubaAppearance | None] = field(default_factory=dict)
     weighed: set[Path] = field(default_factory=set)
 
-    def of(self, node: Node, two_sided: bool = False) -> Look | None:
+    def of(self, node: Node, two_sided: bool = False) -> MitsubaAppearance | None:
         """Look of a BSDF.
 
         Parameters
@@ -94,7 +94,7 @@ class Materials:
 
         Returns
         -------
-        Look or None
+        MitsubaAppearance or None
             ``None`` if the shape is to be left out.
         """
         key = id(node), two_sided
@@ -102,12 +102,12 @@ class Materials:
             self.made[key] = self._convert(node, two_sided)
         return self.made[key]
 
-    def _convert(self, node: Node, two_sided: bool) -> Look | None:
+    def _convert(self, node: Node, two_sided: bool) -> MitsubaAppearance | None:
         known = node.is_modelled(self.ledger)
         if node.kind in INVISIBLE:
             return None
         if node.kind in ("principled", "principledthin"):
-            return Look(self._principled(node, two_sided))
+            return MitsubaAppearance(self._principled(node, two_sided))
         inner = node.inside("bsdf")
         if not known and inner:
             return self.of(inner[0], two_sided)
@@ -135,15 +135,17 @@ class Materials:
             "roughdielectric": self._dielectric,
         }
         if node.kind not in convert:
-            return Look(Lambertian(MID_GREY, two_sided))
+            return MitsubaAppearance(Lambertian(MID_GREY, two_sided))
         material = convert[node.kind](node, two_sided)
         attribute = self.textures.attribute(node, REFLECTANCE.get(node.kind, ""))
-        return Look(material, attribute=attribute)
+        return MitsubaAppearance(material, attribute=attribute)
 
     def _reflectance(self, node: Node, default: float) -> Texture:
-        return self.textures.read(node, REFLECTANCE[node.kind], default, painted=True)
+        return self.textures.read(node, REFLECTANCE[node.kind], default, diffuse=True)
 
-    def _mask(self, node: Node, look: Look | None) -> Look | None:
+    def _mask(
+        self, node: Node, look: MitsubaAppearance | None
+    ) -> MitsubaAppearance | None:
         opacity = self.textures.read(node, "opacity", 0.5)
         if isinstance(opacity, Checker):
             opacity = as_bitmap(opacity)

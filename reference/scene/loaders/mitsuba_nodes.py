@@ -13,10 +13,10 @@ import numpy as np
 
 from reference.arrays import Scalars, Vec3s
 from reference.errors import UsageError
-from reference.scene.loaders.ledger import ELSEWHERE, Ledger
+from reference.scene.loaders.ledger import REMOTE, Ledger
 from reference.scene.loaders.mitsuba_source import DEEPEST, check_source
 from reference.scene.loaders.mitsuba_words import find, modelled
-from reference.scene.loaders.words import Fate, Word
+from reference.scene.loaders.words import Use, Word
 
 TYPES = {"ReconstructionFilter": "rfilter", "PhaseFunction": "phase"}
 INTERNAL = re.compile(
@@ -296,7 +296,7 @@ class Node:
         name = self.text("filename", "", ledger).replace("\\", "/")
         if not name:
             raise UsageError("it names no file; it needs a filename")
-        if ELSEWHERE.match(name):
+        if REMOTE.match(name):
             ledger.locate(name)  # which refuses it
         places = [str((folder / name).absolute()) for folder in self.folders]
         # The first that exists, as Mitsuba; else the last, which is the scene's own.
@@ -327,7 +327,7 @@ class Node:
             named = plugin is None or plugin.type in ("texture", "volume")
             name = key if plugin is None or named else plugin.type
             word = find(self.kind, name)
-            if word.fate in (Fate.MODELLED, Fate.HARMLESS) or name in apart:
+            if word.use in (Use.MODELLED, Use.HARMLESS) or name in apart:
                 continue
             self.refuse_word(key, word, ledger)
 
@@ -361,7 +361,7 @@ class Node:
             By the table of words.
         """
         word = find(self.type, self.kind)
-        if word.fate is Fate.MODELLED:
+        if word.use is Use.MODELLED:
             return True
         known = f"of {self.type}s, {modelled(self.type)} are"
         ledger.replace(f"{self.name} is not modelled ({known})", word.remark)

@@ -9,7 +9,7 @@ from reference.arrays import Scalars
 from reference.errors import UsageError
 from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.mitsuba_materials import Look, Materials
+from reference.scene.loaders.mitsuba_materials import Materials, MitsubaAppearance
 from reference.scene.loaders.mitsuba_meshes import FILES, read_mesh
 from reference.scene.loaders.mitsuba_nodes import Node, check_matrix
 from reference.scene.loaders.triangles import drop_texture_without_uv, place
@@ -22,7 +22,7 @@ BYTES = 2**14
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Plan:
+class ReadShape:
     """A shape whose words were read, without its triangles.
 
     Attributes
@@ -31,7 +31,7 @@ class Plan:
         The shape.
     matrix : (4, 4) float64
         Its own frame to world.
-    look : Look
+    look : MitsubaAppearance
         How it scatters, and where.
     emission : Texture
         Radiance of its front.
@@ -43,7 +43,7 @@ class Plan:
 
     node: Node
     matrix: Scalars
-    look: Look
+    look: MitsubaAppearance
     emission: Texture
     path: Path | None
     turn: Scalars | None = None
@@ -59,7 +59,10 @@ class Plan:
 
 
 def plan_shapes(
-    node: Node, materials: Materials, plans: list[Plan], outer: Scalars | None = None
+    node: Node,
+    materials: Materials,
+    plans: list[ReadShape],
+    outer: Scalars | None = None,
 ) -> None:
     """Read the words of a shape and of those inside it.
 
@@ -69,7 +72,7 @@ def plan_shapes(
         The shape.
     materials : Materials
         Of the file.
-    plans : list of Plan
+    plans : list of ReadShape
         Grows, by each shape that is not left out, which is noted.
     outer : (4, 4) float64 or None
         What an instance does with it.
@@ -94,7 +97,7 @@ def plan_shapes(
         plans.append(plan)
 
 
-def _plan(node: Node, matrix: Scalars, materials: Materials) -> Plan | None:
+def _plan(node: Node, matrix: Scalars, materials: Materials) -> ReadShape | None:
     ledger = materials.ledger
     path = None
     if node.kind in FILES:
@@ -109,17 +112,17 @@ def _plan(node: Node, matrix: Scalars, materials: Materials) -> Plan | None:
     if node.kind == "sphere":
         emission = _plain(node, emission, ledger)
         look = _plain_look(node, look, ledger)
-    plan = Plan(node, matrix, look, emission, path)
+    plan = ReadShape(node, matrix, look, emission, path)
     turn = materials.textures.placement(plan.patterns, node.name)
     return replace(plan, turn=turn)
 
 
-def _look(node: Node, materials: Materials, emits: bool) -> Look | None:
+def _look(node: Node, materials: Materials, emits: bool) -> MitsubaAppearance | None:
     bsdfs = node.inside("bsdf")
     if not bsdfs:
         # Mitsuba's defaults: lamps are black, other shapes half white.
-        paint = (0.0,) * 3 if emits else (0.5,) * 3
-        return Look(Lambertian(paint, two_sided=False))
+        grey = (0.0,) * 3 if emits else (0.5,) * 3
+        return MitsubaAppearance(Lambertian(grey, two_sided=False))
     look = materials.of(bsdfs[0])
     if look is None and emits:
         materials.ledger.replace(
@@ -150,7 +153,9 @@ def _plain(node: Node, texture: Texture, ledger: Ledger) -> Texture:
     return color(mean_color(texture))
 
 
-def _plain_look(node: Node, look: Look, ledger: Ledger) -> Look:
+def _plain_look(
+    node: Node, look: MitsubaAppearance, ledger: Ledger
+) -> MitsubaAppearance:
     if look.opacity is not None:
         ledger.replace(f"{node.name}: a mask on a sphere is not modelled", "left whole")
     if look.attribute:
@@ -162,15 +167,15 @@ def _plain_look(node: Node, look: Look, ledger: Ledger) -> Look:
         plain = _plain(node, material.reflectance, ledger)
         if plain is not material.reflectance:
             material = replace(material, reflectance=plain)
-    return Look(material)
+    return MitsubaAppearance(material)
 
 
-def build_shape(plan: Plan, materials: Materials) -> Mesh | Sphere:
+def build_shape(plan: ReadShape, materials: Materials) -> Mesh | Sphere:
     """The shape of a plan, with its triangles.
 
     Parameters
     ----------
-    plan : Plan
+    plan : ReadShape
         What its words say.
     materials : Materials
         Of the file.
@@ -208,7 +213,7 @@ def build_shape(plan: Plan, materials: Materials) -> Mesh | Sphere:
     return drop_texture_without_uv(mesh, ledger)
 
 
-def _sphere(plan: Plan, ledger: Ledger) -> Sphere:
+def _sphere(plan: ReadShape, ledger: Ledger) -> Sphere:
     node, matrix = plan.node, plan.matrix
     scales = np.linalg.norm(matrix[:3, :3], axis=0)
     if not np.allclose(scales, scales[0], rtol=1e-4):

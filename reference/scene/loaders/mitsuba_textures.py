@@ -60,7 +60,7 @@ class Textures:
         key: str,
         default: float,
         emission: bool = False,
-        painted: bool = False,
+        diffuse: bool = False,
     ) -> Texture:
         """Colour, bitmap or checker that a plugin takes from a parameter.
 
@@ -74,7 +74,7 @@ class Textures:
             What Mitsuba takes if the file does not say.
         emission : bool
             It is one of emitted light.
-        painted : bool
+        diffuse : bool
             Colours of the mesh may stand for it, see `attribute`.
 
         Returns
@@ -85,7 +85,7 @@ class Textures:
         texture = node.children.get(key)
         if texture is None:
             return self._constant(node, node.get(key, default), emission)
-        if texture.kind == "mesh_attribute" and not painted:
+        if texture.kind == "mesh_attribute" and not diffuse:
             self.ledger.replace(
                 f'{node.name}: a mesh_attribute as "{key}" is not modelled',
                 "taken as mid grey",

@@ -5,21 +5,21 @@ a plugin ("perspective", "diffuse", ...) where ``name`` is one of its parameters
 kind of a plugin inside it.  `ANY` stands for whatever is not listed.
 """
 
-from reference.scene.loaders.words import Fate, Word
+from reference.scene.loaders.words import Use, Word
 
 ANY = "any other"
 
 
-def _words(element: str, fate: Fate, names: str, remark: str = "") -> tuple[Word, ...]:
-    return tuple(Word(element, name, fate, remark) for name in names.split())
+def _words(element: str, use: Use, names: str, remark: str = "") -> tuple[Word, ...]:
+    return tuple(Word(element, name, use, remark) for name in names.split())
 
 
-def _any(element: str, fate: Fate, remark: str = "") -> tuple[Word, ...]:
-    return (Word(element, ANY, fate, remark),)
+def _any(element: str, use: Use, remark: str = "") -> tuple[Word, ...]:
+    return (Word(element, ANY, use, remark),)
 
 
-_MODELLED, _HARMLESS = Fate.MODELLED, Fate.HARMLESS
-_REPLACED = Fate.REPLACED
+_MODELLED, _HARMLESS = Use.MODELLED, Use.HARMLESS
+_REPLACED = Use.REPLACED
 
 _ALPHA = (
     ("distribution", "beckmann (the default) or ggx"),
@@ -234,7 +234,7 @@ def find(element: str, name: str) -> Word:
     Word
         That of `ANY` where there is one; else a word which is replaced by nothing.
     """
-    unknown = Word(element, name, Fate.REPLACED, "ignored")
+    unknown = Word(element, name, Use.REPLACED, "ignored")
     known = _BY_NAME.get((element, ANY), unknown)
     return _BY_NAME.get((element, name), known)
 
@@ -252,5 +252,5 @@ def modelled(element: str) -> str:
     str
         Their names, separated by commas.
     """
-    names = [w.name for w in WORDS if (w.element, w.fate) == (element, Fate.MODELLED)]
+    names = [w.name for w in WORDS if (w.element, w.use) == (element, Use.MODELLED)]
     return ", ".join(names)

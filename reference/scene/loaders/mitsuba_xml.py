@@ -6,10 +6,10 @@ from reference.arrays import normalize
 from reference.scene.camera import Camera, FovAxis
 from reference.scene.loaders.framing import camera_or_framing, color, fov_axis
 from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.mitsuba_lights import Lights, add_light
+from reference.scene.loaders.mitsuba_lights import MitsubaLights, add_light
 from reference.scene.loaders.mitsuba_materials import Materials
 from reference.scene.loaders.mitsuba_nodes import Node, mitsuba_session, parse
-from reference.scene.loaders.mitsuba_shapes import Plan, build_shape, plan_shapes
+from reference.scene.loaders.mitsuba_shapes import ReadShape, build_shape, plan_shapes
 from reference.scene.loaders.mitsuba_textures import Textures
 from reference.scene.loaders.mitsuba_words import find
 from reference.scene.scene import Scene
@@ -43,10 +43,10 @@ def load(ledger: Ledger) -> Scene:
         # All that the words say comes first: triangles may take long to read.
         textures = Textures(mi, ledger)
         materials = Materials(mi, ledger, textures)
-        plans: list[Plan] = []
+        plans: list[ReadShape] = []
         for node in root.inside("shape"):
             plan_shapes(node, materials, plans)
-        lights = Lights()
+        lights = MitsubaLights()
         for node in root.inside("emitter"):
             add_light(lights, node, textures)
         camera = _camera(root.inside("sensor"), ledger)

@@ -16,7 +16,7 @@ from reference.errors import UsageError
 from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger, roughness
 from reference.scene.loaders.pictures import read_mask, read_picture
-from reference.scene.loaders.words import Fate, Word
+from reference.scene.loaders.words import Use, Word
 from reference.scene.materials.kinds import (
     Coated,
     Conductor,
@@ -34,59 +34,59 @@ MOST_HIGHLIGHT = 0.9  # of what falls on a surface
 
 WORDS = (
     Word(
-        "material", "Kd", Fate.MODELLED, "diffuse reflectance; else 0.8, and 0 of glass"
+        "material", "Kd", Use.MODELLED, "diffuse reflectance; else 0.8, and 0 of glass"
     ),
-    Word("material", "Ke", Fate.MODELLED, "radiance of the front, W/(m² sr)"),
-    Word("material", "illum", Fate.MODELLED, "0, 1 matt; 2, or none, with a highlight"),
-    Word("material", "illum 3, 8", Fate.MODELLED, "a mirror of Ks; Kd has to be 0"),
-    Word("material", "illum 5", Fate.MODELLED, "a smooth coat of Ni on Kd"),
-    Word("material", "illum 4, 6, 7, 9", Fate.MODELLED, "glass of Ni; opaque with d 1"),
-    Word("material", "illum 10", Fate.REPLACED, "taken as matt"),
-    Word("material", "Ks", Fate.MODELLED, "the highlight's height, or the mirror"),
-    Word("material", "Ns", Fate.MODELLED, "the highlight's exponent"),
-    Word("material", "Ni", Fate.MODELLED, "of glass and coats; else without effect"),
-    Word("material", "d", Fate.REPLACED, "taken as opaque; 1 is, and glass needs none"),
-    Word("material", "Tr", Fate.REPLACED, "1 - d, where there is no d"),
-    Word("material", "Tf", Fate.REPLACED, "clear; without effect on what is opaque"),
-    Word("material", "Pr", Fate.MODELLED, "roughness, alpha = Pr²; rules out illum"),
-    Word("material", "Pm", Fate.MODELLED, "0 or 1; taken as the nearer of them"),
-    Word("material", "Ps", Fate.REPLACED, "taken as 0"),
-    Word("material", "Pc", Fate.REPLACED, "taken as 0"),
-    Word("material", "Pcr", Fate.HARMLESS, "of Pc"),
-    Word("material", "aniso", Fate.REPLACED, "taken as 0"),
-    Word("material", "anisor", Fate.HARMLESS, "of aniso"),
-    Word("material", "Ka", Fate.HARMLESS, "ambient light, of which there is none"),
-    Word("material", "map_Ka", Fate.HARMLESS, "ambient light, of which there is none"),
-    Word("material", "map_aat", Fate.HARMLESS, "textures are as sharp as they are"),
-    Word("material", "sharpness", Fate.HARMLESS, "of reflection maps"),
-    Word("material", "map_Kd", Fate.MODELLED, "times Kd"),
-    Word("material", "map_Ke", Fate.MODELLED, "times Ke, where there is a Ke"),
-    Word("material", "map_d", Fate.MODELLED, "a mask: no surface where it is below ½"),
-    Word("material", "map_Ks", Fate.REPLACED, "taken as 1, where there is a highlight"),
-    Word("material", "map_Ns", Fate.REPLACED, "left out, where there is a highlight"),
+    Word("material", "Ke", Use.MODELLED, "radiance of the front, W/(m² sr)"),
+    Word("material", "illum", Use.MODELLED, "0, 1 matt; 2, or none, with a highlight"),
+    Word("material", "illum 3, 8", Use.MODELLED, "a mirror of Ks; Kd has to be 0"),
+    Word("material", "illum 5", Use.MODELLED, "a smooth coat of Ni on Kd"),
+    Word("material", "illum 4, 6, 7, 9", Use.MODELLED, "glass of Ni; opaque with d 1"),
+    Word("material", "illum 10", Use.REPLACED, "taken as matt"),
+    Word("material", "Ks", Use.MODELLED, "the highlight's height, or the mirror"),
+    Word("material", "Ns", Use.MODELLED, "the highlight's exponent"),
+    Word("material", "Ni", Use.MODELLED, "of glass and coats; else without effect"),
+    Word("material", "d", Use.REPLACED, "taken as opaque; 1 is, and glass needs none"),
+    Word("material", "Tr", Use.REPLACED, "1 - d, where there is no d"),
+    Word("material", "Tf", Use.REPLACED, "clear; without effect on what is opaque"),
+    Word("material", "Pr", Use.MODELLED, "roughness, alpha = Pr²; rules out illum"),
+    Word("material", "Pm", Use.MODELLED, "0 or 1; taken as the nearer of them"),
+    Word("material", "Ps", Use.REPLACED, "taken as 0"),
+    Word("material", "Pc", Use.REPLACED, "taken as 0"),
+    Word("material", "Pcr", Use.HARMLESS, "of Pc"),
+    Word("material", "aniso", Use.REPLACED, "taken as 0"),
+    Word("material", "anisor", Use.HARMLESS, "of aniso"),
+    Word("material", "Ka", Use.HARMLESS, "ambient light, of which there is none"),
+    Word("material", "map_Ka", Use.HARMLESS, "ambient light, of which there is none"),
+    Word("material", "map_aat", Use.HARMLESS, "textures are as sharp as they are"),
+    Word("material", "sharpness", Use.HARMLESS, "of reflection maps"),
+    Word("material", "map_Kd", Use.MODELLED, "times Kd"),
+    Word("material", "map_Ke", Use.MODELLED, "times Ke, where there is a Ke"),
+    Word("material", "map_d", Use.MODELLED, "a mask: no surface where it is below ½"),
+    Word("material", "map_Ks", Use.REPLACED, "taken as 1, where there is a highlight"),
+    Word("material", "map_Ns", Use.REPLACED, "left out, where there is a highlight"),
     *(
-        Word("material", name, Fate.REPLACED, "left out")
+        Word("material", name, Use.REPLACED, "left out")
         for name in (
             *("map_Pr", "map_Pm", "map_Ps", "map_Pc", "map_Tr", "bump", "map_bump"),
             *("norm", "disp", "decal", "refl"),
         )
     ),
-    Word("map", "-s", Fate.MODELLED, "factors on u and v, before -o"),
-    Word("map", "-o", Fate.MODELLED, "added to u and v"),
-    Word("map", "-blendu", Fate.HARMLESS, "textures are filtered in one way"),
-    Word("map", "-blendv", Fate.HARMLESS, "textures are filtered in one way"),
-    Word("map", "-bm", Fate.HARMLESS, "of bump"),
-    Word("map", "-boost", Fate.HARMLESS, "textures are as sharp as they are"),
-    Word("map", "-texres", Fate.HARMLESS, "textures are as sharp as they are"),
-    Word("map", "-type", Fate.HARMLESS, "of refl"),
-    Word("map", "-cc", Fate.REPLACED, "ignored; off is harmless"),
-    Word("map", "-clamp", Fate.REPLACED, "repeated; off is harmless"),
-    Word("map", "-imfchan", Fate.REPLACED, "ignored; l and m are harmless"),
-    Word("map", "-mm", Fate.REPLACED, "ignored; 0 1 is harmless"),
-    Word("map", "-t", Fate.REPLACED, "ignored; 0 is harmless"),
+    Word("map", "-s", Use.MODELLED, "factors on u and v, before -o"),
+    Word("map", "-o", Use.MODELLED, "added to u and v"),
+    Word("map", "-blendu", Use.HARMLESS, "textures are filtered in one way"),
+    Word("map", "-blendv", Use.HARMLESS, "textures are filtered in one way"),
+    Word("map", "-bm", Use.HARMLESS, "of bump"),
+    Word("map", "-boost", Use.HARMLESS, "textures are as sharp as they are"),
+    Word("map", "-texres", Use.HARMLESS, "textures are as sharp as they are"),
+    Word("map", "-type", Use.HARMLESS, "of refl"),
+    Word("map", "-cc", Use.REPLACED, "ignored; off is harmless"),
+    Word("map", "-clamp", Use.REPLACED, "repeated; off is harmless"),
+    Word("map", "-imfchan", Use.REPLACED, "ignored; l and m are harmless"),
+    Word("map", "-mm", Use.REPLACED, "ignored; 0 1 is harmless"),
+    Word("map", "-t", Use.REPLACED, "ignored; 0 is harmless"),
 )
-FATES = {word.name.lower(): word.fate for word in WORDS if word.element == "material"}
-OPTIONS = {word.name: word.fate for word in WORDS if word.element == "map"}
+USES = {word.name.lower(): word.use for word in WORDS if word.element == "material"}
+OPTIONS = {word.name: word.use for word in WORDS if word.element == "map"}
 NUMBERED = {"-s": 3, "-o": 3, "-t": 3, "-mm": 2}  # values at most; of others one
 NEUTRAL = {
     "-cc": ("off",),
@@ -100,7 +100,7 @@ OF_HIGHLIGHTS = {"map_ks", "map_ns"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Look:
+class MtlAppearance:
     """What a surface of a name looks like.
 
     Attributes
@@ -122,12 +122,12 @@ class Look:
     offset: Vec3s = field(default_factory=lambda: np.zeros(2))
 
 
-PLAIN = Look(Lambertian((0.8, 0.8, 0.8)))
+PLAIN = MtlAppearance(Lambertian((0.8, 0.8, 0.8)))
 
 
 def read_looks(
     libraries: tuple[str, ...], ledger: Ledger
-) -> tuple[dict[str, Look], bool]:
+) -> tuple[dict[str, MtlAppearance], bool]:
     """Materials of all MTL files that an OBJ file names.
 
     Parameters
@@ -139,7 +139,7 @@ def read_looks(
 
     Returns
     -------
-    dict of str to Look, bool
+    dict of str to MtlAppearance, bool
         By their names; whether all files could be read.
 
     Raises
@@ -147,7 +147,7 @@ def read_looks(
     UsageError
         Malformed, or (unless lenient) with something missing or not modelled.
     """
-    looks: dict[str, Look] = {}
+    looks: dict[str, MtlAppearance] = {}
     complete = True
     for name in dict.fromkeys(x for line in libraries for x in _names(line, ledger)):
         try:
@@ -174,7 +174,7 @@ def _names(line: str, ledger: Ledger) -> list[str]:
 
 
 @dataclass(slots=True)
-class _Entry:
+class _MtlEntry:
     """One material of a file: its words by their keys in lower case."""
 
     file: str
@@ -211,13 +211,13 @@ class _Entry:
         return values[0]
 
 
-def _materials(file: str, text: str, ledger: Ledger) -> list[_Entry]:
-    materials: list[_Entry] = []
+def _materials(file: str, text: str, ledger: Ledger) -> list[_MtlEntry]:
+    materials: list[_MtlEntry] = []
     for number, line in enumerate(text.splitlines(), 1):
         key, *rest = re.sub(r"(?<!\S)#.*", "", line).split(maxsplit=1)[:2] or [""]
         value = rest[0].strip() if rest else ""
         if key.lower() == "newmtl":
-            materials.append(_Entry(file, value, number, ledger))
+            materials.append(_MtlEntry(file, value, number, ledger))
         elif key and not materials:
             ledger.stop(f'{file}: line {number}: "{key}" stands before any newmtl')
         elif key:
@@ -227,7 +227,7 @@ def _materials(file: str, text: str, ledger: Ledger) -> list[_Entry]:
     return materials
 
 
-def _look(entry: _Entry) -> Look:
+def _look(entry: _MtlEntry) -> MtlAppearance:
     transforms: dict[str, tuple[Vec3s, Vec3s]] = {}
     grey = 0.0 if entry.number("illum", 2) in GLASS else 0.8
     factor = entry.color("kd", (grey,) * 3)
@@ -244,13 +244,13 @@ def _look(entry: _Entry) -> Look:
             "its maps lie on the surface in different ways",
             f"all taken as its {next(iter(transforms))}",
         )
-    return Look(material, emission, opacity, *places[0])
+    return MtlAppearance(material, emission, opacity, *places[0])
 
 
-def _refuse_words(entry: _Entry, shines: bool) -> None:
+def _refuse_words(entry: _MtlEntry, shines: bool) -> None:
     for key in entry.words:
-        fate = FATES.get(key, Fate.REPLACED)
-        if fate is not Fate.REPLACED or key in ("d", "tr", "tf"):
+        use = USES.get(key, Use.REPLACED)
+        if use is not Use.REPLACED or key in ("d", "tr", "tf"):
             continue
         if key in ZERO_IS_NONE and entry.number(key, 0.0) == 0:
             continue
@@ -259,7 +259,7 @@ def _refuse_words(entry: _Entry, shines: bool) -> None:
         entry.replace(key, f'"{key}" is not modelled', "left out")
 
 
-def _material(entry: _Entry, reflectance: Color | Bitmap) -> Material:
+def _material(entry: _MtlEntry, reflectance: Color | Bitmap) -> Material:
     illum = entry.number("illum", 2)
     dissolved = _dissolved(entry)
     matt = isinstance(reflectance, tuple) and not any(reflectance)
@@ -287,7 +287,7 @@ def _material(entry: _Entry, reflectance: Color | Bitmap) -> Material:
     return _shining(entry, reflectance)
 
 
-def _dissolved(entry: _Entry) -> str:
+def _dissolved(entry: _MtlEntry) -> str:
     """Word that makes the surface less than opaque, or nothing."""
     if "d" in entry.words:
         return (
@@ -299,7 +299,7 @@ def _dissolved(entry: _Entry) -> str:
     return "tr" if entry.number("tr", 0.0) != 0 else ""
 
 
-def _refuse_dissolved(entry: _Entry, key: str) -> None:
+def _refuse_dissolved(entry: _MtlEntry, key: str) -> None:
     if key:
         entry.replace(
             key,
@@ -309,7 +309,7 @@ def _refuse_dissolved(entry: _Entry, key: str) -> None:
         )
 
 
-def _glass(entry: _Entry, black: bool) -> Material:
+def _glass(entry: _MtlEntry, black: bool) -> Material:
     if not black:
         entry.replace(
             "kd", "glass that scatters (Kd) is not modelled", "taken as clear"
@@ -322,7 +322,7 @@ def _glass(entry: _Entry, black: bool) -> Material:
     return Dielectric(ior)
 
 
-def _of_roughness(entry: _Entry, reflectance: Color | Bitmap) -> Material:
+def _of_roughness(entry: _MtlEntry, reflectance: Color | Bitmap) -> Material:
     metal = entry.number("pm", 0.0)
     if metal not in (0, 1):
         entry.replace(
@@ -336,14 +336,14 @@ def _of_roughness(entry: _Entry, reflectance: Color | Bitmap) -> Material:
     return Coated(reflectance, alpha=alpha, ior=ior if ior > 1 else IOR)
 
 
-def _highlight(entry: _Entry) -> Color:
+def _highlight(entry: _MtlEntry) -> Color:
     """Ks where illum lets it count."""
     if entry.number("illum", 2) in MATT or {"pr", "pm"} & entry.words.keys():
         return BLACK
     return entry.color("ks", BLACK)
 
 
-def _shining(entry: _Entry, reflectance: Color | Bitmap) -> Material:
+def _shining(entry: _MtlEntry, reflectance: Color | Bitmap) -> Material:
     """Diffuse base under a coat with the highlight of the format's formula.
 
     Ks (N·H)^Ns / π, for light from the direction of the eye, has the width of
@@ -377,7 +377,7 @@ def _shining(entry: _Entry, reflectance: Color | Bitmap) -> Material:
 
 
 def _textured(
-    entry: _Entry,
+    entry: _MtlEntry,
     key: str,
     factor: Color,
     transforms: dict[str, tuple[Vec3s, Vec3s]],
@@ -398,7 +398,9 @@ def _textured(
     return Bitmap(pixels)
 
 
-def _mask(entry: _Entry, transforms: dict[str, tuple[Vec3s, Vec3s]]) -> Bitmap | None:
+def _mask(
+    entry: _MtlEntry, transforms: dict[str, tuple[Vec3s, Vec3s]]
+) -> Bitmap | None:
     if "map_d" not in entry.words:
         return None
     try:
@@ -408,7 +410,9 @@ def _mask(entry: _Entry, transforms: dict[str, tuple[Vec3s, Vec3s]]) -> Bitmap |
         return None
 
 
-def _place(entry: _Entry, key: str, transforms: dict[str, tuple[Vec3s, Vec3s]]) -> str:
+def _place(
+    entry: _MtlEntry, key: str, transforms: dict[str, tuple[Vec3s, Vec3s]]
+) -> str:
     """Name of a map's file from the scene's folder; how it lies is written down."""
     rest, place = entry.words[key], {"-s": np.ones(2), "-o": np.zeros(2)}
     while found := re.match(r"(-[a-z]+)\s+(.*)", rest):
@@ -426,7 +430,7 @@ def _place(entry: _Entry, key: str, transforms: dict[str, tuple[Vec3s, Vec3s]]) 
 
 
 def _is_harmless(option: str, values: list[str]) -> bool:
-    if OPTIONS.get(option, Fate.REPLACED) is Fate.HARMLESS:
+    if OPTIONS.get(option, Use.REPLACED) is Use.HARMLESS:
         return True
     return " ".join(values) in NEUTRAL.get(option, ())
 

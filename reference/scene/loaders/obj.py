@@ -15,30 +15,30 @@ from reference.scene.loaders.ascii_table import (
     words_of,
 )
 from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.parts import Part, fans, linear_colors
-from reference.scene.loaders.words import Fate, Word
+from reference.scene.loaders.parts import MeshPart, fans, linear_colors
+from reference.scene.loaders.words import Use, Word
 
 FREE_FORM = (
     *("vp", "cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim"),
     *("hole", "scrv", "sp", "end", "con", "call", "csh"),
 )
 WORDS = (
-    Word("line", "v", Fate.MODELLED, "x y z; r g b after them are sRGB vertex colours"),
-    Word("line", "vt", Fate.MODELLED, "u v"),
-    Word("line", "vn", Fate.MODELLED),
-    Word("line", "f", Fate.MODELLED, "fans of triangles; indices may count backwards"),
-    Word("line", "mtllib", Fate.MODELLED, "one file or several; names with spaces"),
-    Word("line", "usemtl", Fate.MODELLED),
-    Word("line", "g", Fate.HARMLESS, "a name"),
-    Word("line", "o", Fate.HARMLESS, "a name"),
-    Word("line", "s", Fate.REPLACED, "flat faces; harmless where faces have vn, and 0"),
-    Word("line", "l", Fate.HARMLESS, "a line has no area"),
-    Word("line", "p", Fate.HARMLESS, "a point has no area"),
-    Word("line", "mg", Fate.HARMLESS, "for free-form surfaces"),
-    Word("line", "lod", Fate.HARMLESS, "for viewers"),
-    *(Word("line", name, Fate.REPLACED, "left out") for name in FREE_FORM),
+    Word("line", "v", Use.MODELLED, "x y z; r g b after them are sRGB vertex colours"),
+    Word("line", "vt", Use.MODELLED, "u v"),
+    Word("line", "vn", Use.MODELLED),
+    Word("line", "f", Use.MODELLED, "fans of triangles; indices may count backwards"),
+    Word("line", "mtllib", Use.MODELLED, "one file or several; names with spaces"),
+    Word("line", "usemtl", Use.MODELLED),
+    Word("line", "g", Use.HARMLESS, "a name"),
+    Word("line", "o", Use.HARMLESS, "a name"),
+    Word("line", "s", Use.REPLACED, "flat faces; harmless where faces have vn, and 0"),
+    Word("line", "l", Use.HARMLESS, "a line has no area"),
+    Word("line", "p", Use.HARMLESS, "a point has no area"),
+    Word("line", "mg", Use.HARMLESS, "for free-form surfaces"),
+    Word("line", "lod", Use.HARMLESS, "for viewers"),
+    *(Word("line", name, Use.REPLACED, "left out") for name in FREE_FORM),
 )
-HARMLESS = {word.name for word in WORDS if word.fate is Fate.HARMLESS}
+HARMLESS = {word.name for word in WORDS if word.use is Use.HARMLESS}
 NUMBERS = {"v": 3, "vt": 1, "vn": 3}  # that a line has at least
 FIELDS = {"v": "vertex", "vt": "texture coordinate", "vn": "normal"}  # of a corner
 
@@ -170,7 +170,7 @@ def _plain_text(contents: bytes, name: str, ledger: Ledger) -> bytes:
         contents = contents.decode("utf-16", "replace").encode()
     contents = contents.removeprefix(BOM_UTF8)
     if b"\0" in contents:
-        ledger.stop(f"{name}this is no text; an OBJ file is, in UTF-8")
+        ledger.stop(f"{name}this is not text; an OBJ file is UTF-8 text")
     if b"\n" not in contents:
         contents = contents.replace(b"\r", b"\n")
     return contents + b"\n"
@@ -199,7 +199,7 @@ def _refuse_words(
             ledger.replace(f'{text.where(line)}: "{key}" is not modelled', "left out")
 
 
-def read_obj_faces(text: ObjText, ledger: Ledger) -> list[Part]:
+def read_obj_faces(text: ObjText, ledger: Ledger) -> list[MeshPart]:
     """All triangles of an OBJ file; nothing is merged or dropped.
 
     Parameters
@@ -211,7 +211,7 @@ def read_obj_faces(text: ObjText, ledger: Ledger) -> list[Part]:
 
     Returns
     -------
-    list of Part
+    list of MeshPart
         Of one material each, in the order of their names; one whose faces differ in
         having normals or texture coordinates makes several.
 
@@ -239,7 +239,7 @@ def read_obj_faces(text: ObjText, ledger: Ledger) -> list[Part]:
         kept, faces = _distinct(triples * [1, has := key >> 1 & 1, key & 1])
         v, t, n = triples[kept].T
         parts.append(
-            Part(
+            MeshPart(
                 material=names[key // 4],
                 vertices=vertices[v],
                 faces=faces.reshape(-1, 3),

@@ -10,7 +10,7 @@ from reference.scene.loaders.pictures import decode_srgb
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Part:
+class MeshPart:
     """Triangles of one material, as a file has them.
 
     Attributes

@@ -188,8 +188,8 @@ def _stored(
     # Pillow's decoders raise OSError, SyntaxError, ValueError, struct.error, ...
     except Exception as error:
         raise UsageError(
-            f"{name} is damaged or no picture that can be read: {', '.join(FORMATS)},"
-            " EXR and HDR can, with 8 bits a channel or 16 of grey"
+            f"{name} is damaged, or not a picture of a format that can be read:"
+            f" {', '.join(FORMATS)}, EXR or HDR, with 8 bits a channel or 16 of grey"
         ) from error
 
 
@@ -236,7 +236,7 @@ def decode_radiance_hdr(contents: bytes, name: str, ledger: Ledger) -> Vec3s:
     line, _, data = body.partition(b"\n")
     size = RESOLUTION.fullmatch(line)
     if not head.startswith(b"#?") or not separator or not size:
-        raise UsageError(f"{name} is no Radiance file with rows from the top left")
+        raise UsageError(f"{name} is not a Radiance file with rows from the top left")
     height, width = int(size[1]), int(size[2])
     if not height or not width:
         raise UsageError(f"{name} has no pixels; {width}x{height} in its header")

@@ -8,8 +8,8 @@ import numpy as np
 from reference.arrays import Indices, Scalars
 from reference.scene.loaders.ascii_table import numbers_of
 from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.parts import Part, fans, linear_colors
-from reference.scene.loaders.words import Fate, Word
+from reference.scene.loaders.parts import MeshPart, fans, linear_colors
+from reference.scene.loaders.words import Use, Word
 
 TYPES = {
     **dict.fromkeys(("char", "int8"), "i1"),
@@ -27,24 +27,24 @@ NORMAL = ("nx", "ny", "nz")
 PLACES_ON_PICTURE = (("u", "v"), ("s", "t"), ("texture_u", "texture_v"))
 COLORS = (("red", "green", "blue"), ("diffuse_red", "diffuse_green", "diffuse_blue"))
 WORDS = (
-    Word("element", "vertex", Fate.MODELLED),
-    Word("element", "face", Fate.MODELLED, "fans of triangles"),
-    Word("element", "tristrips", Fate.MODELLED, "-1 begins a new strip"),
-    Word("element", "edge", Fate.HARMLESS, "an edge has no area"),
-    Word("element", "any other", Fate.HARMLESS, "noted"),
-    Word("vertex", "x, y, z", Fate.MODELLED),
-    Word("vertex", "nx, ny, nz", Fate.MODELLED),
-    *(Word("vertex", f"{u}, {v}", Fate.MODELLED) for u, v in PLACES_ON_PICTURE),
+    Word("element", "vertex", Use.MODELLED),
+    Word("element", "face", Use.MODELLED, "fans of triangles"),
+    Word("element", "tristrips", Use.MODELLED, "-1 begins a new strip"),
+    Word("element", "edge", Use.HARMLESS, "an edge has no area"),
+    Word("element", "any other", Use.HARMLESS, "noted"),
+    Word("vertex", "x, y, z", Use.MODELLED),
+    Word("vertex", "nx, ny, nz", Use.MODELLED),
+    *(Word("vertex", f"{u}, {v}", Use.MODELLED) for u, v in PLACES_ON_PICTURE),
     *(
-        Word("vertex", ", ".join(rgb), Fate.MODELLED, "whole numbers are sRGB")
+        Word("vertex", ", ".join(rgb), Use.MODELLED, "whole numbers are sRGB")
         for rgb in COLORS
     ),
-    Word("vertex", "alpha", Fate.REPLACED, "opaque; the largest value is harmless"),
-    Word("vertex", "any other", Fate.HARMLESS, "no part of a surface"),
-    *(Word("face, tristrips", name, Fate.MODELLED) for name in INDICES),
-    Word("face", "red, green, blue", Fate.REPLACED, "ignored"),
-    Word("face", "texcoord", Fate.HARMLESS, "a PLY file names no picture"),
-    Word("face", "any other", Fate.HARMLESS, "no part of a surface"),
+    Word("vertex", "alpha", Use.REPLACED, "opaque; the largest value is harmless"),
+    Word("vertex", "any other", Use.HARMLESS, "no part of a surface"),
+    *(Word("face, tristrips", name, Use.MODELLED) for name in INDICES),
+    Word("face", "red, green, blue", Use.REPLACED, "ignored"),
+    Word("face", "texcoord", Use.HARMLESS, "a PLY file names no picture"),
+    Word("face", "any other", Use.HARMLESS, "no part of a surface"),
 )
 
 
@@ -82,7 +82,7 @@ class _TooShortError(Exception):
     """The file ends too early."""
 
 
-def read_ply(contents: bytes, name: str, ledger: Ledger) -> Part:
+def read_ply(contents: bytes, name: str, ledger: Ledger) -> MeshPart:
     """All triangles of a PLY file; nothing is merged or dropped.
 
     Parameters
@@ -96,7 +96,7 @@ def read_ply(contents: bytes, name: str, ledger: Ledger) -> Part:
 
     Returns
     -------
-    Part
+    MeshPart
         Without a material.
 
     Raises
@@ -278,7 +278,7 @@ def _table_row_by_row(
     return table, at
 
 
-def _part(tables: dict[str, dict[str, _Column]], name: str, ledger: Ledger) -> Part:
+def _part(tables: dict[str, dict[str, _Column]], name: str, ledger: Ledger) -> MeshPart:
     vertex = tables.get("vertex", {})
     if not {"x", "y", "z"} <= vertex.keys():
         ledger.stop(f"{name}its vertices lack x, y or z")
@@ -304,7 +304,7 @@ def _part(tables: dict[str, dict[str, _Column]], name: str, ledger: Ledger) -> P
         colors = _columns(vertex, rgb) / most
         if (most > 1).any():  # whole numbers are sRGB, as in pictures
             colors = linear_colors(colors, name, ledger)
-    return Part(
+    return MeshPart(
         material=None,
         vertices=_columns(vertex, ("x", "y", "z")),
         faces=triangles,
@@ -342,7 +342,7 @@ def _indices(
         (np.abs(values) < 2**53) & (values == np.floor(values))
     )
     if not np.all(whole):
-        ledger.stop(f"{name}an index of its {what} is no whole number")
+        ledger.stop(f"{name}an index of its {what} is not a whole number")
     return values.astype(np.int64), sizes
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 
-class Fate(StrEnum):
+class Use(StrEnum):
     """What a loader does with a word."""
 
     MODELLED = "modelled"
@@ -27,7 +27,7 @@ class Word:
         Where it stands: "material", "perspective camera".
     name : str
         As the file spells it.
-    fate : Fate
+    use : Use
         What the loader does with it.
     remark : str
         What stands in for it, or within which limits it is modelled.
@@ -35,5 +35,5 @@ class Word:
 
     element: str
     name: str
-    fate: Fate
+    use: Use
     remark: str = ""

@@ -16,7 +16,7 @@ from reference.scene.surface import SurfacePoints
 
 
 @dataclass(frozen=True, slots=True)
-class _Passage:
+class _Crossing:
     """How light passes from wi to wo by way of one microfacet, N rows."""
 
     facets: Facets
@@ -28,7 +28,7 @@ class _Passage:
     possible: Masks
 
 
-def _passage(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> _Passage:
+def _crossing(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> _Crossing:
     """Cosines, and per area of microfacets the density of wi over that of h.
 
     ``share`` is the Fresnel term times |∂h/∂wi| max(0, wo·h): F / 4 for what is
@@ -51,7 +51,7 @@ def _passage(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> _Passage
     spread = divide_or_zero(spread, stretch * stretch)
     share = np.where(reflects, 0.25 * fresnel, (1.0 - fresnel) * spread)
     facets = table.facets(points.material)
-    return _Passage(facets, cos_o, np.abs(cos_i), dot(n, h), cos_d, share, possible)
+    return _Crossing(facets, cos_o, np.abs(cos_i), dot(n, h), cos_d, share, possible)
 
 
 def scattering(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Vec3s:
@@ -76,7 +76,7 @@ def scattering(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Vec3s:
     [Walter07], refraction divided by η² since radiance spreads over
     another solid angle [Veach97, Eq. 5.2].
     """
-    p, eta = _passage(table, points, wi), relative_index(table, points)
+    p, eta = _crossing(table, points, wi), relative_index(table, points)
     lobe = p.facets.density(p.cos_h)
     lobe = lobe * p.facets.masking(p.cos_i) * p.facets.masking(p.cos_o) * p.share
     lobe = np.where(dot(points.shading, wi) < 0, lobe / (eta * eta), lobe)
@@ -105,7 +105,7 @@ def pdf(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Scalars:
     -----
     [Walter07]: that of the microfacet's normal times |∂h/∂wi|.
     """
-    p = _passage(table, points, wi)
+    p = _crossing(table, points, wi)
     lobe = p.facets.density(p.cos_h) * p.facets.shown(p.cos_h, p.cos_o, p.cos_d)
     return divide_or_zero(np.where(p.possible, lobe * p.share, 0.0), np.abs(p.cos_o))
 

@@ -81,7 +81,7 @@ def boiling_tile(x: Indices, y: Indices, width: int) -> Indices:
 
 
 def parity(x: Indices, y: Indices, width: int, frame: int) -> Indices:
-    """What is even where a pixel draws anew: x + y + frame.
+    """What is even where a pixel draws again: x + y + frame.
 
     Parameters
     ----------

@@ -124,11 +124,11 @@ class Choice:
         Returns
         -------
         Decisions
-            No more rows can be excused than are open, so that all may be.
+            No more rows can differ than are open, so that all may.
         """
-        excused = ~self.certain & (found != self.own)
+        differing = ~self.certain & (found != self.own)
         none = np.zeros(len(self.own), bool)
-        return Decisions(none, int(excused.sum()), float((~self.certain).sum()))
+        return Decisions(none, int(differing.sum()), float((~self.certain).sum()))
 
 
 def where_not_negative(slack: Bounded) -> Choice:

@@ -139,7 +139,7 @@ def judge_reproject(
     may_be_row &= ~alike(np.where(may_be_row, found, -1)).surely_not_positive
     own = np.where(own_before & (answers[0].value > 0), corners[0], -1)
     legal = np.where(found == -1, may_be_none, may_be_row)
-    excused = legal & (found != own)
+    differing = legal & (found != own)
     # Places are spread over the pixels, whose borders they meet by chance.
     crossing = np.minimum(2 * (x.error + y.error), 1.0)[surely_before]
     unsure = answers[0].error > 0
@@ -148,7 +148,7 @@ def judge_reproject(
         {"x": x.value, "y": y.value, "depth": depth.value, "exact": own},
         Decisions(
             np.zeros(case.rows, bool),
-            int(excused.sum()),
+            int(differing.sum()),
             float(crossing.sum() + unsure.sum() + (before & ~surely_before).sum()),
         ),
         case.random,

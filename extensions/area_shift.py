@@ -5,7 +5,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from extensions.area_paths import AreaPaths, Placed
+from extensions.area_paths import AreaPaths, PlacedValue
 from extensions.shifting import Shift
 from reference.arrays import Indices, Masks, Scalars, Vec3s, dot
 from reference.caster import STOP
@@ -40,13 +40,13 @@ class AreaShift:
     world_to: World
 
     @property
-    def back(self) -> "AreaShift":
-        """The other way."""
+    def inverse(self) -> "AreaShift":
+        """From the paths' pixels back to where they were made."""
         return AreaShift(self.shift, self.primary, self.world_to, self.world_from)
 
     def __call__(
         self, samples: AreaPaths, pixel: Indices, dx: Scalars, dy: Scalars
-    ) -> tuple[Placed, Scalars]:
+    ) -> tuple[PlacedValue, Scalars]:
         """Shift paths.
 
         Parameters
@@ -56,7 +56,7 @@ class AreaShift:
 
         Returns
         -------
-        Placed, (N,) float64
+        PlacedValue, (N,) float64
             N rows, and the Jacobian of place and path; 0 where the path falls out of
             the pixel, or out of sight.
         """
@@ -76,7 +76,7 @@ class AreaShift:
         everyone = np.arange(len(at))
         value, jacobian = self.shift(world_to, points, everyone, samples.paths, at)
         value, jacobian = scatter(at, value, size), scatter(at, jacobian, size)
-        return Placed(x, y, value, jacobian), jacobian * factor
+        return PlacedValue(x, y, value, jacobian), jacobian * factor
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,15 +107,15 @@ class AreaNeighbor:
     dy: Scalars
     same_domain: bool = False
 
-    def shifted(self, at: Indices) -> tuple[Placed, Scalars]:
+    def shifted(self, at: Indices) -> tuple[PlacedValue, Scalars]:
         """The neighbours' paths at the receivers ``at``, which all have one, (A,)."""
         samples = take(self.reservoirs.y, self.rows[at])
         return self.shift(samples, self.pixel[at], self.dx[at], self.dy[at])
 
-    def inverse(self, samples: Any, at: Indices) -> tuple[Placed, Scalars]:
+    def inverse(self, samples: Any, at: Indices) -> tuple[PlacedValue, Scalars]:
         """The receivers' paths ``at`` back at their neighbours, (A,)."""
         some = take(samples, at)
-        return self.shift.back(some, self.rows[at], -self.dx[at], -self.dy[at])
+        return self.shift.inverse(some, self.rows[at], -self.dx[at], -self.dy[at])
 
 
 def kept_in_place(

@@ -4,11 +4,11 @@ from reference.oracle.builtin.further import FURTHER
 from reference.oracle.contract.fields import Precision
 from reference.oracle.contract.further import FURTHER_PASSES
 from reference.oracle.diagnosis.further import FURTHER_MISTAKES
+from reference.oracle.levels.further import further_cases
+from reference.oracle.levels.probe import Probe
+from reference.oracle.levels.replayed import replayed
 from reference.oracle.parts import Part
 from reference.oracle.replay.further.judges import FURTHER_JUDGES
-from reference.oracle.rungs.further import further_cases
-from reference.oracle.rungs.probe import Probe
-from reference.oracle.rungs.replayed import replayed
 
 
 def _probes(precision: Precision) -> list[Probe]:

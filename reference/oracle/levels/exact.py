@@ -10,10 +10,10 @@ from reference.arrays import Scalars
 from reference.exactness.numbers import Exact
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
+from reference.oracle.levels.exact_formulas import FORMULAS, rows_of
+from reference.oracle.levels.probe import Finding
+from reference.oracle.levels.replayed import replayed
 from reference.oracle.replay.judgement import Judgement
-from reference.oracle.rungs.exact_formulas import FORMULAS, rows_of
-from reference.oracle.rungs.probe import Finding
-from reference.oracle.rungs.replayed import replayed
 
 PLACES = {"float32": 9, "float64": 17}
 """Decimals that tell any two numbers of a type apart."""
@@ -76,7 +76,8 @@ def judged_exactly(case: Case, judgement: Judgement) -> Judgement:
     Returns
     -------
     Judgement
-        What rounding may explain is as it was: the bounds and the free decisions.
+        What rounding may explain is as it was: the bounds and the decisions within
+        rounding.
     """
     exact = exact_outputs(case)
     compared = (replace(c, expected=exact[c.name]) for c in judgement.compared)

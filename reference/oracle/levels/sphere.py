@@ -13,7 +13,7 @@ ALBEDO = np.array([0.75, 0.5, 0.25])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sphere:
+class InsideSphere:
     """The inside of the unit sphere, seen at N points.
 
     Attributes

@@ -5,10 +5,11 @@ patch, or nothing, with probability 1/5, so that a reservoir of patch x has W = 
 The radiances are such that p̂_q(x) · 5 mu_q(x) is a whole number: then so are all
 weights that arrive at q, whoever drew them, and a decision between whole numbers w of S
 is integrated by the midpoints of S cells, each at least 1 / 2S away from the threshold:
-no rounding excuses a flip.  What must come out, E[W 1{y = x}] = mu_q(x), knows nothing
+no rounding flips one.  What must come out, E[W 1{y = x}] = mu_q(x), knows nothing
 of what the weights are divided by: any division that is unbiased passes, and no other.
 With another target or another order of the stream the weights are not whole, and the
-sums are not the expectation: such a backend fails although its law may be right.
+sums are not the expectation: such a backend fails although its distribution may be
+right.
 """
 
 from itertools import product
@@ -20,18 +21,18 @@ from reference.arrays import Indices, Scalars
 from reference.oracle.buffers import given, prefixed
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision, Value
-from reference.oracle.rungs.patches import (
+from reference.oracle.levels.patches import (
     NOTHING,
     OUTCOMES,
     PLACE,
     TRUST,
     eye,
     patch_reservoirs,
-    sight,
     theory,
+    visible_bits,
     whole_weight,
 )
-from reference.oracle.rungs.probe import Examine, Finding, Probe
+from reference.oracle.levels.probe import Examine, Finding, Probe
 
 ROUNDINGS = 256
 """Of one contribution, in units of half an eps: W and J have some 20 operations, whose
@@ -49,7 +50,7 @@ def lattice_probes(precision: Precision) -> list[Probe]:
     Returns
     -------
     list of Probe
-        Of rung L1; exact, so that a right backend cannot fail.
+        Of level L1; exact, so that a right backend cannot fail.
     """
     return [
         _merge(precision),
@@ -170,7 +171,7 @@ def _moved(precision: Precision) -> Probe:
         eye(0, len(line))
         | prefixed("past", eye(who, len(line)) | patch_reservoirs(who, old))
         | _new(new)
-        | {"u": u[:, 0], "visible": sight(np.array([0, who]), [new, old])}
+        | {"u": u[:, 0], "visible": visible_bits(np.array([0, who]), [new, old])}
     )
     settings: dict[str, Value] = {"target": "scattered", "cap": 9.0, "mis": "1/Z"}
     case = Case("lattice-moved", "moved", settings, given(inputs, precision))
@@ -209,10 +210,10 @@ def _spatial(precision: Precision, with_past: bool) -> Probe:
     neighbors = np.full((count * pixels, len(around)), -1)
     neighbors[row] = row[:, None] + np.arange(1, pixels)
     visible = np.zeros((count * pixels, pixels), np.uint32)
-    lent = [*(cells[line, k] for k in everyone), past[line]]
-    visible[row] = sight(np.array(everyone), lent)
-    for k, cell in zip(everyone[1:], lent[1:-1], strict=True):
-        visible[row + everyone.index(k), :1] = sight(np.array([k]), [cell])
+    samples = [*(cells[line, k] for k in everyone), past[line]]
+    visible[row] = visible_bits(np.array(everyone), samples)
+    for k, cell in zip(everyone[1:], samples[1:-1], strict=True):
+        visible[row + everyone.index(k), :1] = visible_bits(np.array([k]), [cell])
     numbers = np.repeat(u, pixels, axis=0)
     inputs |= {
         "neighbors": neighbors,

@@ -4,18 +4,18 @@ import numpy as np
 
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
+from reference.oracle.levels.probe import Finding, Probe
 from reference.oracle.parts import judge_of
-from reference.oracle.replay.judgement import EXCUSE_ALARM, Judgement
+from reference.oracle.replay.judgement import BUDGET_ALARM, Judgement
 from reference.oracle.replay.rules import CONTRACT_RULES
-from reference.oracle.rungs.probe import Finding, Probe
 
 
-def replayed(rung: str, case: Case) -> Probe:
+def replayed(level: str, case: Case) -> Probe:
     """Question of a case that the replay answers.
 
     Parameters
     ----------
-    rung : str
+    level : str
         Of the ladder.
     case : Case
         What is asked.
@@ -23,9 +23,9 @@ def replayed(rung: str, case: Case) -> Probe:
     Returns
     -------
     Probe
-        No false alarm, but for the budget of excuses.
+        No false alarm, but for the budget of decisions within rounding.
     """
-    return Probe(rung, case, _examine)
+    return Probe(level, case, _examine)
 
 
 def _examine(case: Case, outputs: Buffers, precision: Precision) -> Finding:
@@ -40,15 +40,18 @@ def _told(case: Case, judgement: Judgement) -> str:
     if not wrong.any():
         assert judgement.decisions is not None
         return (
-            f"{judgement.decisions.excused} decisions differ where rounding leaves"
-            f" {judgement.decisions.expected_excuses:.3g} open; more than"
-            f" {judgement.decisions.budget} have a probability below {EXCUSE_ALARM:g}"
+            f"{judgement.decisions.differing} decisions differ where rounding leaves"
+            f" {judgement.decisions.expected:.3g} open; more than"
+            f" {judgement.decisions.budget} have a probability below {BUDGET_ALARM:g}"
         )
     share = f"{int(wrong.sum())} of {case.rows} rows are wrong"
     decisions = judgement.decisions
     if decisions is not None and decisions.illegal.any():
         row = int(np.flatnonzero(decisions.illegal)[0])
-        return f"{share}; in {_place(case, row)} the decision has no excuse"
+        return (
+            f"{share}; in {_place(case, row)} {decisions.what} differs from the exact"
+            " rule by more than rounding explains"
+        )
     worst = max(judgement.compared, key=lambda c: float(c.excess.max()))
     row = int(worst.excess.argmax())
     found, expected = (a[row].ravel() for a in (worst.found, worst.expected))

@@ -141,7 +141,7 @@ def whole_weight(who: int, cells: Indices) -> Indices:
     return np.where(np.append(theory().mu[who], 0.0)[cells] > 0, WHOLE[cells], 0)
 
 
-def sight(viewers: Indices, cells: list[Indices]) -> NDArray[np.uint32]:
+def visible_bits(viewers: Indices, cells: list[Indices]) -> NDArray[np.uint32]:
     """Bits of who sees which patch.
 
     Parameters

@@ -1,4 +1,4 @@
-"""Two ways to find a light, chosen or met by chance, and what each is weighted by."""
+"""MIS weights of light sampling and of BSDF sampling, by the balance heuristic."""
 
 import numpy as np
 
@@ -8,10 +8,10 @@ from reference.scene.surface import SurfacePoints
 from reference.world import World
 
 
-def share_of_choice(
-    world: World, points: SurfacePoints, wi: Vec3s, by_choice: Scalars
+def light_sampling_weight(
+    world: World, points: SurfacePoints, wi: Vec3s, pdf_light: Scalars
 ) -> Scalars:
-    """Weight of next-event estimation against the chance of meeting the light.
+    """MIS weight of light sampling against BSDF sampling.
 
     Parameters
     ----------
@@ -21,35 +21,37 @@ def share_of_choice(
         N points.
     wi : (N, 3) float64
         Unit directions to the light.
-    by_choice : (N,) float64, 1/sr
-        Density of the choice.
+    pdf_light : (N,) float64, 1/sr
+        Density of light sampling.
 
     Returns
     -------
     (N,) float64
-        1 where no light can be met by chance.
+        1 where no ray can hit a light.
     """
     if world.emitters is None or not world.emitters.can_be_hit:
         return np.ones(len(points))
-    return balance(by_choice, pdf(world.materials, points, wi))
+    return balance(pdf_light, pdf(world.materials, points, wi))
 
 
-def share_of_chance(by_chance: Scalars, delta: Masks, by_choice: Scalars) -> Scalars:
-    """Weight of meeting a light by chance against next-event estimation.
+def bsdf_sampling_weight(
+    pdf_bsdf: Scalars, delta: Masks, pdf_light: Scalars
+) -> Scalars:
+    """MIS weight of BSDF sampling, for an emitter hit, against light sampling.
 
     Parameters
     ----------
-    by_chance, by_choice : (N,) float64, 1/sr
-        Densities of both.
+    pdf_bsdf, pdf_light : (N,) float64, 1/sr
+        Densities of BSDF sampling and of light sampling.
     delta : (N,) bool
-        The ray left by a delta lobe, for which no light can be chosen.
+        The ray left by a delta lobe, which light sampling cannot find.
 
     Returns
     -------
     (N,) float64
         1 for delta lobes.
     """
-    return np.where(delta, 1.0, balance(by_chance, by_choice))
+    return np.where(delta, 1.0, balance(pdf_bsdf, pdf_light))
 
 
 def balance(mine: Scalars, other: Scalars) -> Scalars:
@@ -66,5 +68,5 @@ def balance(mine: Scalars, other: Scalars) -> Scalars:
     (N,) float
         0 to 1.  The two weights of one sample sum to 1.
     """
-    share: Scalars = np.where(mine > 0, divide_or_zero(mine, plus(mine, other)), 1.0)
-    return share
+    weight: Scalars = np.where(mine > 0, divide_or_zero(mine, plus(mine, other)), 1.0)
+    return weight

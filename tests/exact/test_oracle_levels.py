@@ -1,4 +1,4 @@
-"""Rungs without statistics: what is right passes, what is planted does not."""
+"""Levels without statistics: what is right passes, what is planted does not."""
 
 from dataclasses import replace
 from itertools import combinations
@@ -8,11 +8,11 @@ import pytest
 
 from reference.oracle.builtin.backend import FLOAT32, FLOAT64
 from reference.oracle.frames import frame_cases
-from reference.oracle.rungs.lattice import lattice_probes
-from reference.oracle.rungs.patches import EYE, PLACE, UP, theory
-from reference.oracle.rungs.relations import relations_of
-from reference.oracle.rungs.spheres import furnace, half_lit
-from reference.oracle.stage import stage
+from reference.oracle.levels.lattice import lattice_probes
+from reference.oracle.levels.patches import EYE, PLACE, UP, theory
+from reference.oracle.levels.relations import relations_of
+from reference.oracle.levels.spheres import furnace, half_lit
+from reference.oracle.prepared_frame import prepare_frame
 from reference.passes import pixels
 from reference.scene.catalogue.registry import find_scene
 
@@ -91,7 +91,7 @@ def test_lattices_see_1_over_m(precision):
 
 
 def test_lattices_do_not_care_which_side_of_u_is_taken(precision):
-    """1 - u has the same law: the replay calls it wrong, the expectation does not."""
+    """1 - u: the replay calls it wrong, the expectation does not."""
 
     def change(case, out):
         u = {n: 1 - a for n, a in case.inputs.items() if n in ("u", "u_neighbors")}
@@ -164,7 +164,7 @@ def test_the_half_lit_sphere_counts_misses():
 
 @pytest.fixture(scope="module")
 def cases():
-    return list(frame_cases(stage(find_scene("cornell-box"), 16, 1), "float32"))
+    return list(frame_cases(prepare_frame(find_scene("cornell-box"), 16, 1), "float32"))
 
 
 def all_relations(ask, cases):
@@ -259,18 +259,22 @@ def test_relations_see_what_has_a_scale_of_its_own(cases, pass_name, change, wor
 def test_a_copy_of_a_sample_is_seen_by_whom_the_sample_is():
     """Here a ray back to a sample fails, at an edge, for the one who made it."""
     found = 0
-    for case in frame_cases(stage(find_scene("many-lights"), 48, 639), "float32"):
+    for case in frame_cases(
+        prepare_frame(find_scene("many-lights"), 48, 639), "float32"
+    ):
         if case.pass_name != "spatial":
             continue
         rows, given = np.arange(case.rows), case.inputs
         around = list(given["neighbors"].T)
-        lent = [given["position"][np.maximum(row, 0)] for row in [rows, *around]]
-        lent.append(given["past_position"])
+        samples = [given["position"][np.maximum(row, 0)] for row in [rows, *around]]
+        samples.append(given["past_position"])
         for column, viewer in enumerate([rows, *around]):
             words = given["visible"][:, column]
-            bits = [words >> np.uint32(bit) & np.uint32(1) for bit in range(len(lent))]
-            for i, j in combinations(range(len(lent)), 2):
-                same = (viewer >= 0) & (lent[i] == lent[j]).all(axis=1)
+            bits = [
+                words >> np.uint32(bit) & np.uint32(1) for bit in range(len(samples))
+            ]
+            for i, j in combinations(range(len(samples)), 2):
+                same = (viewer >= 0) & (samples[i] == samples[j]).all(axis=1)
                 found += int(same.sum())
                 np.testing.assert_array_equal(bits[i][same], bits[j][same])
     assert found > 100

@@ -1,4 +1,4 @@
-"""Tests of "same law": exact by enumeration, and sharp on what is planted.
+"""Tests of "same distribution": exact by enumeration, and sharp on what is planted.
 
 Exactness needs no statistics: all choices are counted.  Where columns are drawn under
 the claim, each p-value is below ALPHA with probability at most ALPHA, independently of
@@ -17,20 +17,20 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.stats import binom, mannwhitneyu
 
+from reference.oracle.statistics.distribution import (
+    distribution_p_values,
+    location_p_values,
+    permutation_p_values,
+    permutations,
+    resolution,
+    spread_p_values,
+)
 from reference.oracle.statistics.families import (
     average_e,
     bonferroni,
     e_benjamini_hochberg,
     p_to_e,
     rejects,
-)
-from reference.oracle.statistics.law import (
-    law_p_values,
-    location_p_values,
-    permutation_p_values,
-    permutations,
-    resolution,
-    spread_p_values,
 )
 from reference.oracle.statistics.power import (
     bets_needed,
@@ -55,7 +55,9 @@ def test_sums_are_counted_as_by_hand(scores, size):
     assert {s: n for s, n in enumerate(found) if n} == expected
 
 
-@pytest.mark.parametrize("p_values", [location_p_values, spread_p_values, law_p_values])
+@pytest.mark.parametrize(
+    "p_values", [location_p_values, spread_p_values, distribution_p_values]
+)
 @given(few_values, st.integers(1, 8))
 def test_no_level_is_exceeded(p_values, values, size):
     """P(p <= t) <= t for every t: all ways to call k of n values the backend's."""
@@ -94,10 +96,14 @@ def test_seventeen_replicates_resolve_1e_9():
     low, high = np.arange(17.0)[:, None], np.arange(17.0, 34.0)[:, None]
     assert resolution(17, 17) == 2 / comb(34, 17) < 1e-9
     assert_allclose(location_p_values(low, high), resolution(17, 17), rtol=1e-13)
-    assert_allclose(law_p_values(high, low), 2 * resolution(17, 17), rtol=1e-13)
+    assert_allclose(
+        distribution_p_values(high, low), 2 * resolution(17, 17), rtol=1e-13
+    )
 
 
-@pytest.mark.parametrize("p_values", [location_p_values, spread_p_values, law_p_values])
+@pytest.mark.parametrize(
+    "p_values", [location_p_values, spread_p_values, distribution_p_values]
+)
 def test_equal_values_say_nothing(p_values):
     assert_array_equal(p_values(np.ones((5, 2)), np.ones((7, 2))), [1, 1])
 
@@ -118,7 +124,7 @@ def heavy(rng, rows, columns=COLUMNS):
 
 def test_false_alarms_stay_below_their_rate():
     rng = np.random.default_rng(2)
-    p = law_p_values(heavy(rng, 12), heavy(rng, 16))
+    p = distribution_p_values(heavy(rng, 12), heavy(rng, 16))
     print(f"{np.count_nonzero(p <= ALPHA)} of {COLUMNS} below {ALPHA}")
     assert np.count_nonzero(p <= ALPHA) <= MOST
 
@@ -128,7 +134,7 @@ def test_false_alarms_stay_below_smaller_rates():
     """40,000 columns of 32 and 32 runs without ties, at 1e-3 and 1e-4."""
     rng, columns = np.random.default_rng(8), 40_000
     a, b = np.exp(2 * rng.standard_normal((2, 32, columns)))
-    p = law_p_values(a, b)
+    p = distribution_p_values(a, b)
     for alpha in (1e-3, 1e-4):
         print(f"{np.count_nonzero(p <= alpha)} of {columns} below {alpha}")
         assert np.count_nonzero(p <= alpha) <= binom.isf(1e-9, columns, alpha)
@@ -154,7 +160,7 @@ def test_control_a_brighter_or_darker_backend_is_found(factor):
     rng = np.random.default_rng(4)
     a, b = (rng.gamma(6, 1, (32, 8)) for _ in range(2))
     a[:, 0] *= factor
-    p = law_p_values(a, b)
+    p = distribution_p_values(a, b)
     assert p[0] < 1e-6
     assert p[1:].min() > 1e-4
     assert permutation_p_values(a, b, 50.0, permutations(rng, 64, 999))[0] == 1e-3
@@ -167,7 +173,7 @@ def test_control_a_change_of_variance_alone_is_found():
     """
     rng = np.random.default_rng(5)
     a, b = 10 + 4 * rng.standard_normal((64, 8)), 10 + rng.standard_normal((64, 8))
-    assert np.count_nonzero(law_p_values(a, b) <= 1e-6) >= 7
+    assert np.count_nonzero(distribution_p_values(a, b) <= 1e-6) >= 7
     assert location_p_values(a, b).min() > 1e-4
 
 
@@ -175,7 +181,7 @@ def test_control_variance_within_images_shows_a_tenth():
     """1.1 times the noise of 1024 pixels: their spread is the functional, 24 runs."""
     rng = np.random.default_rng(6)
     a, b = (s * rng.standard_normal((24, 1024)) for s in (1.1, 1.0))
-    p = law_p_values(a.std(axis=1)[:, None], b.std(axis=1)[:, None])
+    p = distribution_p_values(a.std(axis=1)[:, None], b.std(axis=1)[:, None])
     assert p < 1e-6
 
 
@@ -184,16 +190,16 @@ def test_broken_backends_are_refused_and_broken_references_raise():
     broken = fine.copy()
     broken[3, 0], broken[5, 1] = np.nan, np.inf
     for p in (
-        law_p_values(broken, fine),
+        distribution_p_values(broken, fine),
         permutation_p_values(broken, fine, 1.0, np.arange(18)[None]),
     ):
         assert_array_equal(p == 0, [True, True, False])
     with pytest.raises(ValueError, match="finite"):
-        law_p_values(fine, broken)
+        distribution_p_values(fine, broken)
     with pytest.raises(ValueError, match="columns"):
-        law_p_values(fine, fine[:, :2])
+        distribution_p_values(fine, fine[:, :2])
     with pytest.raises(ValueError, match="replicate"):
-        law_p_values(fine[:0], fine)
+        distribution_p_values(fine[:0], fine)
 
 
 # ---------------------------------------------------------------- families

@@ -20,7 +20,7 @@ from reference.settings import UNBIASED
 from reference.world import World, build_world
 
 SCENES = ("cornell-box", "door-ajar", "sunlit-wall", "grazing-light", "many-lights")
-"""Of paint alone, and unlike: corners, a slit, grazing angles, small lights."""
+"""All diffuse, and unlike: corners, a slit, grazing angles, small lights."""
 
 FRAMES, NEIGHBORS = 4, 3
 """Frames before the one that is asked for, and neighbours of each pixel."""
@@ -37,7 +37,7 @@ SIMILARITY: dict[str, Value] = {
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Stage:
+class PreparedFrame:
     """A frame of a scene about to be resampled.
 
     Attributes
@@ -80,13 +80,13 @@ class Stage:
         return KeyedUniforms(pixel, FRAMES, self.seed, stream)
 
 
-def stage(scene: Scene, size: int, seed: int) -> Stage:
+def prepare_frame(scene: Scene, size: int, seed: int) -> PreparedFrame:
     """Render the frames before, and draw the samples of the next.
 
     Parameters
     ----------
     scene : Scene
-        Of paint alone.
+        Of diffuse surfaces alone.
     size : int, pixels
         Width and height.
     seed : int
@@ -94,20 +94,21 @@ def stage(scene: Scene, size: int, seed: int) -> Stage:
 
     Returns
     -------
-    Stage
+    PreparedFrame
         With size² rows.
 
     Raises
     ------
     UsageError
-        The scene has other materials than paint, of which the contract does not speak.
+        The scene has materials that are not diffuse, which the contract does not
+        cover.
     """
     camera = replace(scene.camera, width=size, height=size)
     world = build_world(validate(replace(scene, camera=camera)))
     if world.materials.kinds != (Kind.LAMBERTIAN,):
         raise UsageError(
-            f"scene {scene.name!r} has other materials than paint, of which the"
-            f" contract does not speak; name another, as {SCENES[0]}"
+            f"scene {scene.name!r} has materials that are not diffuse; the"
+            f" contract covers diffuse ones only: name a scene such as {SCENES[0]}"
         )
     frames = render_frames(world, UNBIASED, 1, seed, Schedule())
     last = next(islice(frames, FRAMES - 1, None))
@@ -129,4 +130,6 @@ def stage(scene: Scene, size: int, seed: int) -> Stage:
     draws = [uniforms(Stream.SPATIAL).draw(s) for s in range(NEIGHBORS)]
     rows = np.arange(size * size)
     found = find_neighbors(rows, last.visible, size, UNBIASED, draws)
-    return Stage(scene.name, world, last, initial, np.stack(found, axis=1), seed)
+    return PreparedFrame(
+        scene.name, world, last, initial, np.stack(found, axis=1), seed
+    )

@@ -17,7 +17,7 @@ from reference.arrays import Vec3s
 from reference.methods import Job
 from reference.moments import Moments, add_samples
 from reference.path_tracer import Light
-from reference.resumable import Source
+from reference.resumable import SampleSource
 from reference.scene.named import Named, find_scene_or_file, frames_of
 from reference.schedule import Schedule, bands
 from reference.workers import work
@@ -75,7 +75,7 @@ class Share:
     until: int
 
 
-def sampled_by(executor: Executor, named: Named) -> Callable[[Job], Source]:
+def sampled_by(executor: Executor, named: Named) -> Callable[[Job], SampleSource]:
     """How workers draw the samples of a job.
 
     Parameters
@@ -91,7 +91,7 @@ def sampled_by(executor: Executor, named: Named) -> Callable[[Job], Source]:
         For `reference.truth.accumulate_truth`.
     """
 
-    def source(job: Job) -> Source:
+    def source(job: Job) -> SampleSource:
         request = Request(named, job.light, job.bounces, job.seed, job.settings.pixel)
         rows = named.width * named.height
         share_rows = max(LEAST_ROWS, -(-rows // MOST_SHARES))
@@ -111,7 +111,7 @@ def sampled_by(executor: Executor, named: Named) -> Callable[[Job], Source]:
                 counts.update(rays)
             return Moments(until, mean, squares)
 
-        return Source(rows, advance, lambda: counts)
+        return SampleSource(rows, advance, lambda: counts)
 
     return source
 

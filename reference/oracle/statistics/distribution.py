@@ -1,4 +1,4 @@
-"""Whether a backend has the same law as the reference.
+"""Whether a backend has the same distribution as the reference.
 
 Replicates of both are exchangeable if it has.  The tests need nothing else, no bound
 and no moments: their p-values hold for any tail and any number of replicates.  That
@@ -19,8 +19,8 @@ from reference.oracle.statistics.ranks import (
 Floats = NDArray[np.float64]
 
 
-def law_p_values(backend: ArrayLike, reference: ArrayLike) -> Floats:
-    """P-values of "same law", twice the smaller of `location_` and `spread_p_values`.
+def distribution_p_values(backend: ArrayLike, reference: ArrayLike) -> Floats:
+    """P-values of "same distribution": twice the smaller of location's and spread's.
 
     Parameters
     ----------
@@ -148,8 +148,8 @@ def permutation_p_values(
     -------
     (columns,) float64
         (1 + #{as far apart or farther}) / (1 + P): valid at every level, but never
-        below 1 / (1 + P).  For levels like 1e-6 use `law_p_values`.  0 where the
-        backend is not finite.
+        below 1 / (1 + P).  For levels like 1e-6 use `distribution_p_values`.  0 where
+        the backend is not finite.
     """
     values, size, broken = _pooled(backend, reference)
     values = np.minimum(values, cap)

@@ -14,7 +14,7 @@ from reference.oracle.replay.verbs import choose, times
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Shifted:
+class ShiftedPath:
     """Of shifted paths.
 
     Attributes
@@ -27,10 +27,10 @@ class Shifted:
     jacobian: Bounded
 
 
-def worth_replayed(
+def shifted_by_replay(
     case: Case, last: Indices, rounding: Rounding, rules: ShiftRules
-) -> Shifted:
-    """Worth of paths that are replayed whole.
+) -> ShiftedPath:
+    """Value and Jacobian of paths that are replayed whole.
 
     Parameters
     ----------
@@ -40,13 +40,13 @@ def worth_replayed(
     value = throughput(case, last, rounding, rules.end_throughput) * light
     one = constant(1.0, value[:, 0])
     density = told(case.inputs["density"], rounding)
-    return Shifted(value, one / density if rules.replayed_over_density else one)
+    return ShiftedPath(value, one / density if rules.replayed_over_density else one)
 
 
-def worth_joined(
+def shifted_by_joining(
     case: Case, last: Indices, rounding: Rounding, rules: ShiftRules
-) -> Shifted:
-    """Worth of paths that are joined.
+) -> ShiftedPath:
+    """Value and Jacobian of paths that are joined.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ def worth_joined(
     before = throughput(case, last, rounding, rules.throughput)
     value = before * (left / p_left[:, None]) * (onward / q[:, None])
     value = times(value, share_of(case, rounding, rules)) * incoming
-    return Shifted(value, _jacobian(case, last, rounding, rules))
+    return ShiftedPath(value, _jacobian(case, last, rounding, rules))
 
 
 def throughput(case: Case, last: Indices, rounding: Rounding, whose: str) -> Bounded:
@@ -87,11 +87,11 @@ def share_of(case: Case, rounding: Rounding, rules: ShiftRules) -> Bounded:
     """Share of the technique that found a light after x_c, else 1, (N,)."""
     given = case.inputs
     name = "base_pdf_onward" if rules.share == "base" else "pdf_onward"
-    by_chance, by_choice = (told(given[n], rounding) for n in (name, "pdf_light"))
-    of_choice, of_chance = share(by_choice, by_chance), share(by_chance, by_choice)
+    p_bsdf, p_light = (told(given[n], rounding) for n in (name, "pdf_light"))
+    of_light, of_bsdf = share(p_light, p_bsdf), share(p_bsdf, p_light)
     technique = 2 if rules.share == "other" else 1
     choice = (given["technique"] == technique) | (rules.share == "choice")
-    found = choose(choice, of_choice, of_chance)
+    found = choose(choice, of_light, of_bsdf)
     alone = (given["joint"] != given["end"]) | (rules.share == "none")
     return choose(alone, constant(1.0, found), found)
 
@@ -117,7 +117,7 @@ def _jacobian(
     offset = (rules.spread_to or rules.spread)(abs(steep), squared)
     offset = right if rules.bases_distance else offset
     onward = _onward(case, rounding, rules)
-    return jacobian_of(base, offset, (p[0], p[1]), onward, rules)
+    return jacobian_of(base, offset, p=(p[0], p[1]), p_onward=onward, rules=rules)
 
 
 def _onward(

@@ -3,7 +3,7 @@
 With directions in proportion to the cosine, every estimate of a pixel is ρ times a mean
 of radiances that were met: at most ρ times the largest, whatever is reused.  The truth,
 ρ times the mean over the sphere, is known at every pixel.  So bets on the mean are
-valid for any law of the estimator, and at every moment.
+valid for any distribution of the estimator, and at every time.
 """
 
 from collections.abc import Callable, Iterator
@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from reference.arrays import Indices, Scalars
 from reference.oracle.cases import UnaskedError
 from reference.oracle.contract.fields import Precision
+from reference.oracle.levels.probe import Finding
+from reference.oracle.levels.sphere import InsideSphere, points_inside, ring
+from reference.oracle.levels.spheres import room
 from reference.oracle.loop import Ask, Run, run_frames
-from reference.oracle.rungs.probe import Finding
-from reference.oracle.rungs.sphere import Sphere, points_inside, ring
-from reference.oracle.rungs.spheres import room
 from reference.oracle.statistics.betting import e_value, open_bets, place
 from reference.oracle.statistics.certificate import (
     Certificate,
@@ -32,7 +32,7 @@ from reference.oracle.statistics.families import average_e
 from reference.oracle.statistics.power import bets_needed
 
 ALPHA = 5e-7
-"""False alarms of this rung in a run; as many are left to the test of the law."""
+"""False alarms of this level in a run; the distribution test has as many."""
 
 TARGET = 0.005
 """Bound on |bias| of the mean at which the sampling stops."""
@@ -72,7 +72,7 @@ class Mean:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Banded(Sphere):
+class _Banded(InsideSphere):
     """The inside of the unit sphere, shining in bands."""
 
     def shine(self, z: Scalars) -> Scalars:

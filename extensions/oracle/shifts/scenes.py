@@ -36,13 +36,13 @@ BLOCKS: dict[str, Material | None] = {
 }
 """Materials of both blocks of a Cornell box.
 
-In the bright box the ceiling shines, so that light is often met by chance.
+In the bright box the ceiling shines, so that rays often hit an emitter.
 Of the rough metal √alpha is above the usual threshold of 0.2, and alpha is not.
 """
 
 
 @dataclass(frozen=True, slots=True)
-class Numbers:
+class PathNumbers:
     """Random numbers of paths by their numbers: pixel, and frame times pixels."""
 
     pixels: int
@@ -60,7 +60,7 @@ class Numbers:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Frame:
+class DrawnPaths:
     """Paths of a frame, one for each pixel.
 
     Attributes
@@ -71,7 +71,7 @@ class Frame:
 
     world: World
     points: SurfacePoints
-    numbers: Numbers
+    numbers: PathNumbers
     paths: Paths
 
 
@@ -107,7 +107,7 @@ def _other(scene: str, mesh: Mesh) -> Mesh:
 @cache
 def frame_of(
     scene: str, size: int, seed: int, frame: int, bounces: int, criterion: Criterion
-) -> Frame:
+) -> DrawnPaths:
     """Paths of a frame.
 
     Parameters
@@ -116,7 +116,14 @@ def frame_of(
     seed, frame : int; of the random numbers
     """
     world, points = room(scene, size)
-    numbers = Numbers(size * size, seed)
+    numbers = PathNumbers(size * size, seed)
     number = np.arange(size * size) + frame * size * size
-    drawn = draw_paths(world, points, bounces, criterion, number, numbers(number))
-    return Frame(world, points, numbers, drawn.y)
+    drawn = draw_paths(
+        world,
+        points,
+        bounces=bounces,
+        criterion=criterion,
+        number=number,
+        uniforms=numbers(number),
+    )
+    return DrawnPaths(world, points, numbers, drawn.y)

@@ -1,4 +1,4 @@
-"""What other packages announce through entry points, found by name."""
+"""Plug-ins: what other packages register by entry points, found by name."""
 
 from importlib.metadata import EntryPoint, entry_points
 from typing import TypeVar
@@ -8,8 +8,8 @@ from reference.errors import UsageError
 Kind = TypeVar("Kind")
 
 
-def announced_names(group: str) -> list[str]:
-    """Names that packages announce in a group.
+def plugin_names(group: str) -> list[str]:
+    """Names that packages register in a group.
 
     Parameters
     ----------
@@ -25,8 +25,8 @@ def announced_names(group: str) -> list[str]:
     return sorted({point.name for point in entry_points(group=group)})
 
 
-def announced(group: str, name: str, kind: type[Kind], word: str) -> Kind | None:
-    """What a package announces under a name.
+def find_plugin(group: str, name: str, kind: type[Kind], word: str) -> Kind | None:
+    """The plug-in of a name.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def announced(group: str, name: str, kind: type[Kind], word: str) -> Kind | None
     Returns
     -------
     object or None
-        ``None`` where nobody announces it.
+        ``None`` where no package registers it.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def announced(group: str, name: str, kind: type[Kind], word: str) -> Kind | None
         return None
     if len(points) > 1:
         raise UsageError(
-            f"{word} {name!r} is announced by {' and by '.join(map(_origin, points))};"
+            f"{word} {name!r} is registered by {' and by '.join(map(_origin, points))};"
             " uninstall all but one"
         )
     return _load(points[0], kind, word)
@@ -72,8 +72,8 @@ def _load(point: EntryPoint, kind: type[Kind], word: str) -> Kind:
         ) from error
     if not isinstance(found, kind) or getattr(found, "name", None) != point.name:
         raise UsageError(
-            f"{word} {point.name!r} of {_origin(point)} is {found!r:.80}, which is no"
-            f" {kind.__module__}.{kind.__qualname__} of that name;"
+            f"{word} {point.name!r} of {_origin(point)} is {found!r:.80}, which is not"
+            f" a {kind.__module__}.{kind.__qualname__} of that name;"
             " repair or uninstall that package"
         )
     return found

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.arrays import Indices, Masks, Vec3s
-from reference.oracle.stage import NEIGHBORS
+from reference.oracle.prepared_frame import NEIGHBORS
 from reference.passes.gbuffer import visible_points
 from reference.passes.neighbors import find_neighbors
 from reference.path_tracer import follow, reflected_radiance
@@ -23,7 +23,7 @@ from reference.world import World, build_world
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SceneTheatre:
+class SceneHarness:
     """A scene that R runs look at, run after run in rows.
 
     Attributes
@@ -133,13 +133,13 @@ class SceneTheatre:
         return KeyedUniforms(pixel, frame, self.seed, stream)
 
 
-def open_theatre(scene: str, size: int, runs: int, seed: int) -> SceneTheatre:
+def open_harness(scene: str, size: int, runs: int, seed: int) -> SceneHarness:
     """Make a built-in scene ready for many runs.
 
     Parameters
     ----------
     scene : str
-        Of paint alone.
+        Of diffuse surfaces alone.
     size : int, pixels
         Width and height.
     runs : int
@@ -149,7 +149,7 @@ def open_theatre(scene: str, size: int, runs: int, seed: int) -> SceneTheatre:
 
     Returns
     -------
-    SceneTheatre
+    SceneHarness
         R · size² rows.
     """
     found = find_scene(scene)
@@ -157,4 +157,4 @@ def open_theatre(scene: str, size: int, runs: int, seed: int) -> SceneTheatre:
     world = build_world(validate(replace(found, camera=camera)))
     visible = visible_points(world, *pixel_centers(size, size))
     surface = take(visible.surface, np.tile(np.arange(size * size), runs))
-    return SceneTheatre(world, visible, surface, runs, seed)
+    return SceneHarness(world, visible, surface, runs, seed)

@@ -36,7 +36,7 @@ class Probe:
 
     Attributes
     ----------
-    rung : str
+    level : str
         "L0" to "L4".
     case : Case
         What is asked.
@@ -44,7 +44,7 @@ class Probe:
         What the answer shows.
     """
 
-    rung: str
+    level: str
     case: Case
     examine: Examine
 

@@ -10,7 +10,7 @@ from reference.arrays import normalize
 from reference.oracle.buffers import given
 from reference.oracle.cases import Case
 from reference.oracle.contract.fields import Precision, Value
-from reference.oracle.rungs.further_views import (
+from reference.oracle.levels.further_views import (
     ROWS,
     WIDTH,
     Parts,

@@ -20,11 +20,11 @@ from reference.oracle.backends.open import open_backend
 from reference.oracle.backends.running import Limits
 from reference.oracle.cases import NO_TIME, UnaskedError
 from reference.oracle.contract.fields import Precision
-from reference.oracle.ladder import law_step, statistical_rungs
+from reference.oracle.ladder import distribution_step, statistical_levels
+from reference.oracle.levels.distribution import SCENES
+from reference.oracle.levels.means import replicates
 from reference.oracle.parts import whole_contract
-from reference.oracle.rungs.law import SCENES
-from reference.oracle.rungs.means import replicates
-from reference.oracle.steps import Asker, Rung, Step
+from reference.oracle.steps import Asker, Level, LevelStep
 from reference.workers import ahead
 
 AHEAD = 32
@@ -85,14 +85,14 @@ def batch(reached: Reached, seed: int) -> NDArray[np.float64]:
     Returns
     -------
     (R, 1 + T) float64
-        As of :func:`reference.oracle.rungs.means.replicates`.
+        As of :func:`reference.oracle.levels.means.replicates`.
     """
     backend = reached.open()
     return replicates(Asker(whole_contract(), backend), backend.precision, seed)
 
 
-def law(reached: Reached, scene: str) -> Step:
-    """Step of the law in one scene, with the backend of this process.
+def distribution(reached: Reached, scene: str) -> LevelStep:
+    """Step of the distribution test in one scene, with the backend of this process.
 
     Parameters
     ----------
@@ -103,19 +103,19 @@ def law(reached: Reached, scene: str) -> Step:
 
     Returns
     -------
-    Step
+    LevelStep
         As if it had been taken here.
     """
-    return law_step(whole_contract(), reached.open(), scene)
+    return distribution_step(whole_contract(), reached.open(), scene)
 
 
-def rungs_afar(
+def distributed_levels(
     reached: Reached,
     backend: Backend,
     executor: Executor,
     remaining: Callable[[], float],
-) -> Iterator[Rung]:
-    """Rungs of whole runs, of which other processes make all but the first batch.
+) -> Iterator[Level]:
+    """Levels of whole runs, of which other processes make all but the first batch.
 
     Parameters
     ----------
@@ -130,20 +130,22 @@ def rungs_afar(
 
     Yields
     ------
-    rung, title, callable
-        As of :func:`reference.oracle.ladder.statistical_rungs`.
+    level, title, callable
+        As of :func:`reference.oracle.ladder.statistical_levels`.
     """
-    found = {s: executor.submit(law, reached, s) for s in SCENES}
+    found = {s: executor.submit(distribution, reached, s) for s in SCENES}
 
-    def law_of(scene: str) -> Step:
+    def distribution_of(scene: str) -> LevelStep:
         try:
             return found[scene].result(min(max(remaining(), 0.0), TIMEOUT_MAX))
         except TimeoutError as error:
             raise UnaskedError(NO_TIME.reason) from error
 
-    laws = {scene: partial(law_of, scene) for scene in SCENES}
+    distributions = {scene: partial(distribution_of, scene) for scene in SCENES}
 
     def batches(first: int) -> Iterator[NDArray[np.float64]]:
         return ahead(executor, partial(batch, reached), count(first), AHEAD, remaining)
 
-    yield from statistical_rungs(whole_contract(), backend, remaining, batches, laws)
+    yield from statistical_levels(
+        whole_contract(), backend, remaining, batches, distributions
+    )

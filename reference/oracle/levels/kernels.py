@@ -9,16 +9,16 @@ from reference.arrays import Scalars, Vec3s
 from reference.oracle.buffers import given
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
-from reference.oracle.rungs.exact import examined_exactly
-from reference.oracle.rungs.exact_extremes import (
+from reference.oracle.levels.exact import examined_exactly
+from reference.oracle.levels.exact_extremes import (
     direction_case,
     jacobian_reaches,
     similar_extremes,
     target_extremes,
 )
-from reference.oracle.rungs.probe import Finding, Probe
-from reference.oracle.rungs.replayed import replayed
-from reference.oracle.rungs.worst import worst_cases
+from reference.oracle.levels.probe import Finding, Probe
+from reference.oracle.levels.replayed import replayed
+from reference.oracle.levels.worst import worst_cases
 
 ROWS = 2048
 
@@ -38,7 +38,7 @@ def kernel_probes(precision: Precision, seed: int = 2026) -> tuple[Probe, ...]:
     Returns
     -------
     tuple of Probe
-        Of rung L0.  All but ``random``, which is integer, are held against exact
+        Of level L0.  All but ``random``, which is integer, are held against exact
         numbers, which are calculated when an answer is examined.
     """
     rng = np.random.default_rng(seed)

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reference.oracle.cases import Buffers, Case
+from reference.oracle.levels.probe import Finding
 from reference.oracle.loop import Ask
-from reference.oracle.rungs.probe import Finding
 
 Change = Callable[[dict[str, NDArray[Any]]], dict[str, NDArray[Any]]]
 

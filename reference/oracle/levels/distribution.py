@@ -1,8 +1,8 @@
-"""L4: whether a backend has the same law as the reference, in real scenes.
+"""L4: whether a backend has the same distribution as the reference, in real scenes.
 
 Under the null hypothesis the runs of both are exchangeable, so that ranks are exact for
-any law and any number of runs: fireflies cost nothing.  A bias far below the noise of a
-few runs is not seen here; it is the lattices' and the replay's to find.
+any distribution and any number of runs: fireflies cost nothing.  A bias far below the
+noise of a few runs is not seen here; it is the lattices' and the replay's to find.
 """
 
 from dataclasses import dataclass
@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 from reference.oracle.builtin.backend import BuiltIn
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
+from reference.oracle.levels.probe import Finding
 from reference.oracle.loop import Ask, Run, run_frames
-from reference.oracle.rungs.probe import Finding
+from reference.oracle.scene_harness import open_harness
+from reference.oracle.statistics.distribution import distribution_p_values
 from reference.oracle.statistics.families import bonferroni
-from reference.oracle.statistics.law import law_p_values
-from reference.oracle.theatre import open_theatre
 
 ALPHA = 5e-7
-"""False alarms of this rung in a run, all scenes and functionals together."""
+"""False alarms of this level in a run, all scenes and functionals together."""
 
 SCENES = ("cornell-box", "door-ajar", "sunlit-wall", "many-lights")
 
@@ -29,7 +29,7 @@ SIZE, RUNS, TILE, FRAMES = 16, 48, 4, 3
 
 
 @dataclass(frozen=True, slots=True)
-class Law:
+class DistributionTest:
     """What the ranks have shown in one scene.
 
     Attributes
@@ -44,14 +44,14 @@ class Law:
     p: float
 
 
-def same_law(
+def same_distribution(
     ask: Ask,
     precision: Precision,
     scene: str,
     tests: int = len(SCENES),
     alpha: float = ALPHA,
     seed: int = 0,
-) -> Law:
+) -> DistributionTest:
     """Compare independent runs of a backend with as many of the reference.
 
     Parameters
@@ -61,7 +61,7 @@ def same_law(
     precision : 'float32' or 'float64'
         Of the backend.
     scene : str
-        Built-in, of paint alone.
+        Built-in, of diffuse surfaces alone.
     tests : int
         Scenes that are tested, among which alpha is shared.
     alpha : float
@@ -71,7 +71,7 @@ def same_law(
 
     Returns
     -------
-    Law
+    DistributionTest
         The functionals are the means of tiles, capped and not, how many pixels are
         black, the spread within the image and the mean of M.
     """
@@ -85,15 +85,16 @@ def same_law(
     reference = _runs(ask_ours, "float64", scene, 2 * seed + 1)
     # The same whoever made which run: else runs would not be exchangeable.
     cap = 2 * float(np.median([color.mean() for color, _ in (*theirs, *reference)]))
-    p = law_p_values(_functionals(theirs, cap), _functionals(reference, cap))
+    p = distribution_p_values(_functionals(theirs, cap), _functionals(reference, cap))
     whole = bonferroni(p)
     if whole * tests >= alpha:
-        return Law(Finding(True), whole)
+        return DistributionTest(Finding(True), whole)
     text = (
-        f"{scene}: runs do not have the law of the reference, p = {whole:.2g} in"
-        f" {len(p)} functionals; the first is {_name(int(np.argmin(p)))}"
+        f"{scene}: runs do not have the distribution of the reference,"
+        f" p = {whole:.2g} in {len(p)} functionals; the first is"
+        f" {_name(int(np.argmin(p)))}"
     )
-    return Law(Finding(False, text), whole)
+    return DistributionTest(Finding(False, text), whole)
 
 
 Runs = list[tuple[NDArray[Any], NDArray[Any]]]
@@ -101,9 +102,9 @@ Runs = list[tuple[NDArray[Any], NDArray[Any]]]
 
 def _runs(ask: Ask, precision: Precision, scene: str, seed: int) -> Runs:
     """Colour and M of the last frame, a run each."""
-    theatre = open_theatre(scene, SIZE, RUNS, seed)
+    harness = open_harness(scene, SIZE, RUNS, seed)
     run = Run(frames=FRAMES, source="uniform", seed=seed)
-    shown = run_frames(ask, theatre, theatre.neighbors, run, precision)[-1]
+    shown = run_frames(ask, harness, harness.neighbors, run, precision)[-1]
     color = shown.color.astype(float).mean(axis=1).reshape(RUNS, -1)
     M = shown.spatial["M"].astype(float).reshape(RUNS, -1)
     return list(zip(color, M, strict=True))

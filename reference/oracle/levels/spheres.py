@@ -13,9 +13,9 @@ import numpy as np
 
 from reference.arrays import Masks
 from reference.oracle.contract.fields import Precision
+from reference.oracle.levels.probe import Finding
+from reference.oracle.levels.sphere import ALBEDO, InsideSphere, points_inside, ring
 from reference.oracle.loop import Ask, Run, run_frames
-from reference.oracle.rungs.probe import Finding
-from reference.oracle.rungs.sphere import ALBEDO, Sphere, points_inside, ring
 
 ROUNDINGS = 512
 """Of one estimate, in units of half an eps, times the largest 1 / cos: two merges of
@@ -43,7 +43,7 @@ def furnace(ask: Ask, precision: Precision, rows: int = 512) -> Finding:
     Finding
         A right backend cannot fail.
     """
-    sphere = Sphere(points_inside(rows, 1), 2.0)
+    sphere = InsideSphere(points_inside(rows, 1), 2.0)
     frames = run_frames(ask, sphere, lambda f: ring(rows, 3, f), Run(), precision)
     for number, shown in enumerate(frames):
         clear = _clear(sphere, shown.spatial)
@@ -77,7 +77,7 @@ def half_lit(ask: Ask, precision: Precision, rows: int = 512) -> Finding:
     Finding
         A right backend cannot fail; M here is no larger than the caps.
     """
-    sphere = Sphere(points_inside(rows, 2), 0.0)
+    sphere = InsideSphere(points_inside(rows, 2), 0.0)
     run = Run(temporal_cap=1e4, spatial_cap=1e4)
     frames = run_frames(ask, sphere, lambda f: ring(rows, 2, f), run, precision)
     confidence, before = 0.0, 0.0
@@ -100,7 +100,7 @@ def half_lit(ask: Ask, precision: Precision, rows: int = 512) -> Finding:
             return Finding(
                 False,
                 f"half-lit sphere, frame {number}: pixel {row} counts {count[row]:.6g}"
-                f" lit samples of {confidence:g}, which is no whole number"
+                f" lit samples of {confidence:g}, which is not a whole number"
                 f" ({int(bad.sum())} of {rows} pixels)",
             )
     return Finding(True)
@@ -122,7 +122,7 @@ def room(precision: Precision) -> float:
     return ROUNDINGS * float(np.finfo(precision).eps) / 2 / LEAST_COSINE
 
 
-def _clear(sphere: Sphere, kept: Any) -> Masks:
+def _clear(sphere: InsideSphere, kept: Any) -> Masks:
     """Rows whose sample is not so near that rounding hides its cosine."""
     d = np.linalg.norm(kept["position"] - sphere.position, axis=1)
     far: Masks = (d / 2 > LEAST_COSINE) | (kept["W"] == 0)

@@ -1,1 +1,0 @@
-"""Rungs of the ladder, the cheap ones first."""
