@@ -78,7 +78,7 @@ def area_reused(
 
 
 def area_drawn(frame: FrameContext[AreaSettings], rows: slice) -> Reservoirs:
-    """Paths that the areas of K pixels draw anew; M = 1."""
+    """Paths that the areas of K pixels draw in this frame; M = 1."""
     shift, number = path_shift(frame), frame.numbers(rows)
     tree = draw_area_paths(
         frame.world,
@@ -98,7 +98,7 @@ def _temporal(
     drawn: Callable[[slice], Reservoirs],
     rows: slice,
 ) -> Reservoirs:
-    """The history of each area, window by window, and what it draws anew."""
+    """The history of each area, window by window, and what it draws."""
     s, new = frame.settings, drawn(rows)
     own = _canonical(frame, new, np.arange(len(new.M)), rows)
     past = windows(frame, last, own.pixel)

@@ -14,7 +14,7 @@ from extensions.shifting import (
     Paths,
     Step,
     Technique,
-    arrive,
+    advance,
     leave,
     start,
 )
@@ -74,7 +74,7 @@ def draw_paths(
         if is_last:
             break
         # On to x_(v+1).
-        before, step = step, arrive(world, criterion, step, vertex, leaving)
+        before, step = step, advance(world, criterion, step, vertex, leaving)
         if vertex > 1:
             trunk = trunk.grown(before, vertex, leaving, step)
         if not step.points.hit.any():

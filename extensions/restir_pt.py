@@ -99,7 +99,7 @@ def _temporal(
     drawn: Callable[[slice], Reservoirs],
     rows: slice,
 ) -> Reservoirs:
-    """The history of each pixel first, and what it draws anew."""
+    """The history of each pixel first, and what it draws."""
     points, here = cut(frame.visible.surface, rows), np.arange(rows.start, rows.stop)
     new = PathNeighbor(
         shift=path_shift(frame),

@@ -161,14 +161,14 @@ def roughness(table: MaterialTable, points: SurfacePoints) -> Scalars:
     Returns
     -------
     (N,) float64
-        1 for paint and for the base under a smooth coat, √alpha for microfacets, −1 for
-        what scatters into single directions alone, for rough dielectrics, which see
-        both sides, and for misses.
+        1 for diffuse surfaces and for the base under a smooth coat, √alpha for
+        microfacets, −1 for what scatters into single directions alone, for rough
+        dielectrics, which see both sides, and for misses.
     """
     kind = table.kind
-    painted = (kind == Kind.LAMBERTIAN) | (kind == Kind.SMOOTH_COATED)
+    diffuse = (kind == Kind.LAMBERTIAN) | (kind == Kind.SMOOTH_COATED)
     single = np.isin(kind, NEVER_JOINED)
-    rough = np.where(painted, 1.0, np.where(single, -1.0, np.sqrt(table.alpha)))
+    rough = np.where(diffuse, 1.0, np.where(single, -1.0, np.sqrt(table.alpha)))
     return np.where(points.hit, rough[points.material], -1.0)
 
 
@@ -288,7 +288,7 @@ def leave(
     return Leaving(bsdf, hits)
 
 
-def arrive(
+def advance(
     world: World, criterion: Criterion, step: Step, vertex: int, leaving: Leaving
 ) -> Step:
     """Go on to what the rays met.
@@ -391,7 +391,7 @@ class Shift:
             everyone = np.ones(len(rows), bool)
             leaving = leave(world, step, vertex, self.uniforms(paths.number), everyone)
             same = ~(step.joinable & ~leaving.bsdf.delta)
-            step = arrive(world, self.criterion, step, vertex, leaving)
+            step = advance(world, self.criterion, step, vertex, leaving)
             rows, paths, step = _kept(same & step.points.hit, rows, paths, step)
             vertex += 1
             # Those whose next vertex is x_c are connected; others may end at x_v.

@@ -275,7 +275,7 @@ def outer_shift(
     # Eq. 21: k remains, and the base path goes to the pixel that has this k.
     pixel = np.where(k == 0, pairs.first, pairs.second)
     placed, jacobian = between(samples.base, pixel, dx, dy)
-    # Figure 4: the offset path is made anew there.
+    # Figure 4: the offset path is rebuilt there.
     at = np.flatnonzero(jacobian > 0)
     k, placed, pairs = k[at], take(placed, at), take(pairs, at)
     base = take(samples.base, at).moved(placed, jacobian[at])

@@ -26,7 +26,7 @@ from extensions.shifting import (
     PathNeighbor,
     Paths,
     Step,
-    arrive,
+    advance,
     leave,
     roughness,
     segment,
@@ -208,7 +208,7 @@ def draw_suffixes(
     world, criterion, s = frame.world, path_shift(frame).criterion, frame.settings
     uniforms = frame.uniforms_of(Stream.PATH, number)
     # On to x_(v+1), the second point of suffixes that begin at x_v.
-    step = arrive(world, criterion, start(points), 1, leaving)
+    step = advance(world, criterion, start(points), 1, leaving)
     is_last = v == frame.bounces
     onward: Leaving | None = None
     if not is_last or world.seeks_lights:

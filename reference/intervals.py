@@ -63,24 +63,24 @@ def bootstrap_interval(
     rng = np.random.default_rng(0)
     drawn = statistic(*(rng.integers(n, size=(DRAWS, n)) for n in runs))
     value = float(statistic(*map(np.arange, runs)))
-    tails = np.array([(1 - LEVEL) / 2, (1 + LEVEL) / 2])
+    levels = np.array([(1 - LEVEL) / 2, (1 + LEVEL) / 2])
     if corrected:
-        tails = _corrected(tails, drawn, value, _acceleration(statistic, runs))
+        levels = _corrected(levels, drawn, value, _acceleration(statistic, runs))
     # Of infinite entries no number may be interpolated.
-    low, high = np.quantile(drawn, tails, method="nearest")
+    low, high = np.quantile(drawn, levels, method="nearest")
     return Interval(value, float(low), float(high))
 
 
 def _corrected(
-    tails: Numbers, drawn: Numbers, value: float, acceleration: float
+    levels: Numbers, drawn: Numbers, value: float, acceleration: float
 ) -> Numbers:
     """[Efron93, Eq. 14.10]."""
     # Half of the draws that equal the estimate count as below it.
     below = 0.5 * float(np.mean(drawn < value) + np.mean(drawn <= value))
     if not (0 < below < 1 and np.isfinite(acceleration)):
-        return tails
+        return levels
     bias = ndtri(below)
-    moved = bias + ndtri(tails)
+    moved = bias + ndtri(levels)
     found: Numbers = ndtr(bias + moved / (1 - acceleration * moved))
     return found
 

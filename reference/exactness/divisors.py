@@ -11,7 +11,7 @@ from reference.exactness.numbers import Exact, exact
 from reference.light_mis import balance
 from reference.resampling.jacobian_limits import clamp_jacobian, within_limit
 from reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
-from reference.resampling.pairwise import pairwise_canonical, pairwise_donor
+from reference.resampling.pairwise import pairwise_canonical, pairwise_neighbor
 
 SOURCES = 8
 LIMIT, CAP = 10.0, 30.0
@@ -97,7 +97,7 @@ def _draw_pairwise(draws: Draws) -> dict[str, Scalars]:
 
 
 def _run_pairwise(given: Inputs) -> Scalars:
-    return pairwise_donor(**given, defensive=True)
+    return pairwise_neighbor(**given, defensive=True)
 
 
 PAIRWISE = Kernel(

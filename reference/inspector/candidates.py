@@ -79,7 +79,7 @@ class PassRecord:
 Given = PassInput[InitialSamples] | PassInput[Reservoirs]
 
 
-def considered(
+def recorded(
     name: str,
     parts: Iterable[tuple[slice | Indices, Given]],
     settings: Settings,
@@ -207,19 +207,19 @@ def _merged(
     shifts = any(isinstance(source, NeighborPixels) for source in sources)
     if shifts and mis != "1/M" and mis != "1/Z":
         return _merged_weighted(q, sources, u, mis)
-    offered = [_candidates(q, source) for source in sources]
-    R = reuse.begin(offered[0])
-    for c, u_n in zip(offered[1:], u[1:], strict=True):
+    candidates = [_candidates(q, source) for source in sources]
+    R = reuse.begin(candidates[0])
+    for c, u_n in zip(candidates[1:], u[1:], strict=True):
         R = R.then(c, u_n)
     Q = [
         source if isinstance(source, NeighborPixels) else c
-        for source, c in zip(sources, offered, strict=True)
+        for source, c in zip(sources, candidates, strict=True)
     ]
     total = reuse.normalization("1/Z" if mis == "1/Z" else "1/M", R, Q)
     could = np.full((len(total), len(Q)), NOT_ASKED)
     if shifts and mis == "1/Z":
         could = np.stack(reuse.could_have_made(R, Q), axis=1).astype(int)
-    return _Merged([c.w for c in offered], R.slot, R.kept.w, total, could)
+    return _Merged([c.w for c in candidates], R.slot, R.kept.w, total, could)
 
 
 def _merged_weighted(

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from reference.frame import FrameContext
-from reference.inspector.candidates import PassRecord, considered
+from reference.inspector.candidates import PassRecord, recorded
 from reference.inspector.provenance import PathNumbers, Provenance
 from reference.methods import Job
 from reference.restir_gi import (
@@ -83,9 +83,9 @@ def _passes(
     known = Provenance(frame.number, frame.numbers(everyone), history, before)
     name = "fused" if s.reuse == "fused" else "temporal"
     given = temporal_input(frame, history, everyone)
-    first = considered(name, [(everyone, given)], s, known)
+    first = recorded(name, [(everyone, given)], s, known)
     if not reuses_neighbors(s):
         return (first,)
     known = replace(known, temporal=first.number)
     parts = spatial_inputs(frame, history, made.temporal, everyone)
-    return (first, considered("spatial", parts, s, known))
+    return (first, recorded("spatial", parts, s, known))

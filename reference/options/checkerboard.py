@@ -3,7 +3,9 @@
 from reference.arrays import Indices, Masks
 
 
-def samples_anew(rows: Indices, width: int, frame: int, has_history: Masks) -> Masks:
+def draws_new_sample(
+    rows: Indices, width: int, frame: int, has_history: Masks
+) -> Masks:
     """Whether pixels draw a new sample in this frame.
 
     Parameters
@@ -29,5 +31,5 @@ def samples_anew(rows: Indices, width: int, frame: int, has_history: Masks) -> M
     changes, what only a new sample could have found is missing.
     """
     turn = (rows % width + rows // width + frame) % 2 == 0
-    anew: Masks = turn | ~has_history
-    return anew
+    drawn: Masks = turn | ~has_history
+    return drawn

@@ -11,7 +11,7 @@ from reference.rng import Draw, Stream
 from reference.scene.motion import Motion
 from reference.settings import Settings
 
-TAPS, REACH = 4, 4.0
+ATTEMPTS, REACH = 4, 4.0
 """Places that are tried where reprojection fails, and how far away, in pixels."""
 
 FLIP = 3
@@ -87,7 +87,7 @@ def find_history(
     Returns
     -------
     (N,) int
-        Or ``NONE``: the pixel begins anew.
+        Or ``NONE``: the pixel starts over.
 
     Notes
     -----
@@ -109,8 +109,8 @@ def find_history(
     found = np.where(alike(found), found, NONE)
     if frame.settings.fallback_search:
         uniforms = frame.uniforms(Stream.TEMPORAL, slice(0, frame.pixels))
-        for tap in range(TAPS):
-            u = uniforms.draw(1 + tap)
+        for attempt in range(ATTEMPTS):
+            u = uniforms.draw(1 + attempt)
             nearest = row_at(*nearby(x, y, u, REACH), before)
             found = np.where((found == NONE) & alike(nearest), nearest, found)
     return found

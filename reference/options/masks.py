@@ -4,7 +4,7 @@ import numpy as np
 
 from reference.arrays import Masks
 from reference.frame import FrameContext
-from reference.options.checkerboard import samples_anew
+from reference.options.checkerboard import draws_new_sample
 from reference.options.reduced_resolution import keeps_reservoir
 from reference.options.validation import validates
 from reference.passes.history import History
@@ -29,7 +29,7 @@ def who_draws(
         drawn = ~history.exists(rows)
     elif history and frame.settings.checkerboard:
         pixel, width = np.arange(rows.start, rows.stop), frame.world.camera.width
-        drawn = samples_anew(pixel, width, frame.number, history.exists(rows))
+        drawn = draws_new_sample(pixel, width, frame.number, history.exists(rows))
     if able is None or drawn is None:
         return able if drawn is None else drawn
     return drawn & able

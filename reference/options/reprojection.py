@@ -153,7 +153,7 @@ def reproject(
     -------
     (N,) int
         Row of the last frame, or ``NONE``: outside of the image, hidden then, or not
-        similar; the pixel begins anew.
+        similar; the pixel starts over.
 
     Notes
     -----

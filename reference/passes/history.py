@@ -20,7 +20,7 @@ class History:
         Of the last frame.
     pixel : (N,) int or None
         Pixel of the last frame that each pixel goes on from, or ``NONE`` where it
-        begins anew; ``None`` while every pixel is at its own place.
+        starts over; ``None`` while every pixel is at its own place.
     shifted : bool
         The pixels were other points then, so that samples are shifted between them;
         false where they were the same, or are taken to be, as in the paper.
@@ -44,7 +44,7 @@ class History:
         return found
 
     def confidence(self, last: FrameReservoirs, rows: slice | Indices) -> Scalars:
-        """M of K pixels in the last frame, (K,); 0 where they begin anew."""
+        """M of K pixels in the last frame, (K,); 0 where they start over."""
         there = self.rows(rows)
         if self.pixel is None:
             return last.reservoirs.M[there]

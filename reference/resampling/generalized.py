@@ -23,7 +23,7 @@ import numpy as np
 from reference.arrays import Indices, Masks, Scalars, divide_or_zero
 from reference.records import NONE, scatter, take, where
 from reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
-from reference.resampling.pairwise import pairwise_canonical, pairwise_donor
+from reference.resampling.pairwise import pairwise_canonical, pairwise_neighbor
 from reference.resampling.reservoir import (
     Candidates,
     Reservoirs,
@@ -251,7 +251,7 @@ def weighted_in_pairs(
         S = one_over_m(M_k)
         for k, M in zip(others, M_k, strict=True):
             made = target_where_made(k, k.weighted.w > 0, target)
-            m = pairwise_donor(M, made, c.M, k.weighted.p_hat, S, defensive)
+            m = pairwise_neighbor(M, made, c.M, k.weighted.p_hat, S, defensive)
             weighted.append(_with_weight(k, m))
     return sorted(weighted, key=lambda k: k.slot)
 

@@ -47,7 +47,7 @@ def within_limit(jacobian: Scalars, limit: float) -> Masks:
     Notes
     -----
     It looks at the sample: refusing a shift is biased unless the weights of others
-    count its donor only where it would not have been refused.
+    count its neighbour only where it would not have been refused.
     """
     allowed: Masks = (jacobian > 0) & (jacobian <= limit) & (jacobian >= 1 / limit)
     return allowed.astype(bool, copy=False)

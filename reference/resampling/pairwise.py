@@ -1,15 +1,15 @@
-"""Pairwise MIS weights: each donor is weighed against the receiver's own reservoir.
+"""Pairwise MIS weights: each neighbour is weighed against the receiver's own reservoir.
 
-The balance heuristic asks everybody about every sample.  Here a donor's sample asks
-two, the donor k and the receiver's own, canonical reservoir c; only the sample of c
-asks all.  With S = Σ M_k over the donors, and all at one sample y in the measure of the
-receiver,
+The balance heuristic asks everybody about every sample.  Here a neighbour's sample asks
+two, the neighbour k and the receiver's own, canonical reservoir c; only the sample of c
+asks all.  With S = Σ M_k over the neighbours, and all at one sample y in the measure of
+the receiver,
 
-    donor's share      a_k = S p_k / (S p_k + M_c p_c)
+    neighbour's share      a_k = S p_k / (S p_k + M_c p_c)
     canonical's share  1 - a_k
 
-and a donor's pair counts with M_k / S.  The defensive form hands c the share M_c / T of
-every sample beforehand, T = M_c + S, and the pairs M_k / T.
+and a neighbour's pair counts with M_k / S.  The defensive form hands c the share
+M_c / T of every sample beforehand, T = M_c + S, and the pairs M_k / T.
 
 The weights m stand *in* the resampling weight, w = m · p̂(T(y)) · W · |∂T/∂y|, in place
 of M: nothing divides the sum of weights afterwards, and the reservoir is closed with a
@@ -22,7 +22,7 @@ from reference.arrays import Scalars, divide_or_zero, plus
 from reference.resampling.mis import one_over_m
 
 
-def pairwise_donor(
+def pairwise_neighbor(
     M_k: Scalars,
     p_k: Scalars,
     M_c: Scalars,
@@ -30,27 +30,28 @@ def pairwise_donor(
     S: Scalars,
     defensive: bool,
 ) -> Scalars:
-    """Weight m_k of a donor's own sample: (M_k / S) · S p_k / (S p_k + M_c p_c).
+    """Weight m_k of a neighbour's own sample: (M_k / S) · S p_k / (S p_k + M_c p_c).
 
     Parameters
     ----------
     M_k : (N,)
-        Confidence of the donor, 0 where there is none.
+        Confidence of the neighbour, 0 where there is none.
     p_k : (N,), radiance/sr
-        Target of its sample at the donor times |∂ω_k / ∂ω_receiver|; 0 outside of D_k.
+        Target of its sample at the neighbour times |∂ω_k / ∂ω_receiver|; 0 outside of
+        D_k.
     M_c : (N,)
         Confidence of the canonical reservoir.
     p_c : (N,), radiance/sr
-        Target of the donor's sample at the receiver.
+        Target of the neighbour's sample at the receiver.
     S : (N,)
-        Sum of the confidences of all donors, *without* M_c.
+        Sum of the confidences of all neighbours, *without* M_c.
     defensive : bool
         M_k / (S + M_c) in place of M_k / S.
 
     Returns
     -------
     (N,)
-        From 0 to 1; 0 without a donor, and where both targets are 0.
+        From 0 to 1; 0 without a neighbour, and where both targets are 0.
 
     Notes
     -----
@@ -74,9 +75,9 @@ def pairwise_canonical(
     Parameters
     ----------
     M_k : list of (N,)
-        Confidences of all donors, nulls included; 0 where a slot is empty.
+        Confidences of all neighbours, nulls included; 0 where a slot is empty.
     p_k : list of (N,), radiance/sr
-        Target of the *canonical* sample at each donor times |∂ω_k / ∂ω_receiver|; 0
+        Target of the *canonical* sample at each neighbour times |∂ω_k / ∂ω_receiver|; 0
         outside of D_k.
     M_c : (N,)
         Confidence of the canonical reservoir.
@@ -88,15 +89,15 @@ def pairwise_canonical(
     Returns
     -------
     (N,)
-        From 0 to 1; 1 without donors.
+        From 0 to 1; 1 without neighbours.
 
     Notes
     -----
     Of [Lin22], written out in the text of the module.  With the m_k of those that can
     make a sample it sums to 1, for every sample of the receiver's domain, as long as
-    M_c > 0: a donor outside of whose domain the sample lies leaves all of its M_k to
-    the canonical reservoir, which must be there to take it.  One ray a donor: whether
-    it sees the canonical sample.
+    M_c > 0: a neighbour outside of whose domain the sample lies leaves all of its M_k
+    to the canonical reservoir, which must be there to take it.  One ray a neighbour:
+    whether it sees the canonical sample.
     """
     one = M_c * 0 + 1
     if not M_k:

@@ -199,11 +199,11 @@ def reused_candidates(
     Parameters
     ----------
     r : Reservoirs
-        Donors; M already capped.
+        Neighbours; M already capped.
     p_hat : (N,)
         Target of their samples at the receiver, 0 where it cannot use them.
     jacobian : (N,) or None, sr/sr
-        |∂ω_to / ∂ω_from|; ``None`` where donor and receiver are one point.
+        |∂ω_to / ∂ω_from|; ``None`` where neighbour and receiver are one point.
 
     Returns
     -------

@@ -75,7 +75,7 @@ def test_one_colour_at_all_vertices_is_another_reflectance():
 
 
 def test_black_vertices_are_no_plain_scene():
-    """Where a colour is 0 in one channel alone, donors are not told by geometry."""
+    """Where a colour is 0 in one channel alone, sources are not told by geometry."""
     for colors, plain in ((RAMP, False), (RAMP + 0.1, True)):
         scene = replace(
             cornell_box(), meshes=(replace(SQUARE, colors=colors / 1.1),), spheres=()

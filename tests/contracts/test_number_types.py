@@ -15,7 +15,7 @@ from reference.arrays import cross, divide_or_zero, dot, length, normalize, sqrt
 from reference.frames import turn
 from reference.resampling.jacobian_limits import clamp_jacobian
 from reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
-from reference.resampling.pairwise import pairwise_canonical, pairwise_donor
+from reference.resampling.pairwise import pairwise_canonical, pairwise_neighbor
 from reference.resampling.reservoir import (
     Candidates,
     Reservoirs,
@@ -97,10 +97,10 @@ KERNELS = {
     "no cap": lambda a: cap_confidence(finalize(merged(a), a(M)), float("inf")),
     "one_over_m": lambda a: one_over_m([a(M), a(W)]),
     "one_over_z": lambda a: one_over_z([a(M), a(W)], HOLDS),
-    "pairwise_donor": lambda a: pairwise_donor(
+    "pairwise_neighbor": lambda a: pairwise_neighbor(
         a(M), a(U), a(W), a(PDF), a(M) + a(M), False
     ),
-    "defensive donor": lambda a: pairwise_donor(
+    "defensive neighbor": lambda a: pairwise_neighbor(
         a(M), a(U), a(W), a(PDF), a(M) + a(M), True
     ),
     "pairwise_canonical": lambda a: pairwise_canonical(

@@ -235,8 +235,8 @@ KERNELS = {
         lambda M, p, q, u: pairwise.pairwise_canonical([M, u], [p, q], M, q, True),
         (CLOSED.M, COS * LIVE, ALPHA, U[0]),
     ),
-    pairwise.pairwise_donor: (
-        lambda M, p, q, u: pairwise.pairwise_donor(M, p, u, q, M + u, False),
+    pairwise.pairwise_neighbor: (
+        lambda M, p, q, u: pairwise.pairwise_neighbor(M, p, u, q, M + u, False),
         (CLOSED.M, COS * LIVE, ALPHA, U[0]),
     ),
     suffix.age: (
@@ -341,8 +341,8 @@ KERNELS = {
         (POINTS, WI),
     ),
     neighbors.find_neighbors: (search, (np.arange(N), U, V)),
-    checkerboard.samples_anew: (
-        lambda rows, there: checkerboard.samples_anew(rows, WIDTH, 3, there),
+    checkerboard.draws_new_sample: (
+        lambda rows, there: checkerboard.draws_new_sample(rows, WIDTH, 3, there),
         (np.arange(N), MASK),
     ),
     roulette.tail_weight: (

@@ -18,25 +18,6 @@ ROOT = Path(__file__).parents[2]
 PACKAGES = ("reference", "extensions", "hashgrid", "gradient_domain")
 GLOSSARY = ROOT / "docs" / "reference" / "glossary.md"
 
-PENDING = (
-    ("reference/passes", "Algorithms 2 to 4 are being put on a page each"),
-    ("reference/resampling", "the two engines are being made one"),
-    ("reference/restir_gi.py", "the frame loops are being made one"),
-    ("reference/inspector", "it follows the passes"),
-    ("reference/oracle/builtin", "it follows the passes"),
-    ("extensions/frame_loop.py", "the frame loops are being made one"),
-    ("extensions/area_restir.py", "takes its frames from there"),
-    ("extensions/windows.py", "takes its frames from there"),
-    ("extensions/restir_pt.py", "takes its frames from there"),
-    ("extensions/donors.py", "becomes the neighbour of the one engine"),
-    ("extensions/walking.py", "becomes a part of the shift's page"),
-    ("hashgrid", "its methods are being put on a page each"),
-    ("gradient_domain", "its methods are being put on a page each"),
-    ("docs/explanation/kill_matrix.md", "mistakes are planted again in the new passes"),
-    ("docs/explanation/inspector.md", "it names the passes"),
-)
-"""Paths that still have retired words, and why."""
-
 SCENE_OF_A_CASE = "a scene's name, which stands in golden folders that people have"
 
 ALLOWED = {
@@ -54,6 +35,8 @@ ALLOWED = {
         "reference/oracle/report/templates/verdict.html": "a JSON key of the report",
         "reference/oracle/golden.py": "a JSON key of the manifest",
     },
+    "competition": {"CHANGELOG.md": "the name of a class, as it was"},
+    "donors": {"CHANGELOG.md": "the name of a module, as it was"},
     "rungs": {"CHANGELOG.md": "the name of a module, as it was"},
     "stage": {"docs/examples/wgsl/backend.py": "WebGPU's word for a shader"},
     "tails": {"reference/oracle/statistics/ranks.py": "of a distribution"},
@@ -148,11 +131,6 @@ def in_page(path: str, page: str) -> Iterator[Found]:
         yield from (Found(path, line, m[1].lower()) for m in TEXT.finditer(text))
 
 
-def is_pending(path: str) -> bool:
-    """Whether a path, or a folder above it, is still to be done."""
-    return any(path == start or path.startswith(f"{start}/") for start, _ in PENDING)
-
-
 def sources() -> Iterator[tuple[str, Path]]:
     """All files that are looked at, with their paths from the root."""
     found = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]
@@ -181,19 +159,14 @@ def test_no_retired_word_is_left():
     found = [
         f"{f.path}:{f.line}: {f.word}"
         for name, path in sources()
-        if not is_pending(name)
         for f in found_in(name, path.read_text(encoding="utf-8"))
     ]
     assert found == []
 
 
-def test_what_is_pending_or_allowed_still_has_the_word():
-    """The lists shrink: what is done is taken off."""
+def test_what_is_allowed_still_has_the_word():
+    """The list shrinks: what is done is taken off."""
     files = dict(sources())
-    for path, _ in PENDING:
-        below = [n for n in files if n == path or n.startswith(f"{path}/")]
-        words = (found_in(n, files[n].read_text(encoding="utf-8")) for n in below)
-        assert any(words), f"{path} is done"
     for word, places in ALLOWED.items():
         for path in places:
             text = files[path].read_text(encoding="utf-8")
@@ -213,18 +186,8 @@ def classes() -> dict[str, list[str]]:
     return found
 
 
-TWICE_PENDING = ("tests/exact", "tests/mutants", "tests/statistics")
-"""Tests whose classes are named with the passes and methods that they are about."""
-
-
 def test_no_class_name_stands_twice():
-    twice = {
-        name: done
-        for name, places in classes().items()
-        if len(places) > 1
-        and len(done := [p for p in places if not is_pending(p)]) > 1
-        and not all(p.startswith(TWICE_PENDING) for p in done[1:])
-    }
+    twice = {name: places for name, places in classes().items() if len(places) > 1}
     assert twice == {}
 
 
@@ -269,11 +232,6 @@ def test_control_module_names_and_pages_are_read():
 )
 def test_control_plain_words_pass(source):
     assert found_in("planted.py", source) == []
-
-
-def test_control_pending_folders_end_at_their_names():
-    assert is_pending("hashgrid/grid.py")
-    assert not is_pending("hashgrid_more/grid.py")
 
 
 def test_the_glossary_says_what_to_say_instead():

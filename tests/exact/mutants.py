@@ -68,7 +68,7 @@ PAST = "R_s = begin(reused(q, past))"
 MADE = "target(made) / candidate.jacobian[at]"
 THERE = "target(value) * jacobian, len(p_hat)"
 OWN = "weighted = [_with_weight(canonical, m)]"
-DONOR = "pairwise_donor(M, made, c.M, k.weighted.p_hat, S, defensive)"
+DONOR = "pairwise_neighbor(M, made, c.M, k.weighted.p_hat, S, defensive)"
 DONORS = "S = one_over_m(M_k)"
 BACK = "return np.where(possible & seen, p, p * 0), J"
 
@@ -118,7 +118,7 @@ MUTANTS = [
         ("spatial_pass",),
     ),
     Mutant(
-        "donor and receiver change places",
+        "source and receiver change places",
         PIXELS,
         "self.q.shift(self.x.position, self.q.points.position, self.reservoirs.y)",
         "self.q.shift(self.q.points.position, self.x.position, self.reservoirs.y)",
@@ -220,7 +220,7 @@ MUTANTS = [
     ),
     # The target.
     Mutant(
-        "target of the sample at its donor",
+        "target of the sample at its source",
         REUSE,
         ARRIVED,
         "c = reused_candidates(R_n, q_n.target(R_n.y), J)",
@@ -279,7 +279,7 @@ MUTANTS = [
         ("spatial_pass", "fused_pass", "moved_temporal_pass"),
     ),
     Mutant(
-        "Z asks for the receiver's view in place of the donor's",
+        "Z asks for the receiver's view in place of the source's",
         PIXELS,
         ASKED,
         "possible = asked & (self.q.target(y) > 0)",
@@ -373,7 +373,7 @@ MUTANTS = [
     ),
     # Weights in pairs.
     Mutant(
-        "the donors' confidences include the canonical one",
+        "the sources' confidences include the canonical one",
         ENGINE,
         DONORS,
         "S = one_over_m([*M_k, c.M])",
@@ -387,14 +387,14 @@ MUTANTS = [
         ("defensive_pass",),
     ),
     Mutant(
-        "each donor stands for itself alone in its pair",
+        "each source stands for itself alone in its pair",
         PAIRWISE,
         "M_k * _share(S, p_k, M_c, p_c)",
         "M_k * _share(M_k, p_k, M_c, p_c)",
         ("pairwise_pass", "defensive_pass"),
     ),
     Mutant(
-        "pairs do not ask whether the donor could make the sample",
+        "pairs do not ask whether the source could make the sample",
         PIXELS,
         BACK,
         "return p, J",

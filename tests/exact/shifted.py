@@ -1,6 +1,6 @@
 """The engine `reference.resampling.generalized` alone, on tables of fractions.
 
-Donors read shifts, targets and visibility from tables, those of the toy domain or any
+Sources read shifts, targets and visibility from tables, those of the toy domain or any
 others; what becomes of their answers is the engine's, unchanged.
 """
 
@@ -98,10 +98,10 @@ DOMAIN = Tables(NOW.p_hat, NOW.seen, with_nothing(HOLDS, False), jacobian)
 """The toy domain."""
 
 
-def resampled(donors, uniform, mis, cap=9999):
-    """What a pixel keeps of its donors' samples."""
-    r = resample(donors, [uniform() for _ in donors], mis, cap, target)
-    here = donors[0].tables.p_hat[donors[0].i]
+def resampled(sources, uniform, mis, cap=9999):
+    """What a pixel keeps of its sources' samples."""
+    r = resample(sources, [uniform() for _ in sources], mis, cap, target)
+    here = sources[0].tables.p_hat[sources[0].i]
     # What is kept is worth what it is worth here, not where it came from.
     full = r.W > 0
     assert (target(r.y.value) == here[r.y.cell])[full].all()

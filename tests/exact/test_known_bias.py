@@ -80,7 +80,7 @@ def test_samples_never_tested_for_visibility_leak(i):
 
 
 def test_without_the_jacobian_each_donor_brings_its_own_measure():
-    """C(x) = Σ_k M_k mu_k(x) / Z(x): the measure of the donors, not of the receiver."""
+    """C(x) = Σ_k M_k mu_k(x) / Z(x): the sources' measure, not the receiver's."""
     for i in PIXELS:
         expected = average_over_makers(i, lambda k, x: MU[k][x])
         with planted(BY_NAME["the Jacobian is left out"]):

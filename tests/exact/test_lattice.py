@@ -132,10 +132,10 @@ def test_control_a_choice_off_by_1_percent_is_found(monkeypatch):
 # ---------------------------------------------------------------- reuse
 
 MU = np.array([[1.0, 2.0, 0.5, 0.0], [2.0, 1.0, 1.0, 0.0]])
-"""Measures of three cells, and of nothing, at a receiver and a donor: powers of two."""
+"""Measures of three cells, and of nothing, at receiver and source: powers of two."""
 
 SEEN = np.array([[1, 1, 1, 0], [1, 0, 1, 0]], bool)
-"""The donor does not see cell 1: its draws of it are nulls."""
+"""The source does not see cell 1: its draws of it are nulls."""
 
 WEIGHT = np.array([1.0, 2.0, 1.0, 0.0])
 """p̂ at the receiver is chosen so that a sample weighs this, whoever made it."""

@@ -122,15 +122,15 @@ def frames():
 
 
 def in_pairs(frames, i, j, settings, of_old, of_new):
-    """Weights with m for M, straight from theory: one donor, the past."""
+    """Weights with m for M, straight from theory: one source, the past."""
     now = frames.now
     points = take(now.visible.surface, np.full(NOTHING + 1, i))
     every = np.arange(NOTHING + 1)
     here = cells(every, PLACE, NORMAL, LIGHT_NOW)
     p_c = target(settings.target, now.world.materials, points, here)
-    donor = take(frames.then.visible.surface, np.full(NOTHING + 1, j))
+    source = take(frames.then.visible.surface, np.full(NOTHING + 1, j))
     there = cells(every, PLACE_THEN, NORMAL_THEN, LIGHT_THEN)
-    p_k = target(settings.target, now.world.materials, donor, there)
+    p_k = target(settings.target, now.world.materials, source, there)
     p_k = p_k * np.append(frames.holds_then[j] * frames.then.mu[j] / now.mu[i], 0.0)
     theirs, mine = PAST * p_k, 1.0 * p_c
     both = theirs + mine

@@ -1,6 +1,6 @@
 """Negative controls of pairwise weights: mistakes of their own kind.
 
-Weights that are wrong in the same way for a donor's sample and for the canonical one
+Weights that are wrong in the same way for a source's sample and for the canonical one
 may still share each sample out; what is planted here is wrong on one side alone.
 """
 
@@ -38,7 +38,7 @@ MUTANTS = [
         BOTH,
     ),
     Mutant(
-        "inverse Jacobian in the target of a donor's own sample",
+        "inverse Jacobian in the target of a source's own sample",
         ENGINE,
         MADE,
         "target(made) * candidate.jacobian[at]",
@@ -52,17 +52,17 @@ MUTANTS = [
         BOTH,
     ),
     Mutant(
-        "M of the donor's slot for the canonical one",
+        "M of the source's slot for the canonical one",
         ENGINE,
         DONOR,
-        "pairwise_donor(M, made, M, k.weighted.p_hat, S, defensive)",
+        "pairwise_neighbor(M, made, M, k.weighted.p_hat, S, defensive)",
         BOTH,
     ),
     Mutant(
-        "target of the canonical sample for the donor's",
+        "target of the canonical sample for the source's",
         ENGINE,
         DONOR,
-        "pairwise_donor(M, made, c.M, c.p_hat, S, defensive)",
+        "pairwise_neighbor(M, made, c.M, c.p_hat, S, defensive)",
         BOTH,
     ),
     Mutant(
@@ -73,14 +73,14 @@ MUTANTS = [
         BOTH,
     ),
     Mutant(
-        "nulls do not count among the donors' confidences",
+        "nulls do not count among the sources' confidences",
         ENGINE,
         DONORS,
         "S = sum(np.where(k.weighted.w > 0, k.weighted.M, c.M * 0) for k in others)",
         BOTH,
     ),
     Mutant(
-        "the canonical share is not taken from the donors",
+        "the canonical share is not taken from the sources",
         PAIRWISE,
         "total = plus(S, M_c) if defensive else S",
         "total = S",

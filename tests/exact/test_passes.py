@@ -216,13 +216,13 @@ def in_pairs(stage, i, settings, weights, cells):
     """Weights of past, own and neighbours with m in place of M, from theory."""
     M = np.array([PAST, TRUST[i], *(TRUST[k] for k in NEIGHBORS[i])])
     p_hat = targets(stage, settings.target)
-    donors = {0: i, 2: NEIGHBORS[i][0], 3: NEIGHBORS[i][1]}
+    sources = {0: i, 2: NEIGHBORS[i][0], 3: NEIGHBORS[i][1]}
     S = PAST + TRUST[list(NEIGHBORS[i])].sum()
     total = S + M[1] if settings.mis == "defensive" else S
 
     def pair(slot, y):
         """S p_k(y) and M_c p_c(y), in the measure of pixel i."""
-        k = donors[slot]
+        k = sources[slot]
         held, measure = np.append(stage.holds[k], False), np.append(stage.mu[k], 1.0)
         p_k = np.where(held[y], p_hat[k][y], 0) * measure[y]
         p_k = p_k / np.append(stage.mu[i], 1.0)[y]
@@ -233,10 +233,10 @@ def in_pairs(stage, i, settings, weights, cells):
         return np.divide(part, both, out=np.zeros_like(both), where=both > 0)
 
     found = list(weights)
-    for slot in donors:
+    for slot in sources:
         m = M[slot] / total * share(*pair(slot, cells[slot]))
         found[slot] = weights[slot] / M[slot] * m
-    left = [M[slot] / total * share(*pair(slot, cells[1])[::-1]) for slot in donors]
+    left = [M[slot] / total * share(*pair(slot, cells[1])[::-1]) for slot in sources]
     m = sum(left) + (M[1] / total if settings.mis == "defensive" else 0.0)
     found[1] = weights[1] / M[1] * m
     return found
@@ -415,7 +415,9 @@ PLANTED = [
 ]
 
 
-def of_all_and_the_own(M_k, p_k, M_c, p_c, S, *how, weight=production.pairwise_donor):
+def of_all_and_the_own(
+    M_k, p_k, M_c, p_c, S, *how, weight=production.pairwise_neighbor
+):
     """S with the canonical sample's confidence in it."""
     return weight(M_k, p_k, M_c, p_c, S + M_c, *how)
 
@@ -432,8 +434,8 @@ def as_if_all_could(M_k, p_k, M_c, p_c, how, weight=production.pairwise_canonica
 
 
 PLANTED_IN_PAIRS = [
-    ("defensive", "pairwise_donor", of_all_and_the_own),
-    ("pairwise", "pairwise_donor", of_all_and_the_own),
+    ("defensive", "pairwise_neighbor", of_all_and_the_own),
+    ("pairwise", "pairwise_neighbor", of_all_and_the_own),
     ("defensive", "pairwise_canonical", without_its_own_share),
     ("pairwise", "pairwise_canonical", as_if_all_could),
 ]

@@ -61,7 +61,7 @@ def test_two_frames_of_both(mis):
 
 
 PARTS = [None, [0, 2, 3], [1, 4, 5], [0, 2, 3]]
-"""What donors lend to pixel 0: as windows of the past, of which two are alike."""
+"""What sources lend to pixel 0: as windows of the past, of which two are alike."""
 
 
 def windows(mis):
@@ -69,15 +69,15 @@ def windows(mis):
 
     def program(frame, uniform):
         everyone = np.arange(len(frame.r0.W))
-        donors = []
+        sources = []
         for j, part in zip((0, 1, 2, 2), PARTS, strict=True):
             shown = shifted.toys(DOMAIN.p_hat, j, frame.at(j))
-            donors.append(
+            sources.append(
                 shifted.ToyDonor(
                     DOMAIN, 0, j, shown, everyone, part=part, same_domain=j == 0
                 )
             )
-        return shifted.resampled(donors, uniform, mis)
+        return shifted.resampled(sources, uniform, mis)
 
     law = explore(program, claims.fresh_frame())
     yield from claims.faults(
@@ -108,8 +108,8 @@ def test_one_over_m_has_the_bias_that_it_should(i):
 
 
 def alone(tables, i, k, x, M, mis):
-    """Weight of donor k for cell x, which it alone has: W at the receiver by W J."""
-    donors = []
+    """Weight of source k for cell x, which it alone has: W at the receiver by W J."""
+    sources = []
     for j in range(len(M)):
         cell = np.array([x if j == k else NOTHING])
         weight = np.array([Fraction(j == k)], object)
@@ -118,9 +118,9 @@ def alone(tables, i, k, x, M, mis):
         here = shifted.ToyDonor(
             tables, i, j, shown, np.zeros(1, int), same_domain=j == i
         )
-        donors.append(here)
+        sources.append(here)
     decisions = [np.array([Fraction(1, 2)], object)] * len(M)
-    kept = resample(donors, decisions, mis, 9999, shifted.target)
+    kept = resample(sources, decisions, mis, 9999, shifted.target)
     ratio = tables.jacobian(k, i, np.array([x]))[0] if k != i else Fraction(1)
     return kept.W[0] / ratio
 
@@ -177,16 +177,16 @@ def test_a_slot_without_donor_is_as_if_it_were_not(mis):
     cells, W = np.array([0, 2, 3]), np.array([Fraction(n) for n in (2, 1, 3)], object)
     kept = []
     for slots in ([0, 1], [0, 1, 2]):
-        donors = []
+        sources = []
         for j in slots:
             r = Kept(cells, W, np.full(3, M[j], object))
             rows = np.full(3, NONE) if j == 2 else np.arange(3)
             shown = shifted.toys(DOMAIN.p_hat, j, r)
-            donors.append(
+            sources.append(
                 shifted.ToyDonor(DOMAIN, 0, j, shown, rows, same_domain=j == 0)
             )
         u = [np.full(3, Fraction(2, 5), object)] * len(slots)
-        kept.append(resample(donors, u, mis, 9999, shifted.target))
+        kept.append(resample(sources, u, mis, 9999, shifted.target))
     np.testing.assert_array_equal(kept[0].y.cell, kept[1].y.cell)
     np.testing.assert_array_equal(kept[0].W, kept[1].W)
     np.testing.assert_array_equal(kept[0].M, kept[1].M)
@@ -195,15 +195,15 @@ def test_a_slot_without_donor_is_as_if_it_were_not(mis):
 def test_weights_in_pairs_need_somebody_who_covers_the_domain():
     r = Kept(np.array([0]), np.array([Fraction(1)]), np.array([Fraction(1)]))
     shown = shifted.toys(DOMAIN.p_hat, 1, r)
-    donor = shifted.ToyDonor(DOMAIN, 0, 1, shown, np.zeros(1, int))
+    source = shifted.ToyDonor(DOMAIN, 0, 1, shown, np.zeros(1, int))
     u = [np.array([Fraction(0)])]
     with pytest.raises(ValueError, match="domain"):
-        resample([donor], u, "pairwise", 9, shifted.target)
+        resample([source], u, "pairwise", 9, shifted.target)
 
 
 # ------------------------------------------------------------ controls
 
-UNASKED = "slots without a donor have the confidence of the first row"
+UNASKED = "slots without a source have the confidence of the first row"
 """No claim has such slots; the test of them above does."""
 
 MISTAKES = [

@@ -133,7 +133,7 @@ def test_worst_case_search_for_the_jacobian(x_from, x_to, x, n):
 
 @pytest.mark.parametrize("dtype", [np.float16, np.float32, np.float64])
 def test_jacobian_of_degenerate_geometry_is_0(dtype):
-    """Edge-on from the donor, touching from either side, no normal: no inverse."""
+    """Edge-on from the source, touching from either side, no normal: no inverse."""
     here, up, beside = rows([0, 0, 0], [0, 0, 1], [1, 0, 0], dtype=dtype)[:, None]
     assert reconnection_jacobian(beside, up, here, up)[0] == 0
     assert reconnection_jacobian(here, up, here, up)[0] == 0

@@ -185,7 +185,7 @@ JACOBIANS = [
         ("jacobian-receiver-cosine",),
     ),
     Mutant(
-        "donor and receiver change places",
+        "source and receiver change places",
         ("JC-07",),
         PIXELS,
         "return reconnection_jacobian(x_from, x_to, y.position, y.normal)",
@@ -810,7 +810,7 @@ REUSE = [
         ("rejected-counted",),
     ),
     Mutant(
-        "W is divided by the target at the donor",
+        "W is divided by the target at the source",
         ("SR-09",),
         REUSED,
         SHIFTED,
@@ -818,7 +818,7 @@ REUSE = [
         ("divided-by-the-donors-target",),
     ),
     Mutant(
-        "the target at the donor, in the weight too",
+        "the target at the source, in the weight too",
         ("SR-09",),
         REUSED,
         SHIFTED,

@@ -109,7 +109,7 @@ HELD_OUT: tuple[Mutant, ...] = (
         "        return self.q.shift(self.x.position, self.q.points.position, y)",
     ),
     Mutant(
-        "the donor's cosine is left out of the Jacobian",
+        "the source's cosine is left out of the Jacobian",
         ("JC-15",),
         SHIFT,
         f"divide_or_zero({COSINES})\n        {JACOBIAN}",
@@ -131,7 +131,7 @@ HELD_OUT: tuple[Mutant, ...] = (
         "w, p_hat = w * jacobian, p_hat * jacobian",
     ),
     Mutant(
-        "samples that the donor sees edge-on, within 6 degrees, are refused",
+        "samples that the source sees edge-on, within 6 degrees, are refused",
         ("JC-12", "JC-15"),
         SHIFT,
         LIMITED,
@@ -139,7 +139,7 @@ HELD_OUT: tuple[Mutant, ...] = (
         "    return np.where(edge, 0.0, saturate(jacobian))",
     ),
     Mutant(
-        "the weight has the donor's target, W the receiver's",
+        "the weight has the source's target, W the receiver's",
         ("SR-09",),
         REUSED,
         SHIFTED,
@@ -209,14 +209,14 @@ HELD_OUT: tuple[Mutant, ...] = (
         "could[slot] = R.candidates[slot].w > 0",
     ),
     Mutant(
-        "Z asks whether donor and receiver see each other",
+        "Z asks whether source and receiver see each other",
         ("SR-05",),
         PIXELS,
         LOOKS,
         BETWEEN_THE_TWO,
     ),
     Mutant(
-        "Z asks that the donor has the sample 6 degrees above its horizon",
+        "Z asks that the source has the sample 6 degrees above its horizon",
         ("SR-05", "JC-12"),
         PIXELS,
         "holds &= dot(take(surface.normal, row), toward) > 0",

@@ -184,7 +184,7 @@ HELD_OUT_MORE: tuple[Mutant, ...] = (
         "    return np.where(p_hat > 0.01, p_hat, 0.0)",
     ),
     Mutant(
-        "the donors of the last frame stand where this frame's points do",
+        "the sources of the last frame stand where this frame's points do",
         ("TR-03", "TR-13"),
         HISTORY,
         EARLIER,
@@ -231,7 +231,7 @@ HELD_OUT_MORE: tuple[Mutant, ...] = (
         f"        {FROM_HERE}",
     ),
     Mutant(
-        "donors close by are taken to see the same",
+        "sources close by are taken to see the same",
         ("SR-33", "SR-21"),
         REUSED,
         SEEN,

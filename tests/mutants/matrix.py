@@ -81,7 +81,7 @@ interval 81 % to 96 %). Of the 64 the diagnosis named 21 (33 %), and none wrongl
 The 7 survivors are clauses and settings that no case exercises: one positive density
 in all cases of `initial`, a density of light that is never 0, a confidence that
 never reaches its cap. These mistakes are not kept with the tests, so that nothing
-measures this anew.
+measures this again.
 """
 
 

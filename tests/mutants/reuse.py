@@ -15,7 +15,7 @@ THERE = "target(value) * jacobian, len(p_hat)"
 IN_DOMAIN = "made | (p > 0)"
 BALANCE = "p, p_made = np.where(made, own, p), np.where(made, own, p_made)"
 CLOSED = "return cap_confidence(finalize(replace(kept, y=y), total), cap)"
-DONOR = "pairwise_donor(M, made, c.M, k.weighted.p_hat, S, defensive)"
+DONOR = "pairwise_neighbor(M, made, c.M, k.weighted.p_hat, S, defensive)"
 OWN = "weighted = [_with_weight(canonical, m)]"
 
 BIASES = [
@@ -36,7 +36,7 @@ BIASES = [
         ("reuse-jacobian-twice",),
     ),
     Mutant(
-        "a sample is weighted by what it was worth at its donor",
+        "a sample is weighted by what it was worth at its source",
         (),
         ENGINE,
         ARRIVING,
@@ -44,7 +44,7 @@ BIASES = [
         ("reuse-target-of-the-donor",),
     ),
     Mutant(
-        "donors without a sample have no confidence",
+        "sources without a sample have no confidence",
         (),
         ENGINE,
         COUNTED,
@@ -52,14 +52,14 @@ BIASES = [
         ("reuse-nulls-not-counted",),
     ),
     Mutant(
-        "slots without a donor have the confidence of the first row",
+        "slots without a source have the confidence of the first row",
         (),
         ENGINE,
         "W, M = (np.where(none, a * 0, a) for a in (r.W[row], r.M[row]))",
         "W, M = np.where(none, r.W[row] * 0, r.W[row]), r.M[row]",
     ),
     Mutant(
-        "what a sample was worth is left in its donor's measure",
+        "what a sample was worth is left in its source's measure",
         (),
         ENGINE,
         MADE,
@@ -155,11 +155,11 @@ BIASES = [
         ("reuse-pairs-canonical-in-s",),
     ),
     Mutant(
-        "donor and receiver exchange their targets",
+        "source and receiver exchange their targets",
         (),
         ENGINE,
         DONOR,
-        "pairwise_donor(M, k.weighted.p_hat, c.M, made, S, defensive)",
+        "pairwise_neighbor(M, k.weighted.p_hat, c.M, made, S, defensive)",
         ("reuse-pairs-exchanged",),
     ),
     Mutant(
@@ -195,7 +195,7 @@ BIASES = [
         ("reuse-pairs-times-confidence",),
     ),
     Mutant(
-        "defensive donors keep the canonical share",
+        "defensive sources keep the canonical share",
         (),
         PAIRWISE,
         "total = plus(S, M_c) if defensive else S",
@@ -222,7 +222,7 @@ EQUIVALENT = [
         kind="equivalent",
     ),
     Mutant(
-        "the canonical donor is the first that stands",
+        "the canonical source is the first that stands",
         ("EQ",),
         ENGINE,
         "canonical = own[-1]",

@@ -60,7 +60,7 @@ PLANTINGS = (
                 "alpha is taken for the perceptual roughness",
                 "a hidden joint is accepted",
                 "no throughput up to the joint",
-                "a donor's paths are shifted to the donor",
+                "a source's paths are shifted to the source",
             }
         ),
     ),

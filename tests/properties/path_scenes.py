@@ -7,7 +7,7 @@ import numpy as np
 
 from extensions.candidates import draw_paths
 from extensions.pt_settings import CRITERIA
-from extensions.shifting import Shift, Technique, arrive, leave, start
+from extensions.shifting import Shift, Technique, advance, leave, start
 from reference.arrays import dot
 from reference.passes.gbuffer import visible_points
 from reference.records import scatter, where
@@ -162,7 +162,7 @@ def walked(w, criterion, x, number, of, last):
         leaving = leave(w, step, vertex, of(number), step.points.hit)
         visited.append((step.points, leaving.bsdf.delta))
         if vertex < last:
-            step = arrive(w, criterion, step, vertex, leaving)
+            step = advance(w, criterion, step, vertex, leaving)
     return visited
 
 

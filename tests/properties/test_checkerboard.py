@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_array_equal
 
-from reference.options.checkerboard import samples_anew
+from reference.options.checkerboard import draws_new_sample
 
 sizes = st.tuples(st.integers(1, 9), st.integers(1, 9))
 frames = st.integers(0, 2**27 - 1)
@@ -15,7 +15,7 @@ frames = st.integers(0, 2**27 - 1)
 def board(width, height, frame, has_history=True):
     rows = np.arange(width * height)
     old = np.full(len(rows), has_history)
-    return samples_anew(rows, width, frame, old).reshape(height, width)
+    return draws_new_sample(rows, width, frame, old).reshape(height, width)
 
 
 def test_frame_0_begins_at_the_corner():
@@ -47,7 +47,7 @@ def test_half_of_the_pixels_draw(size, frame):
 def test_pixels_without_history_always_draw(size, frame, data):
     rows = np.arange(size[0] * size[1])
     old = data.draw(arrays(bool, len(rows)))
-    found = samples_anew(rows, size[0], frame, old)
+    found = draws_new_sample(rows, size[0], frame, old)
     assert found.dtype == bool
     assert found[~old].all()
     assert_array_equal(found[old], board(*size, frame).ravel()[old])
@@ -57,7 +57,7 @@ def test_pixels_without_history_always_draw(size, frame, data):
 def test_rows_do_not_know_each_other(size, frame, data):
     rows = data.draw(st.permutations(range(size[0] * size[1])).map(np.array))
     some = rows[: data.draw(st.integers(0, len(rows)))].astype(np.int64)
-    found = samples_anew(some, size[0], frame, np.ones(len(some), bool))
+    found = draws_new_sample(some, size[0], frame, np.ones(len(some), bool))
     assert_array_equal(found, board(*size, frame).ravel()[some])
 
 

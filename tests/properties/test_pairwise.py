@@ -10,7 +10,7 @@ from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_array_equal
 
 from reference.resampling.mis import balance_heuristic, one_over_m
-from reference.resampling.pairwise import pairwise_canonical, pairwise_donor
+from reference.resampling.pairwise import pairwise_canonical, pairwise_neighbor
 
 K, ROWS = 4, 3
 FORMS = [False, True]
@@ -25,18 +25,19 @@ def rationals(smallest=0, count=K):
 
 
 def weights(M, p, M_c, p_c, defensive):
-    """Weights of all who might have made one sample: donors, then the canonical one."""
+    """Weights of all who might have made a sample: sources, then the canonical one."""
     S = one_over_m(M)
-    donors = [
-        pairwise_donor(m, q, M_c, p_c, S, defensive) for m, q in zip(M, p, strict=True)
+    sources = [
+        pairwise_neighbor(m, q, M_c, p_c, S, defensive)
+        for m, q in zip(M, p, strict=True)
     ]
-    return [*donors, pairwise_canonical(M, p, M_c, p_c, defensive)]
+    return [*sources, pairwise_canonical(M, p, M_c, p_c, defensive)]
 
 
 @either_form
 @given(rationals(), rationals(), rationals(1, count=2))
 def test_weights_sum_to_1_over_the_receivers_domain(defensive, M, p, own):
-    """Whoever else can make the sample: donors with p = 0 or M = 0 among them."""
+    """Whoever else can make the sample: sources with p = 0 or M = 0 among them."""
     M_c, p_c = own
     found = weights(M, p, M_c, p_c, defensive)
     assert_array_equal(sum(found), np.ones(ROWS, int))
@@ -71,8 +72,8 @@ def test_weights_are_their_formulas(M, p, own):
 def test_a_single_pair_is_the_balance_heuristic(M, p, own):
     """As M / normalization, where either could make the sample."""
     M_c, p_c = own
-    donor, canonical = weights(M, p, M_c, p_c, False)
-    for m, q, weight in [(M[0], p[0], donor), (M_c, p_c, canonical)]:
+    source, canonical = weights(M, p, M_c, p_c, False)
+    for m, q, weight in [(M[0], p[0], source), (M_c, p_c, canonical)]:
         by_balance = balance_heuristic([M[0], M_c], [p[0], p_c], q)
         assert_array_equal(weight * by_balance, np.where(q > 0, m, m * 0))
 
@@ -83,9 +84,9 @@ def test_of_equal_targets_all_receivers_trust_is_shared_by_m(defensive, M, own):
     """Plain: M_k / T and M_c / T, as with 1/M.  Defensive: c keeps M_c / T before."""
     M_c, p_c = own
     T = one_over_m([*M, M_c])
-    *donors, canonical = weights(M, [p_c] * K, M_c, p_c, defensive)
+    *sources, canonical = weights(M, [p_c] * K, M_c, p_c, defensive)
     left = one_over_m(M) / T if defensive else 1
-    for m, weight in zip(M, donors, strict=True):
+    for m, weight in zip(M, sources, strict=True):
         assert_array_equal(weight, m / T * left)
     before = M_c / T if defensive else 0
     assert_array_equal(canonical, before + M_c / T * left)
@@ -102,15 +103,15 @@ def test_the_defensive_form_always_trusts_the_canonical_sample(M, p, own):
 @given(rationals(), rationals(1, count=2))
 def test_without_donors_the_canonical_sample_has_it_all(defensive, p, own):
     nobody = [np.full(ROWS, Fraction(0))] * K
-    *donors, canonical = weights(nobody, p, *own, defensive)
+    *sources, canonical = weights(nobody, p, *own, defensive)
     assert_array_equal(canonical, np.ones(ROWS, int))
-    assert not np.any(donors)
+    assert not np.any(sources)
     assert_array_equal(pairwise_canonical([], [], *own, defensive), canonical)
 
 
 @either_form
 def test_control_without_confidence_of_its_own_the_sum_falls_short(defensive):
-    """M_c = 0: what a donor cannot make is lost with that donor's share, 3 of 4 here.
+    """M_c = 0: what a source cannot make is lost with that source's share, 3 of 4 here.
 
     The reason why a receiver must have a reservoir of its own.
     """
@@ -123,9 +124,9 @@ def test_control_without_confidence_of_its_own_the_sum_falls_short(defensive):
 def test_null_rows_are_0_in_every_number_type(defensive):
     for kind in (np.float16, np.float32, np.float64, np.longdouble, object):
         zero = np.zeros(2, kind)
-        *donors, _ = found = weights([zero] * 2, [zero] * 2, zero, zero, defensive)
+        *sources, _ = found = weights([zero] * 2, [zero] * 2, zero, zero, defensive)
         assert all(m.dtype == kind for m in found)
-        assert not np.any(donors)
+        assert not np.any(sources)
 
 
 def rows(*values):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from extensions.pt_settings import CRITERIA
-from extensions.shifting import Technique, arrive, leave, start
+from extensions.shifting import Technique, advance, leave, start
 from reference.arrays import cross, dot, length
 from reference.records import take
 from reference.scene.materials.table import pdf
@@ -122,7 +122,7 @@ def first_meeting(w, x, u):
     step = start(x)
     everyone = np.ones(len(x), bool)
     criterion = CRITERIA["reconnection"]  # whatever is not a delta lobe
-    return arrive(w, criterion, step, 1, leave(w, step, 1, u, everyone))
+    return advance(w, criterion, step, 1, leave(w, step, 1, u, everyone))
 
 
 def misfits(name, density_of):

@@ -33,7 +33,7 @@ operations of sums of positive numbers, in any order."""
 
 
 def lattice_probes(precision: Precision) -> list[Probe]:
-    """Expectations of all unbiased weights, at all three receivers, of rung L1.
+    """Expectations of all unbiased weights, at all three receivers, of level L1.
 
     They are exact, so that a right backend cannot fail.
     """

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from extensions.shifting import Criterion, Leaving, Step, arrive, leave, start
+from extensions.shifting import Criterion, Leaving, Step, advance, leave, start
 from reference.arrays import Indices, Vec3s
 from reference.records import where
 from reference.rng import Uniforms
@@ -47,7 +47,7 @@ def walked(
             leave(world, step, vertex=vertex, uniforms=uniforms, active=step.points.hit)
         )
         steps.append(
-            arrive(world, criterion, step=step, vertex=vertex, leaving=leavings[-1])
+            advance(world, criterion, step=step, vertex=vertex, leaving=leavings[-1])
         )
     weights = tuple(step.weight for step in steps[1:])
     return ReplayedWalk(tuple(steps[:-1]), tuple(leavings), weights)

@@ -8,7 +8,7 @@ import numpy as np
 
 from reference.arrays import Indices, Masks, Scalars, Vec3s, cross, dot, normalize
 from reference.options.boiling import boiling_filter
-from reference.options.checkerboard import samples_anew
+from reference.options.checkerboard import draws_new_sample
 from reference.options.replay import Replay
 from reference.options.reprojection import reproject
 from reference.options.roulette import tail_weight
@@ -180,7 +180,7 @@ def _weights(precision: Precision, r: Reservoirs) -> dict[str, Array]:
 def _checkerboard(
     precision: Precision, pixel: Array, has_history: Array, width: int, frame: int
 ) -> dict[str, Array]:
-    draws = samples_anew(pixel, width, frame, has_history == 1)
+    draws = draws_new_sample(pixel, width, frame, has_history == 1)
     return {"draws": draws.astype(np.uint32)}
 
 

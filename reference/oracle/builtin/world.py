@@ -1,4 +1,4 @@
-"""A world made of buffers: paint, and visibility that was written down."""
+"""A world made of buffers: diffuse materials, and visibility that was written down."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -103,8 +103,8 @@ def _keys(viewer: Indices, position: Vec3s) -> NDArray[np.uint64]:
     return key
 
 
-def paint_table() -> MaterialTable:
-    """Materials of the contract: paint of any colour.
+def diffuse_table() -> MaterialTable:
+    """Materials of the contract: diffuse, of any colour.
 
     Returns
     -------
@@ -145,7 +145,7 @@ def world_of(known: Sequence[Known] = ()) -> World:
         np.concatenate([part.seen for part in parts]),
     )
     # Black points may be among the buffers: their target is asked, not their material.
-    table = replace(paint_table(), plain=False)
+    table = replace(diffuse_table(), plain=False)
     keys = _keys(joined.viewer, joined.position)
     order = np.argsort(keys, kind="stable")
     written = WrittenVisibility(take(joined, order), keys[order])
@@ -153,7 +153,7 @@ def world_of(known: Sequence[Known] = ()) -> World:
 
 
 def surface_of(position: Vec3s, normal: Vec3s, albedo: Vec3s) -> SurfacePoints:
-    """Visible points of painted surfaces.
+    """Visible points of diffuse surfaces.
 
     Parameters
     ----------
