@@ -11,7 +11,7 @@ from reference.arrays import Indices, Scalars
 from reference.frame import FrameContext
 from reference.options.reprojection import alike_before, places_before, row_at
 from reference.records import NONE, take
-from reference.resampling.generalized import Neighbor, Target, resample
+from reference.resampling.generalized import SourceReservoirs, Target, resample
 from reference.resampling.reservoir import Reservoirs, cap_confidence
 
 
@@ -74,8 +74,8 @@ def windows(
 
 
 def resample_past(
-    own: Neighbor,
-    before: Sequence[Neighbor],
+    own: SourceReservoirs,
+    before: Sequence[SourceReservoirs],
     shares: Sequence[Scalars],
     decisions: list[Scalars],
     settings: PathSettings,
@@ -85,7 +85,7 @@ def resample_past(
 
     Parameters
     ----------
-    own : Neighbor
+    own : SourceReservoirs
         The new samples, in their own domain.
     shares : list of (K,)
         Of the area, one for each neighbour of the last frame.

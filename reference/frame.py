@@ -73,7 +73,7 @@ class FrameContext(Generic[Settings_co]):
         return KeyedUniforms(pixel.astype(np.uint32), frame, self.seed, stream)
 
 
-class Made(Protocol):
+class FinishedFrame(Protocol):
     """A finished frame, as far as the loop wants to know it."""
 
     @property
@@ -89,7 +89,7 @@ class Made(Protocol):
         """G-buffer, through the centres of the pixels."""
 
 
-Frame = TypeVar("Frame", bound=Made)
+Frame = TypeVar("Frame", bound=FinishedFrame)
 
 
 def frames(

@@ -26,7 +26,7 @@ PARTS = {
 }
 
 
-class Made(Protocol):
+class NumberedFrame(Protocol):
     """A frame: ``number`` and ``world``."""
 
     @property
@@ -249,7 +249,7 @@ class Framed:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Indirect:
-    last: Made
+    last: NumberedFrame
     mean: Scalars
 
 

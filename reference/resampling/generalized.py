@@ -43,7 +43,7 @@ Target = Callable[[Any], Scalars]
 Shifted = tuple[Any, Scalars]
 
 
-class Neighbor(Protocol):
+class SourceReservoirs(Protocol):
     """Reservoirs of other domains, of which K receivers are offered one each."""
 
     @property
@@ -71,7 +71,7 @@ class Candidate:
 
     Attributes
     ----------
-    neighbor : Neighbor
+    neighbor : SourceReservoirs
         Who offers it.
     slot : int
         In the stream.
@@ -83,7 +83,7 @@ class Candidate:
         Of their shifts.
     """
 
-    neighbor: Neighbor
+    neighbor: SourceReservoirs
     slot: int
     weighted: Candidates
     value: Any
@@ -91,7 +91,7 @@ class Candidate:
 
 
 def resample(
-    neighbors: Sequence[Neighbor],
+    neighbors: Sequence[SourceReservoirs],
     u: list[Scalars],
     mis: Mis,
     cap: float,
@@ -101,7 +101,7 @@ def resample(
 
     Parameters
     ----------
-    neighbors : list of Neighbor
+    neighbors : list of SourceReservoirs
         In the order of the stream.  The last one of the receivers' own domain is the
         canonical one; without one the domain is not covered.
     u : list of (K,)
@@ -133,12 +133,12 @@ def resample(
     return cap_confidence(finalize(replace(kept, y=y), total), cap)
 
 
-def candidate(neighbor: Neighbor, slot: int, target: Target) -> Candidate:
+def candidate(neighbor: SourceReservoirs, slot: int, target: Target) -> Candidate:
     """Shift what a neighbour offers: w = p̂(T(x)) W M |∂T/∂x|, still without m.
 
     Parameters
     ----------
-    neighbor : Neighbor
+    neighbor : SourceReservoirs
         Of K receivers.
     slot : int
         In the stream.

@@ -51,7 +51,7 @@ class Neighbor(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Stream:
+class CandidateStream:
     """Candidates merged so far, K rows: Algorithm 1.
 
     Attributes
@@ -65,11 +65,11 @@ class Stream:
     merged: Candidates
     candidates: tuple[Candidates, ...]
 
-    def then(self, c: Candidates, u: Scalars) -> "Stream":
+    def then(self, c: Candidates, u: Scalars) -> "CandidateStream":
         """Merge one more candidate; u, (K,) in [0, 1), decides whether it is kept."""
         slot = np.full(len(c.M), len(self.candidates), np.int8)
         merged = merge(self.merged, replace(c, y=slot), u)
-        return Stream(merged, (*self.candidates, c))
+        return CandidateStream(merged, (*self.candidates, c))
 
     @property
     def slot(self) -> Indices:
@@ -89,9 +89,9 @@ class Stream:
         return replace(self.merged, y=y)
 
 
-def begin(c: Candidates) -> Stream:
+def begin(c: Candidates) -> CandidateStream:
     """A stream of one candidate."""
-    return Stream(replace(c, y=np.zeros(len(c.M), np.int8)), (c,))
+    return CandidateStream(replace(c, y=np.zeros(len(c.M), np.int8)), (c,))
 
 
 def reused(q: Receiver, source: Reservoirs | Neighbor) -> Candidates:
@@ -143,7 +143,7 @@ def shifted(q: Receiver, q_n: Neighbor) -> Candidates:
 
 
 def normalization(
-    mis: PaperMis, R: Stream, Q: Sequence[Candidates | Reservoirs | Neighbor]
+    mis: PaperMis, R: CandidateStream, Q: Sequence[Candidates | Reservoirs | Neighbor]
 ) -> Scalars:
     """What the sum of weights is divided by: M, or Z.
 
@@ -151,7 +151,7 @@ def normalization(
     ----------
     mis : '1/M' or '1/Z'
         Biased, as Algorithm 3 has it, or unbiased.
-    R : Stream
+    R : CandidateStream
         K rows, merged.
     Q : sequence of Candidates, Reservoirs or Neighbor
         Where each candidate came from.  All but neighbours' come from q's own domain,
@@ -174,7 +174,7 @@ def normalization(
 
 
 def could_have_made(
-    R: Stream, Q: Sequence[Candidates | Reservoirs | Neighbor]
+    R: CandidateStream, Q: Sequence[Candidates | Reservoirs | Neighbor]
 ) -> list[Masks]:
     """Whether each of Q could have made the kept sample, (K,) bool each.
 

@@ -36,7 +36,7 @@ def by_the_engine(q, past, own, neighbors, u_own, *, cap, mis="1/Z"):
 
 
 @dataclass(frozen=True, slots=True)
-class Pair:
+class BothKept:
     """What both keep."""
 
     page: Any
@@ -55,7 +55,7 @@ def law_of_both(i, mis, then, **settings):
         around, u = pages.neighbors(q, {j: other}, uniform), uniform()
         passes = spatial_resampling, by_the_engine
         kept = [run(*given, around, u, cap=4, mis=mis) for run in passes]
-        return Pair(*map(pages.closed, kept))
+        return BothKept(*map(pages.closed, kept))
 
     return claims.explored(program, claims.NOWHERE)
 

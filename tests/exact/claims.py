@@ -26,7 +26,7 @@ PAST = 4
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class ToyFrame:
     """Reservoirs of three pixels, one row an outcome."""
 
     r0: Any
@@ -99,7 +99,7 @@ def fresh_frame():
 
     def program(rows, uniform):
         kept = [alone(i, uniform) for i in PIXELS]
-        return Frame(*(trust(r, M) for r, M in zip(kept, TRUST, strict=True)))
+        return ToyFrame(*(trust(r, M) for r, M in zip(kept, TRUST, strict=True)))
 
     return explored(program, NOWHERE)
 
@@ -198,7 +198,7 @@ def two_passes(mis="1/Z"):
 
     def first_pass(frame, uniform):
         given = [(i, None, frame.at(i), frame.around(i)) for i in PIXELS]
-        return Frame(*(pages.spatial(*g, uniform, settings=s) for g in given))
+        return ToyFrame(*(pages.spatial(*g, uniform, settings=s) for g in given))
 
     law = spatial_law(explored(first_pass, fresh_frame()), 1, mis=mis)
     yield from faults(1, contributions(law, law.outcomes), truth(1))
@@ -214,7 +214,7 @@ def loop_of_two_frames(mis="1/Z", cap=2):
     def first(rows, uniform):
         own, other = (temporal(i, None, uniform) for i in (1, 2))
         kept = pages.spatial(1, None, own, {2: other}, uniform, cap, s)
-        return Frame(kept, own, other)
+        return ToyFrame(kept, own, other)
 
     def second(last, uniform):
         own, other = (temporal(i, last.at(i), uniform) for i in (1, 2))

@@ -26,7 +26,7 @@ LOOP = "reference.restir_gi"
 
 
 @dataclass(frozen=True, slots=True)
-class Mutant:
+class ExactMutant:
     """Edits of modules: ``old`` occurs once in its module and becomes ``new``."""
 
     name: str
@@ -74,21 +74,21 @@ BACK = "return np.where(possible & seen, p, p * 0), J"
 
 MUTANTS = [
     # The Jacobian.
-    Mutant(
+    ExactMutant(
         "the Jacobian is left out",
         RESERVOIR,
         "w = w * jacobian",
         "w = w * 1",
         ("spatial_pass", "balance_pass"),
     ),
-    Mutant(
+    ExactMutant(
         "the weight is divided by the Jacobian",
         RESERVOIR,
         "w = w * jacobian",
         "w = divide_or_zero(w, jacobian)",
         ("spatial_pass", "balance_pass"),
     ),
-    Mutant(
+    ExactMutant(
         "the Jacobian is clamped to [1/3, 3]",
         SHIFT,
         "return saturate(jacobian)",
@@ -96,28 +96,28 @@ MUTANTS = [
         ("spatial_pass",),
         also=(fractions_in(SHIFT),),
     ),
-    Mutant(
+    ExactMutant(
         "the distances are not squared",
         SHIFT,
         "cosines * ratio * ratio * ratio",
         "cosines * ratio * ratio",
         ("spatial_pass",),
     ),
-    Mutant(
+    ExactMutant(
         "the cosines are left out",
         SHIFT,
         "cosines * ratio * ratio * ratio",
         "ratio * ratio",
         ("spatial_pass",),
     ),
-    Mutant(
+    ExactMutant(
         "the cosines are upside down",
         SHIFT,
         "abs(dot(n_sample, v_to)), abs(dot(n_sample, v_from))",
         "abs(dot(n_sample, v_from)), abs(dot(n_sample, v_to))",
         ("spatial_pass",),
     ),
-    Mutant(
+    ExactMutant(
         "source and receiver change places",
         PIXELS,
         "self.q.shift(self.x.position, self.q.points.position, self.reservoirs.y)",
@@ -125,14 +125,14 @@ MUTANTS = [
         ("spatial_pass", "balance_pass", "fused_pass"),
     ),
     # Confidence.
-    Mutant(
+    ExactMutant(
         "new samples that found nothing do not count",
         RESERVOIR,
         "M = np.ones_like(w) if M is None else M",
         "M = np.where(w > 0, w * 0 + 1, w * 0)",
         ("several_candidates", "temporal_chain"),
     ),
-    Mutant(
+    ExactMutant(
         "neighbours whose sample is hidden do not count",
         REUSE,
         HIDDEN,
@@ -141,14 +141,14 @@ MUTANTS = [
         "    )",
         ("spatial_pass", "fused_pass", "moved_temporal_pass"),
     ),
-    Mutant(
+    ExactMutant(
         "M of a merged reservoir is 1",
         RESERVOIR,
         "M = a.M + b.M",
         "M = a.M + 1",
         ("spatial_pass",),
     ),
-    Mutant(
+    ExactMutant(
         "M of the reservoir is missing in its weight",
         RESERVOIR,
         "w = p_hat * r.W * r.M",
@@ -156,28 +156,28 @@ MUTANTS = [
         ("spatial_pass", "temporal_chain"),
     ),
     # The cap.
-    Mutant(
+    ExactMutant(
         "M is capped before it divides",
         TEMPORAL,
         "Z = normalization(mis, R, [past, new])",
         "Z = normalization(mis, R, [past, new]).clip(max=cap)",
         ("temporal_chain",),
     ),
-    Mutant(
+    ExactMutant(
         "the running weight outlives the cap",
         RESERVOIR,
         "W=r.W, M=np.minimum(r.M, cap)",
         "W=r.W * r.M / np.minimum(r.M, cap), M=np.minimum(r.M, cap)",
         ("temporal_chain",),
     ),
-    Mutant(
+    ExactMutant(
         "the cap is put on the weight",
         RESERVOIR,
         "W=r.W, M=np.minimum(r.M, cap)",
         "W=r.W * np.minimum(r.M, cap) / r.M, M=r.M",
         ("temporal_chain",),
     ),
-    Mutant(
+    ExactMutant(
         "M is capped at every pass",
         REUSE,
         "return [c.M for c in self.candidates]",
@@ -185,7 +185,7 @@ MUTANTS = [
         ("spatial_pass",),
     ),
     # The choice.
-    Mutant(
+    ExactMutant(
         "chosen by the ratio to the old sum",
         RESERVOIR,
         "u * (w_a + w_b) < w_b",
@@ -197,21 +197,21 @@ MUTANTS = [
             "one_law_of_all_associations",
         ),
     ),
-    Mutant(
+    ExactMutant(
         "the newer sample always wins",
         RESERVOIR,
         "(u * (w_a + w_b) < w_b)",
         "(w_b > 0)",
         ("several_candidates", "temporal_chain", "spatial_pass"),
     ),
-    Mutant(
+    ExactMutant(
         "one random number for two decisions",
         SPATIAL,
         STREAMED,
         "R_s = R_s.then(shifted(q, q_n), neighbors[0][1])",
         ("spatial_pass",),
     ),
-    Mutant(
+    ExactMutant(
         "the sum of weights forgets what came before",
         RESERVOIR,
         "w = a.w + b.w",
@@ -219,28 +219,28 @@ MUTANTS = [
         ("several_candidates",),
     ),
     # The target.
-    Mutant(
+    ExactMutant(
         "target of the sample at its source",
         REUSE,
         ARRIVED,
         "c = reused_candidates(R_n, q_n.target(R_n.y), J)",
         ("spatial_pass", "fused_pass"),
     ),
-    Mutant(
+    ExactMutant(
         "target of the sample that lost",
         RESERVOIR,
         "np.where(take_b, b.p_hat, a.p_hat)",
         "a.p_hat",
         ("several_candidates",),
     ),
-    Mutant(
+    ExactMutant(
         "source density left out",
         RESERVOIR,
         "w = divide_or_zero(p_hat, pdf)",
         "w = p_hat",
         ("several_candidates",),
     ),
-    Mutant(
+    ExactMutant(
         "divided by the target of the receiver's own sample",
         SPATIAL,
         CLOSED,
@@ -250,35 +250,35 @@ MUTANTS = [
         ("spatial_pass",),
     ),
     # Visibility and the normalization.
-    Mutant(
+    ExactMutant(
         "1/M in place of 1/Z",
         MIS,
         "terms = [np.where(holds, M, M * 0)",
         "terms = [M",
         ("spatial_pass", "two_passes"),
     ),
-    Mutant(
+    ExactMutant(
         "Z counts pixels without their M",
         MIS,
         "np.where(holds, M, M * 0)",
         "np.where(holds, 1, 0)",
         ("spatial_pass",),
     ),
-    Mutant(
+    ExactMutant(
         "Z does not ask for visibility",
         PIXELS,
         LOOKED,
         "return possible",
         ("spatial_pass", "fused_pass", "moved_temporal_pass"),
     ),
-    Mutant(
+    ExactMutant(
         "Z does not ask for the horizon",
         PIXELS,
         ASKED,
         "possible = asked",
         ("spatial_pass", "fused_pass", "moved_temporal_pass"),
     ),
-    Mutant(
+    ExactMutant(
         "Z asks for the receiver's view in place of the source's",
         PIXELS,
         ASKED,
@@ -292,63 +292,63 @@ MUTANTS = [
             ),
         ),
     ),
-    Mutant(
+    ExactMutant(
         "Z forgets the pixel's own reservoir",
         REUSE,
         COULD,
         "could = [R.slot == slot for slot in range(len(Q))]",
         ("spatial_pass", "fused_pass", "moved_temporal_pass"),
     ),
-    Mutant(
+    ExactMutant(
         "Z forgets who made the sample",
         REUSE,
         MAKER,
         "could[slot] = ~made & q_n.could_make(R.kept.y, full)",
         ("spatial_pass", "fused_pass", "moved_temporal_pass"),
     ),
-    Mutant(
+    ExactMutant(
         "hidden samples are reused and then kept",
         REUSE,
         HIDDEN,
         "return c",
         ("spatial_pass", "fused_pass", "moved_temporal_pass"),
     ),
-    Mutant(
+    ExactMutant(
         "the late test of visibility is forgotten",
         LOOP,
         'if settings.visibility == "chosen" and shifts:',
         'if settings.visibility == "never" and shifts:',
         ("pass_with_late_visibility",),
     ),
-    Mutant(
+    ExactMutant(
         "a limit on the Jacobian that Z does not know",
         PIXELS,
         f"{ASKED}\n        if self.q.refuses is not None:",
         f"{ASKED}\n        if False:",
         ("pass_with_mirrored_limit",),
     ),
-    Mutant(
+    ExactMutant(
         "a limit on the Jacobian that Z applies the other way round",
         PIXELS,
         f"possible &= {REFUSED}\n        {LOOKED}",
         f"possible &= {OTHER_WAY}\n        {LOOKED}",
         ("pass_with_mirrored_limit",),
     ),
-    Mutant(
+    ExactMutant(
         "balance heuristic for the receiver, whoever made the sample",
         ENGINE,
         "p, p_made = np.where(made, own, p), np.where(made, own, p_made)",
         "p = np.where(made, own, p)",
         ("balance_pass",),
     ),
-    Mutant(
+    ExactMutant(
         "balance heuristic without M",
         MIS,
         "saturate(M * p)",
         "saturate(p)",
         ("balance_pass",),
     ),
-    Mutant(
+    ExactMutant(
         "p̂ is kept away from 0 where it divides",
         RESERVOIR,
         "divide_or_zero(c.w, c.p_hat), normalization",
@@ -356,7 +356,7 @@ MUTANTS = [
         ("several_candidates",),
         also=(fractions_in(RESERVOIR),),
     ),
-    Mutant(
+    ExactMutant(
         "the weight W is limited",
         RESERVOIR,
         "return Reservoirs(y=c.y, W=saturate(W), M=c.M)",
@@ -364,7 +364,7 @@ MUTANTS = [
         ("several_candidates",),
         also=(fractions_in(RESERVOIR),),
     ),
-    Mutant(
+    ExactMutant(
         "nothing divides the sum of weights",
         RESERVOIR,
         "W = divide_or_zero(divide_or_zero(c.w, c.p_hat), normalization)",
@@ -372,35 +372,35 @@ MUTANTS = [
         ("several_candidates",),
     ),
     # Weights in pairs.
-    Mutant(
+    ExactMutant(
         "the sources' confidences include the canonical one",
         ENGINE,
         DONORS,
         "S = one_over_m([*M_k, c.M])",
         ("pairwise_pass", "defensive_pass"),
     ),
-    Mutant(
+    ExactMutant(
         "the canonical sample gets no share of its own",
         PAIRWISE,
         "divide_or_zero(plus(one_over_m(shares), M_c), plus(S, M_c))",
         "divide_or_zero(one_over_m(shares), plus(S, M_c))",
         ("defensive_pass",),
     ),
-    Mutant(
+    ExactMutant(
         "each source stands for itself alone in its pair",
         PAIRWISE,
         "M_k * _share(S, p_k, M_c, p_c)",
         "M_k * _share(M_k, p_k, M_c, p_c)",
         ("pairwise_pass", "defensive_pass"),
     ),
-    Mutant(
+    ExactMutant(
         "pairs do not ask whether the source could make the sample",
         PIXELS,
         BACK,
         "return p, J",
         ("pairwise_pass", "defensive_pass"),
     ),
-    Mutant(
+    ExactMutant(
         "what is left of a pair goes to the wrong side",
         PAIRWISE,
         "M * _share(M_c, p_c, S, p)",
@@ -408,7 +408,7 @@ MUTANTS = [
         ("pairwise_pass", "defensive_pass"),
     ),
     # The loop.
-    Mutant(
+    ExactMutant(
         "spatial history is merged without its M",
         SPATIAL,
         PAST,
@@ -417,42 +417,42 @@ MUTANTS = [
         ("loop_of_two_frames",),
     ),
     # Weights of the general engine know a limit, too.
-    Mutant(
+    ExactMutant(
         "a limit on the Jacobian that the balance heuristic does not know",
         PIXELS,
         "possible = asked & (p > 0)\n        if self.q.refuses is not None:",
         "possible = asked & (p > 0)\n        if False:",
         ("balance_pass_with_mirrored_limit",),
     ),
-    Mutant(
+    ExactMutant(
         "a limit on the Jacobian that the balance heuristic applies the other way",
         PIXELS,
         f"possible &= {REFUSED}\n        seen",
         f"possible &= {OTHER_WAY}\n        seen",
         ("balance_pass_with_mirrored_limit",),
     ),
-    Mutant(
+    ExactMutant(
         "the balance heuristic does not ask for visibility",
         PIXELS,
         "made | sees(self.frame.world, self.x, y, possible & ~made)",
         "made | possible",
         ("balance_pass", "pairwise_pass", "defensive_pass"),
     ),
-    Mutant(
+    ExactMutant(
         "hidden samples compete in the general engine",
         WEIGHTS,
         "return np.where(seen, p, p * 0)[at], J[at]",
         "return p[at], J[at]",
         ("balance_pass", "pairwise_pass"),
     ),
-    Mutant(
+    ExactMutant(
         "new samples come to the general engine with their density",
         WEIGHTS,
         "W = saturate(divide_or_zero(np.ones_like(pdf), pdf))",
         "W = pdf",
         ("moved_balance_pass",),
     ),
-    Mutant(
+    ExactMutant(
         "nothing is known to be shifted",
         WEIGHTS,
         "if not any(isinstance(source, NeighborPixels) for source, _ in sources):",
@@ -460,21 +460,21 @@ MUTANTS = [
         ("balance_pass", "pairwise_pass"),
     ),
     # Between two frames.
-    Mutant(
+    ExactMutant(
         "the Jacobian forgets that the sample moved",
         MOTION,
         "x_n = self.temporal_shift.points_forward(y, self.x.position)",
         "x_n = self.x.position",
         ("moved_temporal_pass", "moved_spatial_pass", "moved_fused_pass"),
     ),
-    Mutant(
+    ExactMutant(
         "M of a moved past is as if it could make everything",
         REUSE,
         "if not isinstance(q_n, Candidates | Reservoirs):",
         "if slot and not isinstance(q_n, Candidates | Reservoirs):",
         ("moved_temporal_pass", "moved_spatial_pass"),
     ),
-    Mutant(
+    ExactMutant(
         "a moved past is reused as it stands",
         REUSE,
         "    return shifted(q, source)",
@@ -482,14 +482,14 @@ MUTANTS = [
         ("moved_temporal_pass", "moved_spatial_pass", "moved_fused_pass"),
     ),
     # The fused pass.
-    Mutant(
+    ExactMutant(
         "the fused pass takes the domains of its neighbours for its own",
         FUSED,
         "[past, new, *(q_n for q_n, _ in neighbors)]",
         "[past, new, *(q_n.reservoirs for q_n, _ in neighbors)]",
         ("fused_pass",),
     ),
-    Mutant(
+    ExactMutant(
         "the past is not in the fused stream, but in Z",
         FUSED,
         "R = begin(reused(q, past)).then(new, u)",
@@ -505,7 +505,7 @@ MUTANTS = [
             ),
         ),
     ),
-    Mutant(
+    ExactMutant(
         "neighbours of the fused pass are decided on by the number of the new sample",
         FUSED,
         "R = R.then(shifted(q, q_n), u_n)",
@@ -517,14 +517,14 @@ MUTANTS = [
 SURVIVORS = [
     # Any weights that sum to 1 over the makers of a sample are unbiased.  These do, and
     # are noisier; the balance heuristic's own formula is tested in properties.
-    Mutant(
+    ExactMutant(
         "balance heuristic without Jacobian",
         ENGINE,
         THERE,
         "target(value), len(p_hat)",
         also=((ENGINE, MADE, "target(made)"),),
     ),
-    Mutant(
+    ExactMutant(
         "balance heuristic with the inverse Jacobian",
         ENGINE,
         THERE,
@@ -533,7 +533,7 @@ SURVIVORS = [
     ),
     # Differs where u w = w_b exactly: a set of measure 0, and two weights of 0.  Found
     # where single numbers are looked at, in properties.
-    Mutant(
+    ExactMutant(
         "a tie goes to the newer sample",
         RESERVOIR,
         "u * (w_a + w_b) < w_b",

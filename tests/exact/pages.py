@@ -196,7 +196,7 @@ MU_THEN = np.where(MOVES[:NOTHING], MU[1], MU[0])
 """As seen from pixel 0 then: where it moved since, pixel 1 is where pixel 0 was."""
 
 
-class Shift:
+class ToyShift:
     """In place of the temporal shift: cells keep their numbers."""
 
     def forward(self, y, active):
@@ -329,7 +329,7 @@ def frame_of(j, kept, then=False):
     """Pixel j of this frame or the last one, once for each outcome."""
     visible = SimpleNamespace(surface=Eyes(np.full(len(kept.W), j)))
     if then:
-        return EarlierReservoirs(THEN, visible, kept.opened(CellsThen), Shift())
+        return EarlierReservoirs(THEN, visible, kept.opened(CellsThen), ToyShift())
     return FrameReservoirs(NOW, visible, kept.opened())
 
 

@@ -167,7 +167,7 @@ def samples(p, k, cell, sign):
 
 
 @dataclass(frozen=True, slots=True)
-class Kept:
+class KeptPair:
     """What a pair keeps for a sign: columns that can be told apart."""
 
     k: Any
@@ -189,7 +189,7 @@ def closed(p, r):
     assert (r.y.base.worth == again.base.worth)[full].all()
     # An empty reservoir's sample is nobody's business.
     k, cell = np.where(full, r.y.k, 0), np.where(full, r.y.base.cell, 0)
-    return Kept(k, cell, r.W, r.M * Fraction(1))
+    return KeptPair(k, cell, r.W, r.M * Fraction(1))
 
 
 SIGNS = (PLUS, MINUS)

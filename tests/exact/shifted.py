@@ -36,7 +36,7 @@ def target(value):
 
 
 @dataclass(frozen=True, slots=True)
-class Tables:
+class SourceTables:
     """Of all pixels: targets, and a function of shifts."""
 
     p_hat: Any
@@ -55,7 +55,7 @@ class Tables:
 class ToyDonor:
     """Pixel j of the toy domain, offered to pixel i; ``part`` limits what it makes."""
 
-    tables: Tables
+    tables: SourceTables
     i: int
     j: int
     reservoirs: Any
@@ -94,7 +94,7 @@ def jacobian(i_from, i_to, x):
     return np.where(x == NOTHING, Fraction(1), J)
 
 
-DOMAIN = Tables(NOW.p_hat, NOW.seen, with_nothing(HOLDS, False), jacobian)
+DOMAIN = SourceTables(NOW.p_hat, NOW.seen, with_nothing(HOLDS, False), jacobian)
 """The toy domain."""
 
 

@@ -12,7 +12,7 @@ import pytest
 from reference.oracle.diagnosis.diagnose import known_mistakes
 from tests.exact import claims, pages
 from tests.exact.domain import TARGET
-from tests.exact.mutants import PAST, RESERVOIR, SPATIAL, TEMPORAL, Mutant
+from tests.exact.mutants import PAST, RESERVOIR, SPATIAL, TEMPORAL, ExactMutant
 from tests.mutants.plant import planted
 
 ZERO = Fraction(0)
@@ -26,13 +26,13 @@ OTHER_TARGETS = {
 }
 
 ORDER = (
-    Mutant(
+    ExactMutant(
         "u as 1 − u",
         RESERVOIR,
         "(u * (w_a + w_b) < w_b)",
         "((u * (w_a + w_b) >= w_a) & (w_b > 0))",
     ),
-    Mutant(
+    ExactMutant(
         "the stream backwards",
         SPATIAL,
         PAST,
@@ -54,9 +54,11 @@ ORDER = (
 )
 
 CONFIDENCE = (
-    Mutant("never capped", RESERVOIR, "np.minimum(r.M, cap)", "r.M"),
-    Mutant("one more", RESERVOIR, "np.minimum(r.M, cap)", "np.minimum(r.M, cap + 1)"),
-    Mutant(
+    ExactMutant("never capped", RESERVOIR, "np.minimum(r.M, cap)", "r.M"),
+    ExactMutant(
+        "one more", RESERVOIR, "np.minimum(r.M, cap)", "np.minimum(r.M, cap + 1)"
+    ),
+    ExactMutant(
         "capped on arrival",
         TEMPORAL,
         "R = begin(reused(q, past))",
@@ -103,7 +105,7 @@ def test_order_and_confidence(mutant):
 
 
 def test_control_an_order_that_is_no_order():
-    odd = Mutant("", RESERVOIR, "(u * (w_a + w_b) < w_b)", "(u * w_a < w_b)")
+    odd = ExactMutant("", RESERVOIR, "(u * (w_a + w_b) < w_b)", "(u * w_a < w_b)")
     with planted(odd):
         assert next(biases(), None) is not None
 

@@ -16,84 +16,84 @@ from tests.exact.mutants import (
     PAIRWISE,
     SURVIVORS,
     THERE,
-    Mutant,
+    ExactMutant,
 )
 from tests.mutants.plant import planted
 
 BOTH, DEFENSIVE = ("pairwise", "defensive"), ("defensive",)
 
 MUTANTS = [
-    Mutant(
+    ExactMutant(
         "the canonical sample is forgotten",
         ENGINE,
         OWN,
         "weighted = [_with_weight(canonical, m * 0)]",
         BOTH,
     ),
-    Mutant(
+    ExactMutant(
         "the canonical sample counts in full",
         ENGINE,
         OWN,
         "weighted = [_with_weight(canonical, m * 0 + 1)]",
         BOTH,
     ),
-    Mutant(
+    ExactMutant(
         "inverse Jacobian in the target of a source's own sample",
         ENGINE,
         MADE,
         "target(made) * candidate.jacobian[at]",
         BOTH,
     ),
-    Mutant(
+    ExactMutant(
         "inverse Jacobian in the target of the canonical sample",
         ENGINE,
         THERE,
         "divide_or_zero(target(value), jacobian), len(p_hat)",
         BOTH,
     ),
-    Mutant(
+    ExactMutant(
         "M of the source's slot for the canonical one",
         ENGINE,
         DONOR,
         "pairwise_neighbor(M, made, M, k.weighted.p_hat, S, defensive)",
         BOTH,
     ),
-    Mutant(
+    ExactMutant(
         "target of the canonical sample for the source's",
         ENGINE,
         DONOR,
         "pairwise_neighbor(M, made, c.M, c.p_hat, S, defensive)",
         BOTH,
     ),
-    Mutant(
+    ExactMutant(
         "all confidences, the canonical one too, in its weight",
         PAIRWISE,
         "S = one_over_m(M_k)",
         "S = one_over_m([*M_k, M_c])",
         BOTH,
     ),
-    Mutant(
+    ExactMutant(
         "nulls do not count among the sources' confidences",
         ENGINE,
         DONORS,
         "S = sum(np.where(k.weighted.w > 0, k.weighted.M, c.M * 0) for k in others)",
         BOTH,
     ),
-    Mutant(
+    ExactMutant(
         "the canonical share is not taken from the sources",
         PAIRWISE,
         "total = plus(S, M_c) if defensive else S",
         "total = S",
         DEFENSIVE,
     ),
-    Mutant(
+    ExactMutant(
         "m and M both multiply",
         ENGINE,
         "w=divide_or_zero(c.w, c.M) * m",
         "w=c.w * m",
         BOTH,
     ),
-    Mutant(
+    ExactMutant(
         "the sum of weights is divided by M after all",
         ENGINE,
         "return np.ones_like(kept.w)",

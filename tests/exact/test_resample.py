@@ -153,7 +153,7 @@ def random_tables(draw):
     held = np.array([[*draw(shape), False] for _ in range(size)])
     p_hat = [[draw(fractions) if h else Fraction(0) for h in row] for row in held]
     mu = np.array([[draw(fractions) for _ in row] for row in held], object)
-    tables = shifted.Tables(
+    tables = shifted.SourceTables(
         np.array(p_hat, object), held, held, lambda a, b, x: mu[b][x] / mu[a][x]
     )
     return tables, [draw(fractions) for _ in range(size)]

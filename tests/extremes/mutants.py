@@ -112,7 +112,7 @@ class SpoiledCommand:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class MutantOutcome:
     """What became of a mutant."""
 
     mutant: SpoiledCommand
@@ -274,7 +274,7 @@ def run(
     box: Path,
     command: Callable[[Sequence[str]], int] = main,
     longest: float = LONGEST,
-) -> Outcome:
+) -> MutantOutcome:
     """Run a mutant in a new folder, and judge it."""
     box.mkdir()
     for name, contents in mutant.files:
@@ -307,15 +307,15 @@ def run(
             os.chdir(home)
         seconds = time.perf_counter() - start
     growth = max(_resident("VmHWM") - before, 0)
-    outcome = Outcome(mutant, code, out.text, err.text, seconds, growth)
+    outcome = MutantOutcome(mutant, code, out.text, err.text, seconds, growth)
     late = late or seconds > longest
-    return Outcome(
+    return MutantOutcome(
         mutant, code, out.text, err.text, seconds, growth,
         tuple(violations(outcome, box, late)),
     )  # fmt: skip
 
 
-def violations(outcome: Outcome, box: Path, late: bool) -> Iterator[str]:
+def violations(outcome: MutantOutcome, box: Path, late: bool) -> Iterator[str]:
     """All that must not be, of one mutant."""
     name = next((w for w in outcome.mutant.argv if not w.startswith("-")), "")
     code, lines = outcome.code, outcome.err.splitlines()
@@ -426,8 +426,8 @@ def run_all(
     numbers: Sequence[int],
     folder: Path,
     slow: bool,
-    tell: Callable[[Outcome], None] = lambda outcome: None,
-) -> list[Outcome]:
+    tell: Callable[[MutantOutcome], None] = lambda outcome: None,
+) -> list[MutantOutcome]:
     """Make, run and judge mutants; first once what is good, so that all is imported."""
     good = folder / "good"
     entries = write_corpus(good, find_spec("mitsuba") is not None)
@@ -457,7 +457,7 @@ def _warm_up(entries: list[CorpusFile], folder: Path) -> None:
         assert outcome.code == 0, f"{line}: {outcome.err}"
 
 
-def summary(outcomes: list[Outcome]) -> str:
+def summary(outcomes: list[MutantOutcome]) -> str:
     """Counts, the slowest, the largest, and every violation."""
     codes = Counter(outcome.code for outcome in outcomes)
     slowest = sorted(outcomes, key=lambda o: -o.seconds)[:5]
@@ -484,7 +484,7 @@ def by_hand() -> int:
     given = parser.parse_args()
     warnings.simplefilter("error")
 
-    def tell(outcome: Outcome) -> None:
+    def tell(outcome: MutantOutcome) -> None:
         for violation in outcome.violations:
             print(f"VIOLATION {violation}\n    of {outcome.mutant}", flush=True)
 

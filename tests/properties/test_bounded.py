@@ -8,7 +8,7 @@ from hypothesis.extra import numpy as hnp
 
 from reference.oracle.replay.bounded import constant, exact, rounding_of
 from reference.oracle.replay.formulas import jacobian, target
-from reference.oracle.replay.points import Receiver, SamplePoint
+from reference.oracle.replay.points import ReceiverPoint, SamplePoint
 from reference.oracle.replay.verbs import inner, square_root, where_positive
 
 ROUNDING = rounding_of("float32")
@@ -58,7 +58,9 @@ def test_the_jacobian_in_three_ways_of_writing_it(x_from, x_to, position, normal
     n = normal / np.maximum(np.linalg.norm(normal, axis=1), SINGLE(1e-3))[:, None]
     n = n.astype(SINGLE)
     y = SamplePoint(*(exact(v, ROUNDING) for v in (position, n, n)))
-    a, b = (Receiver(*(exact(v, ROUNDING) for v in (x, x, x))) for x in (x_from, x_to))
+    a, b = (
+        ReceiverPoint(*(exact(v, ROUNDING) for v in (x, x, x))) for x in (x_from, x_to)
+    )
     J = jacobian(a, b, y)
     v, w = x_from - position, x_to - position
     d, e = (v * v).sum(axis=1), (w * w).sum(axis=1)
@@ -85,7 +87,7 @@ def test_the_target_in_two_ways_of_writing_it(position, normal, x, radiance):
     n = normal / np.maximum(np.linalg.norm(normal, axis=1), SINGLE(1e-3))[:, None]
     n, light = n.astype(SINGLE), np.abs(radiance)
     albedo = np.full_like(light, 0.5)
-    receiver = Receiver(*(exact(v, ROUNDING) for v in (x, n, albedo)))
+    receiver = ReceiverPoint(*(exact(v, ROUNDING) for v in (x, n, albedo)))
     y = SamplePoint(*(exact(v, ROUNDING) for v in (position, -n, light)))
     p_hat = target("scattered", receiver, y)
     v = position - x

@@ -33,7 +33,7 @@ COLUMNS = 9 * (SIZE // 8) ** 2
 
 
 @dataclass(frozen=True)
-class Plan:
+class GradientPlan:
     """A scene that stands still, or a camera that moves through one."""
 
     name: str

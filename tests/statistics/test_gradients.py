@@ -27,7 +27,7 @@ from tests.mutants.gradients import GRADIENT_MUTANTS
 from tests.mutants.plant import planted
 from tests.statistics.gradient_runs import (
     COLUMNS,
-    Plan,
+    GradientPlan,
     estimates_of,
     judged,
     of_candidates,
@@ -38,18 +38,33 @@ from tests.statistics.replicates import Means, hall_t, threshold
 from tests.statistics.test_area_restir import Everywhere
 
 WITH, AFTER = render_gradient_frames, render_after_frames
-MOVING = Plan("moving-camera", 2, moves=True)
+MOVING = GradientPlan("moving-camera", 2, moves=True)
 
 ONE_OF_BOTH = GradientSettings(signs="without", around="random")
 
 PLANS = {
-    "paint": (Plan("paint", 2), WITH, GradientSettings(), 60),
-    "paint, after": (Plan("paint", 2), AFTER, AfterSettings(), 100),
-    "checker, across": (Plan("checker", 1), WITH, GradientSettings(signs="across"), 60),
-    "metal": (Plan("rough metal", 2), WITH, GradientSettings(mis="pairwise"), 50),
-    "metal, after": (Plan("rough metal", 2), AFTER, AfterSettings(mis="balance"), 80),
-    "mirror": (Plan("mirror", 3), WITH, GradientSettings(), 50),
-    "checker, without": (Plan("checker", 1), WITH, ONE_OF_BOTH, 50),
+    "paint": (GradientPlan("paint", 2), WITH, GradientSettings(), 60),
+    "paint, after": (GradientPlan("paint", 2), AFTER, AfterSettings(), 100),
+    "checker, across": (
+        GradientPlan("checker", 1),
+        WITH,
+        GradientSettings(signs="across"),
+        60,
+    ),
+    "metal": (
+        GradientPlan("rough metal", 2),
+        WITH,
+        GradientSettings(mis="pairwise"),
+        50,
+    ),
+    "metal, after": (
+        GradientPlan("rough metal", 2),
+        AFTER,
+        AfterSettings(mis="balance"),
+        80,
+    ),
+    "mirror": (GradientPlan("mirror", 3), WITH, GradientSettings(), 50),
+    "checker, without": (GradientPlan("checker", 1), WITH, ONE_OF_BOTH, 50),
     "moving": (MOVING, WITH, GradientSettings(), 50),
     "moving, across": (
         MOVING,
@@ -69,7 +84,7 @@ def test_reuse_brings_no_bias(name):
 
 
 def test_a_few_runs_show_no_bias():
-    plan = Plan("checker", 1)
+    plan = GradientPlan("checker", 1)
     assert judged(plan, of_reuse(plan, WITH, GradientSettings(), 12))
 
 
@@ -94,7 +109,7 @@ def candidates(plan):
 )
 def test_new_paths_have_the_differences_of_the_truth(scene, bounces):
     """Silhouettes, edges of textures, paint, metal, and mirrors."""
-    assert candidates(Plan(scene, bounces)) < BOUND
+    assert candidates(GradientPlan(scene, bounces)) < BOUND
 
 
 # ------------------------------------------------------------ controls
@@ -104,7 +119,7 @@ BY_NAME = {mutant.name: mutant for mutant in GRADIENT_MUTANTS}
 
 @pytest.mark.slow
 def test_control_new_samples_at_half_their_weight_are_refuted():
-    plan = Plan("checker", 1)
+    plan = GradientPlan("checker", 1)
     with planted(BY_NAME["new samples of both pixels are weighted by one half"]):
         assert not judged(plan, of_reuse(plan, WITH, GradientSettings(), 20))
 
@@ -112,7 +127,7 @@ def test_control_new_samples_at_half_their_weight_are_refuted():
 @pytest.mark.slow
 def test_control_base_paths_alone_are_needed():
     with planted(BY_NAME["base paths without offset path are thrown away"]):
-        assert candidates(Plan("checker", 1)) > BOUND
+        assert candidates(GradientPlan("checker", 1)) > BOUND
 
 
 @pytest.mark.slow
@@ -129,7 +144,7 @@ def test_control_what_falls_out_of_the_pair_is_not_refused(monkeypatch):
 @pytest.mark.slow
 def test_least_absolute_values_are_biased():
     """Against least squares of the same estimates, whose expectation is the truth."""
-    plan, rows = Plan("paint", 2), []
+    plan, rows = GradientPlan("paint", 2), []
     for seed in range(12):
         found = estimates_of(plan, render_gradient_paths, GradientPathSettings(), seed)
         primal, x, y = np.split(found[0], 3, axis=1)

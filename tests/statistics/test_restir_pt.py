@@ -37,7 +37,7 @@ BOUND = threshold(COLUMNS + 1, FAMILY, BATCHES)
 
 
 @dataclass(frozen=True)
-class Plan:
+class PathPlan:
     """What is rendered, and how often."""
 
     scene: str
@@ -48,26 +48,26 @@ class Plan:
 
 
 PLANS = [
-    Plan("paint", 1),
-    Plan("paint", 5, mis="balance"),
-    Plan("paint", 2, shift="replay"),
-    Plan("paint", 2, shift="reconnection"),
-    Plan("rough metal"),
-    Plan("glossy metal", mis="balance"),
-    Plan("mirror", 4),
-    Plan("rough coat", 2),
-    Plan("smooth coat", 2),
-    Plan("glass", 4),
-    Plan("glass", 5, mis="balance"),
-    Plan("rough glass", 3, 40, mis="balance"),
-    Plan("door-ajar", 2),
-    Plan("glossy-floor", 2),
-    Plan("many-lights", 1),
-    Plan("mirror-floor", 4),
-    Plan("glass-floor", 5, mis="balance"),
-    Plan("specular-floor", 2),
-    Plan("paint", 2, mis="pairwise"),
-    Plan("glass", 3, mis="defensive"),
+    PathPlan("paint", 1),
+    PathPlan("paint", 5, mis="balance"),
+    PathPlan("paint", 2, shift="replay"),
+    PathPlan("paint", 2, shift="reconnection"),
+    PathPlan("rough metal"),
+    PathPlan("glossy metal", mis="balance"),
+    PathPlan("mirror", 4),
+    PathPlan("rough coat", 2),
+    PathPlan("smooth coat", 2),
+    PathPlan("glass", 4),
+    PathPlan("glass", 5, mis="balance"),
+    PathPlan("rough glass", 3, 40, mis="balance"),
+    PathPlan("door-ajar", 2),
+    PathPlan("glossy-floor", 2),
+    PathPlan("many-lights", 1),
+    PathPlan("mirror-floor", 4),
+    PathPlan("glass-floor", 5, mis="balance"),
+    PathPlan("specular-floor", 2),
+    PathPlan("paint", 2, mis="pairwise"),
+    PathPlan("glass", 3, mis="defensive"),
 ]
 
 
@@ -110,21 +110,23 @@ def test_control_the_past_without_jacobian_is_refuted(monkeypatch):
     assert not judged(*of_a_camera_that_moves(*PAST_ALONE))
 
 
-@pytest.mark.parametrize("plan", [Plan("paint", 2, 40), Plan("mirror", 2, 40)], ids=str)
+@pytest.mark.parametrize(
+    "plan", [PathPlan("paint", 2, 40), PathPlan("mirror", 2, 40)], ids=str
+)
 def test_a_few_runs_show_no_bias(plan):
     assert judged_plan(plan)
 
 
 @pytest.mark.slow
 def test_control_one_over_m_is_refuted():
-    plan = Plan("glass", 2, mis="1/M")
+    plan = PathPlan("glass", 2, mis="1/M")
     assert not judged_plan(plan)
 
 
 @pytest.mark.slow
 def test_control_a_shift_without_jacobian_is_refuted(monkeypatch):
     monkeypatch.setattr(extensions.frame_loop, "Shift", Flat)
-    plan = Plan("paint", 1)
+    plan = PathPlan("paint", 1)
     assert not judged_plan(plan)
 
 

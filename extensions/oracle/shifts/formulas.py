@@ -12,7 +12,7 @@ from reference.oracle.replay.verbs import choose, inner, square_root
 
 
 def told(array: NDArray[Any], rounding: Rounding) -> Bounded:
-    """PathNumbers of a walk, which were rounded once to be told.
+    """Numbers of a walk, which were rounded once to be told.
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ Of the rough metal √alpha is above the usual threshold of 0.2, and alpha is no
 
 
 @dataclass(frozen=True, slots=True)
-class PathNumbers:
+class PathUniforms:
     """Random numbers of paths by their numbers: pixel, and frame times pixels."""
 
     pixels: int
@@ -71,7 +71,7 @@ class DrawnPaths:
 
     world: World
     points: SurfacePoints
-    numbers: PathNumbers
+    numbers: PathUniforms
     paths: Paths
 
 
@@ -116,7 +116,7 @@ def frame_of(
     seed, frame : int; of the random numbers
     """
     world, points = room(scene, size)
-    numbers = PathNumbers(size * size, seed)
+    numbers = PathUniforms(size * size, seed)
     number = np.arange(size * size) + frame * size * size
     drawn = draw_paths(
         world,

@@ -122,7 +122,7 @@ def lights(world: World, walk: ReplayedWalk, paths: Paths, uniforms: Uniforms) -
 
 
 def filled(there: Masks, offset: Buffers, base: Buffers) -> dict[str, Any]:
-    """PathNumbers of the offset walk, and the base path's where it has none.
+    """Numbers of the offset walk, and the base path's where it has none.
 
     Parameters
     ----------

@@ -7,10 +7,10 @@ import numpy as np
 from reference.arrays import Scalars
 from reference.oracle.replay.bounded import Bounded, constant
 from reference.oracle.replay.formulas import jacobian
-from reference.oracle.replay.points import Receiver, SamplePoint
+from reference.oracle.replay.points import ReceiverPoint, SamplePoint
 from reference.oracle.replay.verbs import choose
 
-JacobianFormula = Callable[[Receiver, Receiver, SamplePoint], Bounded]
+JacobianFormula = Callable[[ReceiverPoint, ReceiverPoint, SamplePoint], Bounded]
 
 
 def clamped(least: float, most: float) -> JacobianFormula:
@@ -27,7 +27,7 @@ def clamped(least: float, most: float) -> JacobianFormula:
         A formula as that of Equation 11.
     """
 
-    def limited(x_from: Receiver, x_to: Receiver, y: SamplePoint) -> Bounded:
+    def limited(x_from: ReceiverPoint, x_to: ReceiverPoint, y: SamplePoint) -> Bounded:
         J = jacobian(x_from, x_to, y)
         value: Scalars = np.clip(J.value, least, most)
         # The limit is a literal, rounded as such, of another size than J.
@@ -50,7 +50,7 @@ def rejected(least: float, most: float) -> JacobianFormula:
         A formula as that of Equation 11.
     """
 
-    def limited(x_from: Receiver, x_to: Receiver, y: SamplePoint) -> Bounded:
+    def limited(x_from: ReceiverPoint, x_to: ReceiverPoint, y: SamplePoint) -> Bounded:
         J = jacobian(x_from, x_to, y)
         inside = (J.value >= least) & (J.value <= most)
         return choose(inside, J, constant(0.0, J))

@@ -7,7 +7,7 @@ from reference.oracle.diagnosis.jacobian_limits import clamped, rejected
 from reference.oracle.replay.bounded import Bounded, constant
 from reference.oracle.replay.formulas import jacobian
 from reference.oracle.replay.geometry import cosine_at
-from reference.oracle.replay.points import Receiver, SamplePoint
+from reference.oracle.replay.points import ReceiverPoint, SamplePoint
 from reference.oracle.replay.rules import CONTRACT_RULES
 from reference.oracle.replay.verbs import choose, inner, square_root
 
@@ -16,57 +16,67 @@ RIGHT = "J = (|cos φ_to| / |cos φ_from|) · (d_from² / d_to²), angles at the
 
 
 def _squares(
-    x_from: Receiver, x_to: Receiver, y: SamplePoint
+    x_from: ReceiverPoint, x_to: ReceiverPoint, y: SamplePoint
 ) -> tuple[Bounded, Bounded]:
     v_from, v_to = x_from.position - y.position, x_to.position - y.position
     return inner(v_from, v_from), inner(v_to, v_to)
 
 
-def _inverse(x_from: Receiver, x_to: Receiver, y: SamplePoint) -> Bounded:
+def _inverse(x_from: ReceiverPoint, x_to: ReceiverPoint, y: SamplePoint) -> Bounded:
     return jacobian(x_to, x_from, y)
 
 
-def _one(x_from: Receiver, x_to: Receiver, y: SamplePoint) -> Bounded:
+def _one(x_from: ReceiverPoint, x_to: ReceiverPoint, y: SamplePoint) -> Bounded:
     return constant(1.0, y.position[:, 0])
 
 
-def _not_squared(x_from: Receiver, x_to: Receiver, y: SamplePoint) -> Bounded:
+def _not_squared(x_from: ReceiverPoint, x_to: ReceiverPoint, y: SamplePoint) -> Bounded:
     d_from, d_to = _squares(x_from, x_to, y)
     return jacobian(x_from, x_to, y) * square_root(d_to / d_from)
 
 
-def _without_cosines(x_from: Receiver, x_to: Receiver, y: SamplePoint) -> Bounded:
+def _without_cosines(
+    x_from: ReceiverPoint, x_to: ReceiverPoint, y: SamplePoint
+) -> Bounded:
     d_from, d_to = _squares(x_from, x_to, y)
     return d_from / d_to
 
 
-def _without_distances(x_from: Receiver, x_to: Receiver, y: SamplePoint) -> Bounded:
+def _without_distances(
+    x_from: ReceiverPoint, x_to: ReceiverPoint, y: SamplePoint
+) -> Bounded:
     d_from, d_to = _squares(x_from, x_to, y)
     return jacobian(x_from, x_to, y) * (d_to / d_from)
 
 
-def _distances_upside_down(x_from: Receiver, x_to: Receiver, y: SamplePoint) -> Bounded:
+def _distances_upside_down(
+    x_from: ReceiverPoint, x_to: ReceiverPoint, y: SamplePoint
+) -> Bounded:
     d_from, d_to = _squares(x_from, x_to, y)
     ratio = d_to / d_from
     return jacobian(x_from, x_to, y) * ratio * ratio
 
 
-def _cosines_upside_down(x_from: Receiver, x_to: Receiver, y: SamplePoint) -> Bounded:
+def _cosines_upside_down(
+    x_from: ReceiverPoint, x_to: ReceiverPoint, y: SamplePoint
+) -> Bounded:
     d_from, d_to = _squares(x_from, x_to, y)
     ratio = d_from / d_to
     return ratio * ratio / jacobian(x_from, x_to, y)
 
 
-def _receivers_cosines(x_from: Receiver, x_to: Receiver, y: SamplePoint) -> Bounded:
+def _receivers_cosines(
+    x_from: ReceiverPoint, x_to: ReceiverPoint, y: SamplePoint
+) -> Bounded:
     d_from, d_to = _squares(x_from, x_to, y)
     return abs(cosine_at(x_to, y)) / abs(cosine_at(x_from, y)) * (d_from / d_to)
 
 
-def _root(x_from: Receiver, x_to: Receiver, y: SamplePoint) -> Bounded:
+def _root(x_from: ReceiverPoint, x_to: ReceiverPoint, y: SamplePoint) -> Bounded:
     return square_root(jacobian(x_from, x_to, y))
 
 
-def _cut_at_0(x_from: Receiver, x_to: Receiver, y: SamplePoint) -> Bounded:
+def _cut_at_0(x_from: ReceiverPoint, x_to: ReceiverPoint, y: SamplePoint) -> Bounded:
     J = jacobian(x_from, x_to, y)
     faces = [inner(y.normal, x.position - y.position).value for x in (x_from, x_to)]
     return choose((faces[0] > 0) & (faces[1] > 0), J, constant(0.0, J))

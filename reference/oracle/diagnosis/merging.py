@@ -16,7 +16,7 @@ from reference.oracle.diagnosis.jacobian_limits import rejected
 from reference.oracle.diagnosis.targets import TARGETS_IN
 from reference.oracle.replay.bounded import Bounded, constant
 from reference.oracle.replay.formulas import finalized, target, weight
-from reference.oracle.replay.points import Receiver, SamplePoint
+from reference.oracle.replay.points import ReceiverPoint, SamplePoint
 from reference.oracle.replay.verbs import choose
 
 MERGED = "w = w_a + w_b, M = M_a + M_b"
@@ -57,8 +57,8 @@ def _divisor_at_least(
 
 def _target_at_least(
     least: float, kinds: tuple[Value, ...]
-) -> Callable[[Value, Receiver, SamplePoint], Bounded]:
-    def changed(kind: Value, x: Receiver, y: SamplePoint) -> Bounded:
+) -> Callable[[Value, ReceiverPoint, SamplePoint], Bounded]:
+    def changed(kind: Value, x: ReceiverPoint, y: SamplePoint) -> Bounded:
         p_hat = target(kind, x, y)
         if kind not in kinds:
             return p_hat

@@ -12,7 +12,7 @@ from reference.oracle.diagnosis.hypothesis import Departure, Hypothesis
 from reference.oracle.replay.bounded import Bounded, constant
 from reference.oracle.replay.formulas import reflected, target
 from reference.oracle.replay.geometry import cosine_at, lit_at
-from reference.oracle.replay.points import Receiver, SamplePoint
+from reference.oracle.replay.points import ReceiverPoint, SamplePoint
 from reference.oracle.replay.rules import CONTRACT_RULES
 from reference.oracle.replay.sources import density
 from reference.oracle.replay.verbs import (
@@ -27,37 +27,37 @@ F_RIGHT = "color = albedo / π · cos θ · L_o · W"
 D_RIGHT = "uniform 1 / 2π, cosine cos θ / π"
 
 
-def _shade_times_pi(x: Receiver, y: SamplePoint) -> Bounded:
+def _shade_times_pi(x: ReceiverPoint, y: SamplePoint) -> Bounded:
     f = reflected(x, y)
     return f * constant(pi, f)
 
 
-def _shade_without_albedo(x: Receiver, y: SamplePoint) -> Bounded:
-    white = Receiver(x.position, x.normal, constant(1.0, x.albedo))
+def _shade_without_albedo(x: ReceiverPoint, y: SamplePoint) -> Bounded:
+    white = ReceiverPoint(x.position, x.normal, constant(1.0, x.albedo))
     return reflected(white, y)
 
 
-def _shade_albedo_twice(x: Receiver, y: SamplePoint) -> Bounded:
+def _shade_albedo_twice(x: ReceiverPoint, y: SamplePoint) -> Bounded:
     return reflected(x, y) * x.albedo
 
 
-def _shade_without_cosine(x: Receiver, y: SamplePoint) -> Bounded:
+def _shade_without_cosine(x: ReceiverPoint, y: SamplePoint) -> Bounded:
     color = x.albedo * y.radiance
     color = color / constant(pi, color)
     above = where_positive(inner(x.normal, y.position - x.position), color)
     return where_positive(lit_at(x, y), above)
 
 
-def _shade_cosine_twice(x: Receiver, y: SamplePoint) -> Bounded:
+def _shade_cosine_twice(x: ReceiverPoint, y: SamplePoint) -> Bounded:
     return times(reflected(x, y), cosine_at(x, y))
 
 
-def _shade_target(x: Receiver, y: SamplePoint) -> Bounded:
+def _shade_target(x: ReceiverPoint, y: SamplePoint) -> Bounded:
     p_hat = target("scattered", x, y)
     return times(constant(1.0, x.albedo), p_hat)
 
 
-def _shade_both_sides(x: Receiver, y: SamplePoint) -> Bounded:
+def _shade_both_sides(x: ReceiverPoint, y: SamplePoint) -> Bounded:
     return reflected(x, y) + reflected(
         x, SamplePoint(y.position, -y.normal, y.radiance)
     )
@@ -67,19 +67,19 @@ def _without_W(f: Bounded, W: Bounded) -> Bounded:
     return f
 
 
-def _shade_pure_is_null(x: Receiver, y: SamplePoint) -> Bounded:
+def _shade_pure_is_null(x: ReceiverPoint, y: SamplePoint) -> Bounded:
     f = reflected(x, y)
     full: Masks = np.all(y.radiance.value > 0, axis=1)
     return choose(full, f, constant(0.0, f))
 
 
-def _shade_pure_reflection_is_null(x: Receiver, y: SamplePoint) -> Bounded:
+def _shade_pure_reflection_is_null(x: ReceiverPoint, y: SamplePoint) -> Bounded:
     f = reflected(x, y)
     full: Masks = np.all(f.value > 0, axis=1)
     return choose(full, f, constant(0.0, f))
 
 
-def _shade_geometry_term(x: Receiver, y: SamplePoint) -> Bounded:
+def _shade_geometry_term(x: ReceiverPoint, y: SamplePoint) -> Bounded:
     v = x.position - y.position
     d2 = inner(v, v)
     cosine = abs(inner(y.normal, v)) / square_root(d2)

@@ -20,7 +20,7 @@ from reference.oracle.diagnosis.luminances import (
 from reference.oracle.replay.bounded import Bounded, constant
 from reference.oracle.replay.formulas import target
 from reference.oracle.replay.geometry import cosine_at, lit_at, luminance, on_both_sides
-from reference.oracle.replay.points import Receiver, SamplePoint
+from reference.oracle.replay.points import ReceiverPoint, SamplePoint
 from reference.oracle.replay.rules import CONTRACT_RULES
 from reference.oracle.replay.verbs import choose, inner, where_positive
 
@@ -28,73 +28,77 @@ TARGETS_IN = ("target", "initial", "temporal", "moved", "spatial")
 P_RIGHT = "p̂ = Y(albedo / π · L_o) · cos θ"
 
 
-def _doubled(p_hat: Bounded, x: Receiver, y: SamplePoint) -> Bounded:
+def _doubled(p_hat: Bounded, x: ReceiverPoint, y: SamplePoint) -> Bounded:
     return p_hat + p_hat
 
 
-def _scattered_always(kind: Value, x: Receiver, y: SamplePoint) -> Bounded:
+def _scattered_always(kind: Value, x: ReceiverPoint, y: SamplePoint) -> Bounded:
     return target("scattered", x, y)
 
 
-def _outgoing_always(kind: Value, x: Receiver, y: SamplePoint) -> Bounded:
+def _outgoing_always(kind: Value, x: ReceiverPoint, y: SamplePoint) -> Bounded:
     return target("outgoing", x, y)
 
 
-def _outgoing_anywhere(kind: Value, x: Receiver, y: SamplePoint) -> Bounded:
+def _outgoing_anywhere(kind: Value, x: ReceiverPoint, y: SamplePoint) -> Bounded:
     """Equation 10 below the horizon too."""
     if kind == "scattered":
         return target(kind, x, y)
     return where_positive(lit_at(x, y), luminance(y.radiance))
 
 
-def _scattered(change: Callable[[Bounded, Receiver, SamplePoint], Bounded]) -> Any:
+def _scattered(change: Callable[[Bounded, ReceiverPoint, SamplePoint], Bounded]) -> Any:
     """Target of Equation 9, changed; Equation 10 as it is."""
 
-    def changed(kind: Value, x: Receiver, y: SamplePoint) -> Bounded:
+    def changed(kind: Value, x: ReceiverPoint, y: SamplePoint) -> Bounded:
         p_hat = target(kind, x, y)
         return p_hat if kind == "outgoing" else change(p_hat, x, y)
 
     return changed
 
 
-def _times_pi(p_hat: Bounded, x: Receiver, y: SamplePoint) -> Bounded:
+def _times_pi(p_hat: Bounded, x: ReceiverPoint, y: SamplePoint) -> Bounded:
     return p_hat * constant(pi, p_hat)
 
 
-def _over_pi(p_hat: Bounded, x: Receiver, y: SamplePoint) -> Bounded:
+def _over_pi(p_hat: Bounded, x: ReceiverPoint, y: SamplePoint) -> Bounded:
     return p_hat / constant(pi, p_hat)
 
 
-def _without_cosine(p_hat: Bounded, x: Receiver, y: SamplePoint) -> Bounded:
+def _without_cosine(p_hat: Bounded, x: ReceiverPoint, y: SamplePoint) -> Bounded:
     light = luminance(x.albedo * y.radiance)
     return on_both_sides(x, y, light / constant(pi, light))
 
 
-def _cosine_twice(p_hat: Bounded, x: Receiver, y: SamplePoint) -> Bounded:
+def _cosine_twice(p_hat: Bounded, x: ReceiverPoint, y: SamplePoint) -> Bounded:
     # The square alone may be too small for its type, unlike its product with light.
     cosine, light = cosine_at(x, y), luminance(x.albedo * y.radiance)
     return on_both_sides(x, y, light * (cosine * cosine) / constant(pi, light))
 
 
-def _without_albedo(p_hat: Bounded, x: Receiver, y: SamplePoint) -> Bounded:
+def _without_albedo(p_hat: Bounded, x: ReceiverPoint, y: SamplePoint) -> Bounded:
     light = luminance(y.radiance)
     return on_both_sides(x, y, light * cosine_at(x, y) / constant(pi, light))
 
 
-def _geometry_term(p_hat: Bounded, x: Receiver, y: SamplePoint) -> Bounded:
+def _geometry_term(p_hat: Bounded, x: ReceiverPoint, y: SamplePoint) -> Bounded:
     v = y.position - x.position
     d2 = inner(v, v)
-    return p_hat * abs(cosine_at(Receiver(y.position, y.normal, y.normal), _at(x))) / d2
+    return (
+        p_hat
+        * abs(cosine_at(ReceiverPoint(y.position, y.normal, y.normal), _at(x)))
+        / d2
+    )
 
 
-def _at(x: Receiver) -> SamplePoint:
+def _at(x: ReceiverPoint) -> SamplePoint:
     return SamplePoint(x.position, x.normal, x.normal)
 
 
 def _with_light(light: Callable[[Bounded], Bounded]) -> Any:
     """Target of both equations, with another number in place of luminance."""
 
-    def changed(kind: Value, x: Receiver, y: SamplePoint) -> Bounded:
+    def changed(kind: Value, x: ReceiverPoint, y: SamplePoint) -> Bounded:
         if kind == "outgoing":
             return on_both_sides(x, y, light(y.radiance))
         found = light(x.albedo * y.radiance)
@@ -103,19 +107,19 @@ def _with_light(light: Callable[[Bounded], Bounded]) -> Any:
     return changed
 
 
-def _pure_is_null(p_hat: Bounded, x: Receiver, y: SamplePoint) -> Bounded:
+def _pure_is_null(p_hat: Bounded, x: ReceiverPoint, y: SamplePoint) -> Bounded:
     full: Masks = np.all((x.albedo * y.radiance).value > 0, axis=1)
     return choose(full, p_hat, constant(0.0, p_hat))
 
 
-def _both_sides_of_sample(kind: Value, x: Receiver, y: SamplePoint) -> Bounded:
+def _both_sides_of_sample(kind: Value, x: ReceiverPoint, y: SamplePoint) -> Bounded:
     p = target(kind, x, y)
     back = target(kind, x, SamplePoint(y.position, -y.normal, y.radiance))
     return p + back
 
 
-def _below_the_horizon(kind: Value, x: Receiver, y: SamplePoint) -> Bounded:
-    below = Receiver(x.position, -x.normal, x.albedo)
+def _below_the_horizon(kind: Value, x: ReceiverPoint, y: SamplePoint) -> Bounded:
+    below = ReceiverPoint(x.position, -x.normal, x.albedo)
     return target(kind, x, y) + target(kind, below, y)
 
 

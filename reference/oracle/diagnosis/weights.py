@@ -4,7 +4,7 @@ from reference.oracle.contract.fields import Value
 from reference.oracle.diagnosis.hypothesis import REUSE, SHIFTED, mistake
 from reference.oracle.replay.bounded import Bounded, exact
 from reference.oracle.replay.geometry import luminance
-from reference.oracle.replay.points import Receiver, SamplePoint
+from reference.oracle.replay.points import ReceiverPoint, SamplePoint
 from reference.oracle.replay.verbs import choose, inner, where_positive
 
 W_RIGHT = "W = Σ w / (p̂(y) Z)"
@@ -33,11 +33,11 @@ def _at_most_4(w: Bounded, p_hat: Bounded, Z: Bounded) -> Bounded:
     return choose(W.value <= 4, W, exact(W.value * 0 + 4, W.rounding))
 
 
-def _any_light(kind: Value, x: Receiver, y: SamplePoint) -> Bounded:
+def _any_light(kind: Value, x: ReceiverPoint, y: SamplePoint) -> Bounded:
     return luminance(y.radiance)
 
 
-def _either_side(kind: Value, x: Receiver, y: SamplePoint) -> Bounded:
+def _either_side(kind: Value, x: ReceiverPoint, y: SamplePoint) -> Bounded:
     above = inner(x.normal, y.position - x.position)
     return where_positive(above, luminance(y.radiance))
 

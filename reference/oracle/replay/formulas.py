@@ -7,7 +7,7 @@ import numpy as np
 from reference.oracle.contract.fields import Value
 from reference.oracle.replay.bounded import Bounded, constant
 from reference.oracle.replay.geometry import cosine_at, luminance, on_both_sides
-from reference.oracle.replay.points import Receiver, SamplePoint
+from reference.oracle.replay.points import ReceiverPoint, SamplePoint
 from reference.oracle.replay.verbs import (
     choose,
     inner,
@@ -16,14 +16,14 @@ from reference.oracle.replay.verbs import (
 )
 
 
-def target(kind: Value, x: Receiver, y: SamplePoint) -> Bounded:
+def target(kind: Value, x: ReceiverPoint, y: SamplePoint) -> Bounded:
     """Target p̂, Equation 9 or 10.
 
     Parameters
     ----------
     kind : 'scattered' or 'outgoing'
         Which.
-    x : Receiver
+    x : ReceiverPoint
         N visible points.
     y : SamplePoint
         N sample points.
@@ -40,12 +40,12 @@ def target(kind: Value, x: Receiver, y: SamplePoint) -> Bounded:
     return on_both_sides(x, y, value)
 
 
-def reflected(x: Receiver, y: SamplePoint) -> Bounded:
+def reflected(x: ReceiverPoint, y: SamplePoint) -> Bounded:
     """Integrand f = albedo / π · cos θ · L_o.
 
     Parameters
     ----------
-    x : Receiver
+    x : ReceiverPoint
         N visible points.
     y : SamplePoint
         N sample points.
@@ -60,12 +60,12 @@ def reflected(x: Receiver, y: SamplePoint) -> Bounded:
     return on_both_sides(x, y, color)
 
 
-def jacobian(x_from: Receiver, x_to: Receiver, y: SamplePoint) -> Bounded:
+def jacobian(x_from: ReceiverPoint, x_to: ReceiverPoint, y: SamplePoint) -> Bounded:
     """Ratio |∂ω_to / ∂ω_from|, Equation 11.
 
     Parameters
     ----------
-    x_from, x_to : Receiver
+    x_from, x_to : ReceiverPoint
         N visible points each; their normals are not used.
     y : SamplePoint
         N sample points.

@@ -3,7 +3,7 @@
 import numpy as np
 
 from reference.oracle.replay.bounded import Bounded
-from reference.oracle.replay.points import Receiver, SamplePoint
+from reference.oracle.replay.points import ReceiverPoint, SamplePoint
 from reference.oracle.replay.verbs import inner, square_root, where_positive
 
 LUMINANCE = (0.2126, 0.7152, 0.0722)
@@ -45,12 +45,12 @@ def sum_of_shares(color: Bounded, shares: tuple[float, float, float]) -> Bounded
     return inner(color, Bounded(of_rows, rounding.unit * of_rows, rounding))
 
 
-def cosine_at(x: Receiver, y: SamplePoint) -> Bounded:
+def cosine_at(x: ReceiverPoint, y: SamplePoint) -> Bounded:
     """Cosine of the sample's direction with the receiver's normal.
 
     Parameters
     ----------
-    x : Receiver
+    x : ReceiverPoint
         N visible points.
     y : SamplePoint
         N sample points.
@@ -64,12 +64,12 @@ def cosine_at(x: Receiver, y: SamplePoint) -> Bounded:
     return inner(x.normal, toward) / square_root(inner(toward, toward))
 
 
-def lit_at(x: Receiver, y: SamplePoint) -> Bounded:
+def lit_at(x: ReceiverPoint, y: SamplePoint) -> Bounded:
     """Positive where the receiver is on the lit side of the sample point.
 
     Parameters
     ----------
-    x : Receiver
+    x : ReceiverPoint
         N visible points.
     y : SamplePoint
         N sample points.
@@ -82,12 +82,12 @@ def lit_at(x: Receiver, y: SamplePoint) -> Bounded:
     return -inner(y.normal, y.position - x.position)
 
 
-def on_both_sides(x: Receiver, y: SamplePoint, value: Bounded) -> Bounded:
+def on_both_sides(x: ReceiverPoint, y: SamplePoint, value: Bounded) -> Bounded:
     """A value where the sample is above the horizon and lit, else 0.
 
     Parameters
     ----------
-    x : Receiver
+    x : ReceiverPoint
         N visible points.
     y : SamplePoint
         N sample points.

@@ -17,7 +17,7 @@ from reference.oracle.replay.judgement import (
     exactly,
 )
 from reference.oracle.replay.neighbors import judge_neighbors, similarity
-from reference.oracle.replay.points import Receiver, point_of, receiver_of
+from reference.oracle.replay.points import ReceiverPoint, point_of, receiver_of
 from reference.oracle.replay.reuse import judge_moved, judge_spatial, judge_temporal
 from reference.oracle.replay.rules import Rules
 from reference.oracle.replay.verbs import choose, inner
@@ -47,8 +47,8 @@ def _jacobian(
     rounding = rounding_of(precision)
     places = {name: exact(array, rounding) for name, array in case.inputs.items()}
     none = places["normal"]
-    x_from = Receiver(places["x_from"], none, none)
-    x_to = Receiver(places["x_to"], none, none)
+    x_from = ReceiverPoint(places["x_from"], none, none)
+    x_to = ReceiverPoint(places["x_to"], none, none)
     y = point_of({**case.inputs, "radiance": case.inputs["normal"]}, rounding)
     J = rules.jacobian(x_from, x_to, y)
     return Judgement((beside("jacobian", out["jacobian"], J),))

@@ -8,7 +8,7 @@ from reference.oracle.replay.bounded import Bounded, Rounding, exact
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Receiver:
+class ReceiverPoint:
     """Visible points, N rows.
 
     Attributes
@@ -21,7 +21,7 @@ class Receiver:
     normal: Bounded
     albedo: Bounded
 
-    def rows(self, rows: Indices) -> "Receiver":
+    def rows(self, rows: Indices) -> "ReceiverPoint":
         """Some of the points.
 
         Parameters
@@ -31,10 +31,10 @@ class Receiver:
 
         Returns
         -------
-        Receiver
+        ReceiverPoint
             K rows.
         """
-        return Receiver(self.position[rows], self.normal[rows], self.albedo[rows])
+        return ReceiverPoint(self.position[rows], self.normal[rows], self.albedo[rows])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,7 +67,9 @@ class SamplePoint:
         return SamplePoint(self.position[rows], self.normal[rows], self.radiance[rows])
 
 
-def receiver_of(buffers: Buffers, rounding: Rounding, prefix: str = "") -> Receiver:
+def receiver_of(
+    buffers: Buffers, rounding: Rounding, prefix: str = ""
+) -> ReceiverPoint:
     """Visible points among buffers.
 
     Parameters
@@ -81,11 +83,11 @@ def receiver_of(buffers: Buffers, rounding: Rounding, prefix: str = "") -> Recei
 
     Returns
     -------
-    Receiver
+    ReceiverPoint
         N rows.
     """
     names = ("visible_position", "visible_normal", "albedo")
-    return Receiver(*(exact(buffers[prefix + name], rounding) for name in names))
+    return ReceiverPoint(*(exact(buffers[prefix + name], rounding) for name in names))
 
 
 def point_of(buffers: Buffers, rounding: Rounding, prefix: str = "") -> SamplePoint:

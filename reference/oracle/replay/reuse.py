@@ -9,7 +9,12 @@ from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
 from reference.oracle.replay.bounded import Bounded, constant, exact, rounding_of
 from reference.oracle.replay.judgement import Judgement
-from reference.oracle.replay.points import Receiver, SamplePoint, point_of, receiver_of
+from reference.oracle.replay.points import (
+    ReceiverPoint,
+    SamplePoint,
+    point_of,
+    receiver_of,
+)
 from reference.oracle.replay.resampling import judge_resampling
 from reference.oracle.replay.rules import Rules
 from reference.oracle.replay.slots import (
@@ -128,7 +133,7 @@ OWN = 1
 """Slot of the receiver's own sample, in each of the passes."""
 
 
-def _closing(case: Case, x: Receiver, mis: str) -> Closing:
+def _closing(case: Case, x: ReceiverPoint, mis: str) -> Closing:
     cap = float(case.settings["cap"])
     return Closing(str(case.settings["target"]), mis, cap, OWN, x)
 
@@ -146,7 +151,7 @@ def _bit(words: "Indices", place: int) -> Masks:
     return found
 
 
-def _new(case: Case, x: Receiver, rules: Rules, precision: Precision) -> Slot:
+def _new(case: Case, x: ReceiverPoint, rules: Rules, precision: Precision) -> Slot:
     """The sample that the initial pass has drawn."""
     rounding = rounding_of(precision)
     y = point_of(case.inputs, rounding, "new_")
@@ -158,12 +163,12 @@ def _new(case: Case, x: Receiver, rules: Rules, precision: Precision) -> Slot:
 
 def _reused(
     case: Case,
-    x: Receiver,
+    x: ReceiverPoint,
     rules: Rules,
     precision: Precision,
     prefix: str,
     u: str,
-    x_from: Receiver | None = None,
+    x_from: ReceiverPoint | None = None,
 ) -> Slot:
     """A reservoir of the receiver itself, or of another point in its place."""
     rounding = rounding_of(precision)
@@ -198,7 +203,7 @@ def _weighted(
 
 def _neighbor(
     case: Case,
-    x: Receiver,
+    x: ReceiverPoint,
     rules: Rules,
     precision: Precision,
     row: Indices,

@@ -20,7 +20,7 @@ from reference.oracle.replay.formulas import (
     target,
     weight,
 )
-from reference.oracle.replay.points import Receiver, SamplePoint
+from reference.oracle.replay.points import ReceiverPoint, SamplePoint
 from reference.oracle.replay.sources import density, drawn_cosine
 
 
@@ -111,17 +111,17 @@ finalized, density, drawn_cosine, fresh_weight, shaded : callable
         What passes of another part of the contract calculate with; ``None`` for theirs.
     """
 
-    target: Callable[[Value, Receiver, SamplePoint], Bounded] = target
-    reuse_target: Callable[[Value, Receiver, SamplePoint], Bounded] = target
-    reflected: Callable[[Receiver, SamplePoint], Bounded] = reflected
-    jacobian: Callable[[Receiver, Receiver, SamplePoint], Bounded] = jacobian
+    target: Callable[[Value, ReceiverPoint, SamplePoint], Bounded] = target
+    reuse_target: Callable[[Value, ReceiverPoint, SamplePoint], Bounded] = target
+    reflected: Callable[[ReceiverPoint, SamplePoint], Bounded] = reflected
+    jacobian: Callable[[ReceiverPoint, ReceiverPoint, SamplePoint], Bounded] = jacobian
     weight: Callable[[Bounded, Bounded, Bounded, Bounded], Bounded] = weight
     preference: Callable[[Bounded, Bounded, Bounded], Bounded] = preference
     fresh_confidence: Callable[[Bounded], Bounded] = fresh_confidence
     capped: Callable[[Bounded, float], Bounded] = capped
     finalized: Callable[[Bounded, Bounded, Bounded], Bounded] = finalized
     density: Callable[[Value, Bounded], Bounded] = density
-    domain_target: Callable[[Value, Receiver, SamplePoint], Bounded] = target
+    domain_target: Callable[[Value, ReceiverPoint, SamplePoint], Bounded] = target
     drawn_cosine: Callable[[Value, Bounded], Bounded] = drawn_cosine
     fresh_weight: Callable[[Bounded, Bounded], Bounded] = fresh_weight
     shaded: Callable[[Bounded, Bounded], Bounded] = shaded

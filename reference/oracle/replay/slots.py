@@ -6,7 +6,7 @@ import numpy as np
 
 from reference.arrays import Masks, Scalars
 from reference.oracle.replay.bounded import Bounded
-from reference.oracle.replay.points import Receiver, SamplePoint
+from reference.oracle.replay.points import ReceiverPoint, SamplePoint
 from reference.oracle.replay.rules import Rules
 from reference.oracle.replay.verbs import choose
 
@@ -17,13 +17,13 @@ class Domain:
 
     Attributes
     ----------
-    x : Receiver
+    x : ReceiverPoint
         Visible points of the sources.
     sees : (S, N) bool
         Whether they see the sample of each slot.
     """
 
-    x: Receiver
+    x: ReceiverPoint
     sees: Masks
 
 
@@ -65,7 +65,7 @@ class Closing:
         Limit of M.
     canonical : int
         Slot of the receiver's own sample.
-    receiver : Receiver
+    receiver : ReceiverPoint
         N visible points.
     """
 
@@ -73,7 +73,7 @@ class Closing:
     mis: str
     cap: float
     canonical: int
-    receiver: Receiver
+    receiver: ReceiverPoint
 
 
 def nothing(like: Bounded) -> Bounded:
