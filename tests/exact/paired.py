@@ -118,7 +118,7 @@ class TableShift:
     world_to: None = None
 
     @property
-    def back(self):
+    def inverse(self):
         """The other way; all pixels are of one image."""
         return self
 
