@@ -33,12 +33,8 @@ class Tail:
 
     Attributes
     ----------
-    kept : Reservoirs
-        Of paths whose first point is x_v.
-    onset : Onset
-        How they leave it.
-    written : Written or None
-        For cells.
+    kept : Reservoirs; of paths whose first point is x_v
+    onset : Onset; how they leave it
     """
 
     kept: Reservoirs
@@ -52,12 +48,10 @@ class Bounces:
 
     Attributes
     ----------
-    moment : Moment
-        The frame; its settings are `CellSettings`.
+    moment : Moment; the frame; its settings are `CellSettings`
     caches : mapping of int to PathCache
         Of the last frame, by the number of the vertex that asks.
-    number : (K,) int64
-        Keys of the paths.
+    number : (K,) int64; keys of the paths
     """
 
     moment: Moment
@@ -72,18 +66,7 @@ class Bounces:
         return settings
 
     def draw(self, points: SurfacePoints) -> Tail:
-        """Paths from visible points.
-
-        Parameters
-        ----------
-        points : SurfacePoints
-            K visible points x_1.
-
-        Returns
-        -------
-        Tail
-            K rows.
-        """
+        """Paths from visible points."""
         shift = self.moment.shift
         uniforms = shift.uniforms(self.number)
         leaving = leave(self.moment.world, start(points), 1, uniforms, points.hit)

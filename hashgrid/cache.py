@@ -28,16 +28,9 @@ class Cache:
 
     Attributes
     ----------
-    world : World
-        In which they were made.
-    lattice : Lattice
-        By whose cells they are found.
-    grid : Grid
-        Of V vertices.
-    points : SurfacePoints
-        The vertices.
-    reservoirs : Reservoirs
-        V rows.
+    world : World; in which they were made
+    lattice : Lattice; by whose cells they are found
+    grid : Grid; of V vertices
     """
 
     world: World
@@ -59,23 +52,8 @@ def fill(
 
     Parameters
     ----------
-    world : World
-        The scene.
-    lattice : Lattice
-        Of this frame's eye.
-    points : SurfacePoints
-        V vertices.
-    reservoirs : Reservoirs
-        Theirs.
     active : (V,) bool
         Which are put in.  Who looks at their samples here biases what is found.
-    uniforms : Uniforms
-        V rows, for the jitter.
-
-    Returns
-    -------
-    Cache
-        For the next frame.
     """
     u = uniforms.draw(INSERTION)
     moved = jittered(lattice, points.position, points.normal, u)
@@ -90,17 +68,11 @@ def find(
 
     Parameters
     ----------
-    cache : Cache
-        Of the frame before.
-    points : SurfacePoints
-        K points.
-    uniforms : Uniforms
-        K rows, for jitter and walks.
+    cache : Cache; of the frame before
     cells : int
         How many cells each looks into: the jitter of each look-up is its own, and leads
         to neighbours as a rule.
-    most : int
-        How many reservoirs each takes from a cell.
+    most : int; how many reservoirs each takes from a cell
 
     Returns
     -------
@@ -130,17 +102,7 @@ def _facing_alike(cache: Cache, points: SurfacePoints, rows: Indices) -> Indices
 def homes(grid: Grid, vertices: int) -> Indices:
     """Which place of the table each vertex is in.
 
-    Parameters
-    ----------
-    grid : Grid
-        Built.
-    vertices : int
-        V, of the frame.
-
-    Returns
-    -------
-    (V,) int64
-        Place in the table, plus 1; 0 for those who are in no cell.
+    Returns (V,) int64; place in the table, plus 1; 0 for those who are in no cell.
     """
     home = np.zeros(vertices, np.int64)
     home[grid.vertices] = np.repeat(grid.place + 1, grid.counts)

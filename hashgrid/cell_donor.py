@@ -14,16 +14,8 @@ from reference.resampling.generalized import Shifted
 def in_cells(shift: Shift) -> Shift:
     """How paths of cells are shifted: joined at their second point, or not at all.
 
-    Parameters
-    ----------
-    shift : Shift
-        Of paths between pixels.
-
-    Returns
-    -------
-    Shift
-        Under the same criterion, without replay: the numbers of a path that begins at a
-        vertex are those of another pixel's path.
+    Under the same criterion, without replay: the numbers of a path that begins at a
+    vertex are those of another pixel's path.
     """
     joined = replace(shift.criterion, last_joint=2, replays=False)
     return replace(shift, criterion=joined)
@@ -35,10 +27,8 @@ class CellDonor(PointDonor):
 
     Attributes
     ----------
-    reach : int
-        Largest index of a last surface point of the receivers' paths.
-    reach_from : (N,) int8
-        The same of the donors'.
+    reach : int; largest index of a last surface point of the receivers' paths
+    reach_from : (N,) int8; the same of the donors'
     """
 
     reach: int = field(kw_only=True)
@@ -49,13 +39,11 @@ class CellDonor(PointDonor):
 
         Parameters
         ----------
-        at : (A,) int
-            Receivers, none without a donor.
+        at : (A,) int; receivers, none without a donor
 
         Returns
         -------
-        (A, 3), (A,) float64
-            Value, and Jacobian; 0 for paths that are too long.
+        (A, 3), (A,) float64; value, and Jacobian; 0 for paths that are too long
         """
         fits = self.reservoirs.y.end[self.rows[at]] <= self.reach
         return _those(fits, PointDonor.shifted(self, at))
@@ -65,15 +53,11 @@ class CellDonor(PointDonor):
 
         Parameters
         ----------
-        samples : Paths
-            K rows, at the receivers.
-        at : (A,) int
-            Which of them, none without a donor.
+        at : (A,) int; which of them, none without a donor
 
         Returns
         -------
-        (A, 3), (A,) float64
-            Value, and Jacobian; 0 for paths that are too long.
+        (A, 3), (A,) float64; value, and Jacobian; 0 for paths that are too long
         """
         fits = samples.end[at] <= self.reach_from[self.rows[at]]
         return _those(fits, PointDonor.inverse(self, samples, at))

@@ -25,25 +25,17 @@ class Grid:
 
     Attributes
     ----------
-    buckets : int
-        How many.
-    cells : Keys
-        C rows, no two alike.
-    place : (C,) int32
-        Bucket · 16 + place in the bucket.
-    checksum : (C,) uint32
-        Of the cell; two cells may share one, and are not mixed up.
+    cells : Keys; C rows, no two alike
+    place : (C,) int32; bucket · 16 + place in the bucket
+    checksum : (C,) uint32; of the cell; two cells may share one, and are not mixed up
     start : (C + 1,) int64
         Exclusive prefix sum of the counts: vertices of cell c are those from start[c]
         to start[c + 1].
     vertices : (start[C],) int64
         Rows of the frame, cell by cell, in rising order within each.
-    lost : int
-        Vertices whose bucket was full.
-    marks : (C,) uint64
-        Both hashes of the cells, in rising order.
-    marked : (C,) int32
-        Cells in that order.
+    lost : int; vertices whose bucket was full
+    marks : (C,) uint64; both hashes of the cells, in rising order
+    marked : (C,) int32; cells in that order
     """
 
     buckets: int
@@ -69,26 +61,20 @@ class Grid:
 def build_grid(keys: Keys, active: Masks, buckets: int = BUCKETS) -> Grid:
     """Sort vertices into cells, as if they came one after the other.
 
+    [Boisse21, Alg. 2], of which the sum that gives each cell its first place in the
+    list leaves the cell itself out.  On a GPU the order of atomic additions decides;
+    here the number of the vertex does.
+
     Parameters
     ----------
-    keys : Keys
-        Cells of N vertices.
-    active : (N,) bool
-        Which are inserted.
-    buckets : int
-        How many of 16 places each, at most 2²⁷.
+    active : (N,) bool; which are inserted
+    buckets : int; how many of 16 places each, at most 2²⁷
 
     Returns
     -------
     Grid
         A cell takes the first free place of its bucket; where there is none, its
         vertices are lost, and counted.
-
-    Notes
-    -----
-    [Boisse21, Alg. 2], of which the sum that gives each cell its first place in the
-    list leaves the cell itself out.  On a GPU the order of atomic additions decides;
-    here the number of the vertex does.
     """
     rows = np.flatnonzero(active)
     order, first = _grouped(take(keys, rows))
@@ -170,19 +156,12 @@ def _places(bucket: UInts, came: Indices) -> Indices:
 
 
 def find_cells(grid: Grid, keys: Keys) -> Indices:
-    """Cells that points lie in.
+    """Cells that points lie in, (Q,) int64; row of the cell, or ``NOWHERE``.
 
     Parameters
     ----------
-    grid : Grid
-        Built before.
-    keys : Keys
-        Of Q points, by the grid's own lattice.
-
-    Returns
-    -------
-    (Q,) int64
-        Row of the cell, or ``NOWHERE``.
+    grid : Grid; built before
+    keys : Keys; of Q points, by the grid's own lattice
     """
     found = np.full(len(keys), NOWHERE)
     if len(grid) == 0:

@@ -12,21 +12,15 @@ UInts = NDArray[np.uint32]
 
 
 def pcg(x: UInts) -> UInts:
-    """PCG's output permutation as a hash of one word.
+    """PCG's output permutation as a hash of one word [Jarzynski20].
 
     Parameters
     ----------
-    x : (N,) uint32
-        The word.
+    x : (N,) uint32; the word
 
     Returns
     -------
-    (N,) uint32
-        Arithmetic is modulo 2^32.
-
-    Notes
-    -----
-    [Jarzynski20].
+    (N,) uint32; arithmetic is modulo 2^32
     """
     state = x * np.uint32(747796405) + np.uint32(2891336453)
     word = ((state >> ((state >> np.uint32(28)) + np.uint32(4))) ^ state) * np.uint32(
@@ -37,21 +31,11 @@ def pcg(x: UInts) -> UInts:
 
 
 def xxhash(x: UInts) -> UInts:
-    """XxHash32 of one word.
+    """XxHash32 of one word [Jarzynski20], (N,) uint32; arithmetic is modulo 2^32.
 
     Parameters
     ----------
-    x : (N,) uint32
-        The word.
-
-    Returns
-    -------
-    (N,) uint32
-        Arithmetic is modulo 2^32.
-
-    Notes
-    -----
-    [Jarzynski20].
+    x : (N,) uint32; the word
     """
     h = x + np.uint32(374761393)
     h = ((h << np.uint32(17)) | (h >> np.uint32(15))) * np.uint32(668265263)
@@ -66,15 +50,12 @@ def nested(hash_of: Callable[[UInts], UInts], words: Sequence[UInts]) -> UInts:
 
     Parameters
     ----------
-    hash_of : callable
-        Of one word.
-    words : sequence of (N,) uint32
-        The first is outermost.
+    hash_of : callable; of one word
+    words : sequence of (N,) uint32; the first is outermost
 
     Returns
     -------
-    (N,) uint32
-        Other orders give other hashes.
+    (N,) uint32; other orders give other hashes
     """
     found = hash_of(words[-1])
     for word in reversed(words[:-1]):

@@ -43,21 +43,13 @@ class Lattice:
 def lattice_of(camera: Camera, facings: int = 1) -> Lattice:
     """Lattice whose cells are some 16 pixels wide.
 
+    [Boisse21], with the numbers of the author's later renderer.
+
+    With base = tan(fov_y · 16 · max(1 / h, h / w²)).
+
     Parameters
     ----------
-    camera : Camera
-        Of the frame.
-    facings : int
-        Parts of each component of the normal.
-
-    Returns
-    -------
-    Lattice
-        With base = tan(fov_y · 16 · max(1 / h, h / w²)).
-
-    Notes
-    -----
-    [Boisse21], with the numbers of the author's later renderer.
+    facings : int; parts of each component of the normal
     """
     w, h = camera.width, camera.height
     fov_y = 2 * np.arctan(camera.half_width * h / w)
@@ -71,10 +63,8 @@ class Keys:
 
     Attributes
     ----------
-    level : (N,) int16
-        Edge 1e-3 · 2^level m.
-    x, y, z : (N,) int64
-        Position in units of the edge, rounded down.
+    level : (N,) int16; edge 1e-3 · 2^level m
+    x, y, z : (N,) int64; position in units of the edge, rounded down
     facing : (N,) int16
         Part of the normal's sphere; 0 where the lattice does not look at it.
     """
@@ -111,15 +101,11 @@ def levels(lattice: Lattice, position: Vec3s) -> Indices:
 
     Parameters
     ----------
-    lattice : Lattice
-        With the eye.
-    position : (N, 3) float64, m
-        The points.
+    position : (N, 3) float64, m; the points
 
     Returns
     -------
-    (N,) int64
-        floor(log2(1000 · distance · base)), at least 0.
+    (N,) int64; floor(log2(1000 · distance · base)), at least 0
     """
     offset = np.clip(position - np.asarray(lattice.eye), -FARTHEST, FARTHEST)
     distance = length(offset)
@@ -130,17 +116,11 @@ def levels(lattice: Lattice, position: Vec3s) -> Indices:
 
 
 def edges(level: Indices) -> Scalars:
-    """Edges of cells.
+    """Edges of cells, (N,) float64, m; 1e-3 · 2^level.
 
     Parameters
     ----------
-    level : (N,) int64
-        From 0.
-
-    Returns
-    -------
-    (N,) float64, m
-        1e-3 · 2^level.
+    level : (N,) int64; from 0
     """
     size: Scalars = np.ldexp(LEAST, level.astype(np.int32))
     return size
@@ -151,17 +131,8 @@ def keys_of(lattice: Lattice, position: Vec3s, normal: Vec3s) -> Keys:
 
     Parameters
     ----------
-    lattice : Lattice
-        How space is divided.
-    position : (N, 3) float64, m
-        The points.
-    normal : (N, 3) float64
-        Unit normals.
-
-    Returns
-    -------
-    Keys
-        N rows.
+    position : (N, 3) float64, m; the points
+    normal : (N, 3) float64; unit normals
     """
     level = levels(lattice, position)
     scaled = np.floor(position / edges(level)[:, None])
@@ -182,17 +153,12 @@ def jittered(lattice: Lattice, position: Vec3s, normal: Vec3s, u: Draw) -> Vec3s
 
     Parameters
     ----------
-    lattice : Lattice
-        How space is divided.
-    position, normal : (N, 3) float64, m and 1
-        The points, and unit normals.
-    u : four (N,) float64
-        Lanes 0 and 1.
+    position, normal : (N, 3) float64, m and 1; the points, and unit normals
+    u : four (N,) float64; lanes 0 and 1
 
     Returns
     -------
-    (N, 3) float64, m
-        What hides the borders of the cells, at insertion and look-up.
+    (N, 3) float64, m; what hides the borders of the cells, at insertion and look-up
     """
     across, along = normal_frames(normal)
     reach = np.sqrt(2.0) * edges(levels(lattice, position))

@@ -22,25 +22,15 @@ def keep_one(
 ) -> Reservoirs:
     """Resampled importance sampling of the lights that surface points may see.
 
+    [Boisse21, Alg. 1], RIS.
+
     Parameters
     ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        N points.
-    settings : LightSettings
-        How many candidates there are.
-    uniforms : Uniforms
-        N rows, a dimension for each candidate.
+    uniforms : Uniforms; N rows, a dimension for each candidate
 
     Returns
     -------
-    Reservoirs
-        Of `hashgrid.lights.LightPoints`; M is the number of candidates.
-
-    Notes
-    -----
-    [Boisse21, Alg. 1], RIS.
+    Reservoirs; of `hashgrid.lights.LightPoints`; M is the number of candidates
     """
     kept: Candidates | None = None
     for k in range(settings.candidates):

@@ -21,20 +21,14 @@ class LightDonor:
 
     Attributes
     ----------
-    world, points : World, SurfacePoints
-        Of the K receivers.
-    world_from, points_from : World, SurfacePoints
-        Of the N donors.
-    reservoirs : Reservoirs
-        N rows of `LightPoints`, in the receivers' list of lights.
-    rows : (K,) int
-        Row that is offered to each receiver, or ``NONE``.
+    world, points : World, SurfacePoints; of the K receivers
+    world_from, points_from : World, SurfacePoints; of the N donors
+    reservoirs : Reservoirs; N rows of `LightPoints`, in the receivers' list of lights
+    rows : (K,) int; row that is offered to each receiver, or ``NONE``
     lights_from : (E,) int64
         For each light of the receivers its row in the donors' list.
-    chance : 'delta-lobes' or 'balance'
-        As of `hashgrid.lights.reflected`.
-    same_domain : bool
-        Donor and receiver are one point.
+    chance : 'delta-lobes' or 'balance'; as of `hashgrid.lights.reflected`
+    same_domain : bool; donor and receiver are one point
     """
 
     world: World
@@ -52,13 +46,11 @@ class LightDonor:
 
         Parameters
         ----------
-        at : (A,) int
-            Receivers, none without a donor.
+        at : (A,) int; receivers, none without a donor
 
         Returns
         -------
-        (A, 3), (A,) float64
-            Value, and Jacobian 1.
+        (A, 3), (A,) float64; value, and Jacobian 1
         """
         lights = take(self.reservoirs.y, self.rows[at])
         value = reflected(self.world, take(self.points, at), lights, self.chance)
@@ -69,15 +61,11 @@ class LightDonor:
 
         Parameters
         ----------
-        samples : LightPoints
-            K rows, at the receivers.
-        at : (A,) int
-            Which of them, none without a donor.
+        at : (A,) int; which of them, none without a donor
 
         Returns
         -------
-        (A, 3), (A,) float64
-            Value in the donors' scene, and Jacobian 1.
+        (A, 3), (A,) float64; value in the donors' scene, and Jacobian 1
         """
         points = take(self.points_from, self.rows[at])
         lights = renumbered(take(samples, at), self.lights_from)
@@ -86,19 +74,12 @@ class LightDonor:
 
 
 def renumbered(lights: LightPoints, rows: Indices) -> LightPoints:
-    """Points on lights by the list of another frame.
+    """Points on lights by the list of another frame, N rows.
 
     Parameters
     ----------
-    lights : LightPoints
-        N rows.
-    rows : (E,) int64
-        Row of each light in the other list, or ``GONE``.
-
-    Returns
-    -------
-    LightPoints
-        N rows.
+    lights : LightPoints; N rows
+    rows : (E,) int64; row of each light in the other list, or ``GONE``
     """
     # One entry more than there are lights: a light that is gone stays gone.
     row = np.append(rows, GONE)[lights.light]
@@ -110,10 +91,7 @@ def carried(cache: Cache, emitters: Emitters | None) -> Reservoirs:
 
     Parameters
     ----------
-    cache : Cache
-        Of the frame before.
-    emitters : Emitters or None
-        Lights of this frame.
+    cache : Cache; of the frame before
 
     Returns
     -------
@@ -131,10 +109,8 @@ class Lent:
 
     Attributes
     ----------
-    cache : Cache
-        Of the last frame.
-    reservoirs : Reservoirs
-        Of the cache, in this frame's list of lights.
+    cache : Cache; of the last frame
+    reservoirs : Reservoirs; of the cache, in this frame's list of lights
     lights_from : (E,) int64
         For each light of this frame its row in the last frame's list.
     """
@@ -149,15 +125,7 @@ def lent(cache: Cache, world: World) -> Lent:
 
     Parameters
     ----------
-    cache : Cache
-        Of the frame before.
-    world : World
-        The scene.
-
-    Returns
-    -------
-    Lent
-        Once for all vertices.
+    cache : Cache; of the frame before
     """
     lights_from = same_lights(world.emitters, cache.world.emitters)
     return Lent(cache, carried(cache, world.emitters), lights_from)

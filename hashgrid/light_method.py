@@ -45,18 +45,7 @@ def _layers(frame: LightFrame, names: tuple[str, ...]) -> Mapping[str, Scalars]:
 
 
 def named_biases(job: Job) -> tuple[str, ...]:
-    """What biases the indirect light of a picture.
-
-    Parameters
-    ----------
-    job : Job
-        What is rendered.
-
-    Returns
-    -------
-    tuple of str
-        A line each.
-    """
+    """What biases the indirect light of a picture."""
     if job.light == "direct" or job.bounces == 0 or job.settings.cells == 0:
         return ()
     if job.settings.mis == "1/M":

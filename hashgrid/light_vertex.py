@@ -29,12 +29,8 @@ class Walk:
 
     Attributes
     ----------
-    pixel : (K,) int64
-        Whose.
-    points : SurfacePoints
-        x_v.
-    throughput : (K, 3) float64
-        Product of f cos θ / p of x_1 to x_(v-1).
+    pixel : (K,) int64; whose
+    throughput : (K, 3) float64; product of f cos θ / p of x_1 to x_(v-1)
     """
 
     pixel: Indices
@@ -50,10 +46,8 @@ class Visit:
     ----------
     reservoirs : Reservoirs or None
         Of `hashgrid.lights.LightPoints`; ``None`` where nobody asks for them.
-    light : (K, 3) float64, W/(m² sr)
-        Added to the pixels.
-    onward : Walk
-        At x_(v+1); misses where a path has ended.
+    light : (K, 3) float64, W/(m² sr); added to the pixels
+    onward : Walk; at x_(v+1); misses where a path has ended
     """
 
     reservoirs: Reservoirs | None
@@ -67,18 +61,10 @@ class Vertex:
 
     Attributes
     ----------
-    world : World
-        The scene.
-    settings : LightSettings
-        The algorithm.
-    frame, seed : int
-        Of the random numbers.
-    number : int
-        v, from 1.
-    is_last : bool
-        No surface point follows.
-    lent : Lent or None
-        By the last frame.
+    frame, seed : int; of the random numbers
+    number : int; v, from 1
+    is_last : bool; no surface point follows
+    lent : Lent or None; by the last frame
     """
 
     world: World
@@ -92,16 +78,8 @@ class Vertex:
     def visit(self, walk: Walk) -> Visit:
         """Light that arrives at x_v, and the way to x_(v+1).
 
-        Parameters
-        ----------
-        walk : Walk
-            K paths.
-
-        Returns
-        -------
-        Visit
-            K rows.  Light that x_1 receives straight from a light is not indirect, and
-            left out; its reservoirs are for others.
+        K rows.  Light that x_1 receives straight from a light is not indirect, and left
+        out; its reservoirs are for others.
         """
         kept: Reservoirs | None = None
         if self.number > 1 or self.settings.visible:
@@ -119,15 +97,7 @@ class Vertex:
 
         Parameters
         ----------
-        pixel : (K,) int64
-            Whose paths.
-        stream : Stream
-            Who draws.
-
-        Returns
-        -------
-        Uniforms
-            K rows.
+        pixel : (K,) int64; whose paths
         """
         return of_vertices(pixel, self.frame, self.number, self.seed, stream)
 

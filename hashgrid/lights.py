@@ -35,10 +35,8 @@ class LightPoints:
 
     Attributes
     ----------
-    light : (N,) int64
-        Row of the list of lights, or ``GONE``.
-    s, t : (N,) float64
-        Place on the light, in the unit square.
+    light : (N,) int64; row of the list of lights, or ``GONE``
+    s, t : (N,) float64; place on the light, in the unit square
     cell : (N,) int64
         Mark of the cell in which the sample was taken over last, 0 if it never was.
     value : (N, 3) float64, W/(m² sr)
@@ -61,15 +59,8 @@ class LightPoints:
 
         Parameters
         ----------
-        value : (N, 3) float64
-            There.
-        jacobian : (N,) float64, sr/sr
-            Of the shift: 1.
-
-        Returns
-        -------
-        LightPoints
-            N rows.
+        value : (N, 3) float64; there
+        jacobian : (N,) float64, sr/sr; of the shift: 1
         """
         return replace(self, value=value)
 
@@ -79,17 +70,12 @@ def draw_lights(emitters: Emitters | None, u: Draw) -> tuple[LightPoints, Scalar
 
     Parameters
     ----------
-    emitters : Emitters or None
-        The lights.
-    u : four (N,) float64
-        Lane 0 chooses the light, 1 and 2 the place on it.
+    u : four (N,) float64; lane 0 chooses the light, 1 and 2 the place on it
 
     Returns
     -------
-    LightPoints
-        N rows, of value 0.
-    (N,) float64
-        Density; 1 where there is no light at all, and the points are ``GONE``.
+    LightPoints; N rows, of value 0
+    (N,) float64; density; 1 where there is no light at all, and the points are ``GONE``
     """
     size = len(u[0])
     light, density = np.full(size, GONE), np.ones(size)
@@ -107,12 +93,6 @@ def reflected(
 
     Parameters
     ----------
-    world : World
-        The scene, with the lights.
-    points : SurfacePoints
-        N points.
-    lights : LightPoints
-        N points on lights.
     chance : 'delta-lobes' or 'balance'
         Which part of the light is left to rays that meet lights by chance: what delta
         lobes reflect, or the share of the balance heuristic against drawing by power.
@@ -161,19 +141,11 @@ def in_sight(
 
     Parameters
     ----------
-    world : World
-        The scene, with the lights.
-    points : SurfacePoints
-        N points.
-    lights : LightPoints
-        N points on lights.
-    active : (N,) bool
-        Who asks; nobody for a light that is gone.
+    active : (N,) bool; who asks; nobody for a light that is gone
 
     Returns
     -------
-    (N,) bool
-        One ray each; false for those who do not ask.
+    (N,) bool; one ray each; false for those who do not ask
     """
     seen = np.zeros(len(points), bool)
     rows = np.flatnonzero(active)
@@ -189,8 +161,7 @@ def same_lights(before: Emitters | None, now: Emitters | None) -> Indices:
 
     Parameters
     ----------
-    before, now : Emitters or None
-        Lights of two frames of one animation.
+    before, now : Emitters or None; lights of two frames of one animation
 
     Returns
     -------
@@ -224,13 +195,6 @@ def _others(emitters: Emitters) -> tuple[int, int, int]:
 
 def lends(world: World, points: SurfacePoints) -> Masks:
     """Whether a vertex can receive light from chosen points that others may take.
-
-    Parameters
-    ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        K points.
 
     Returns
     -------

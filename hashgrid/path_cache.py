@@ -18,8 +18,7 @@ class PathCache:
     ----------
     cache : Cache
         Of V vertices, with reservoirs of `extensions.paths.Paths` from them on.
-    reach : (V,) int8
-        Largest index of a last surface point that each could have drawn.
+    reach : (V,) int8; largest index of a last surface point that each could have drawn
     """
 
     cache: Cache
@@ -32,12 +31,9 @@ class Written:
 
     Attributes
     ----------
-    points : SurfacePoints
-        x_v.
     reservoirs : Reservoirs
         Of the paths from there on; without a sample where it cannot be joined.
-    rest : Written or None
-        At the next vertex that writes.
+    rest : Written or None; at the next vertex that writes
     """
 
     points: SurfacePoints
@@ -48,19 +44,7 @@ class Written:
 def joins(world: World, points: SurfacePoints, least: float) -> Masks:
     """Whether paths can be joined to what follows a vertex, as far as it decides.
 
-    Parameters
-    ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        K vertices.
-    least : float
-        Roughness of the criterion.
-
-    Returns
-    -------
-    (K,) bool
-        Rough enough: no sample is looked at.
+    Returns (K,) bool; rough enough: no sample is looked at.
     """
     rough: Masks = roughness(world.materials, points) >= max(least, 0.0)
     return rough

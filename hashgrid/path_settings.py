@@ -25,12 +25,9 @@ class CellSettings(PathSettings):
     query : int
         Bounce at which a path asks a cell how to go on: 1 at the visible point, 2 at
         the next one; 0 for every bounce.
-    cells : int
-        How many cells of the last frame it looks into; 0 for none.
-    cell_reuse : int
-        How many reservoirs it takes from each.
-    cell_cap : float
-        Limit of M in cells.
+    cells : int; how many cells of the last frame it looks into; 0 for none
+    cell_reuse : int; how many reservoirs it takes from each
+    cell_cap : float; limit of M in cells
     cell_mis : '1/M', '1/Z', 'balance', 'pairwise' or 'defensive'
         How those of a cell share a path that could have made it; 1/M is biased, and the
         article's.
@@ -40,8 +37,7 @@ class CellSettings(PathSettings):
     writers : 'same-bounce' or 'every-bounce'
         Whose reservoirs a cell holds: vertices of the bounce that asks, or of all
         bounces, which is biased, and the article's.
-    facings : int
-        Parts of each component of the normal that cells tell apart.
+    facings : int; parts of each component of the normal that cells tell apart
     """
 
     mis: Mis = "1/Z"  # where few paths find light, a share for one's own is waste
@@ -66,29 +62,21 @@ class CellSettings(PathSettings):
     def asks(self, vertex: int) -> bool:
         """Whether paths at x_v ask a cell.
 
+        For their last points nothing is left to ask.
+
         Parameters
         ----------
-        vertex : int
-            v.
-
-        Returns
-        -------
-        bool
-            For their last points nothing is left to ask.
+        vertex : int; v
         """
         return self.cells > 0 and self.query in (0, vertex)
 
     def writes(self, vertex: int) -> bool:
         """Whether reservoirs of x_v are put into cells.
 
+        Where nobody asks, nobody writes.
+
         Parameters
         ----------
-        vertex : int
-            v.
-
-        Returns
-        -------
-        bool
-            Where nobody asks, nobody writes.
+        vertex : int; v
         """
         return self.asks(vertex) or (self.cells > 0 and self.writers == "every-bounce")

@@ -28,8 +28,7 @@ class CellFrame(PathFrame):
 
     Attributes
     ----------
-    caches : mapping of int to PathCache
-        By the number of the vertex that asks them.
+    caches : mapping of int to PathCache; by the number of the vertex that asks them
     """
 
     caches: Mapping[int, PathCache]
@@ -43,31 +42,13 @@ def render_cell_frames(
     schedule: Schedule,
     animation: Animation | None = None,
 ) -> Iterator[CellFrame]:
-    """Frames of indirect light by ReGIR GI, without end.
+    """Frames of indirect light by ReGIR GI, without end [ZyanideND].
 
     Parameters
     ----------
-    world : World
-        The scene in frame 0.
-    settings : CellSettings
-        The algorithm.
-    bounces : int
-        Bounces of indirect light, 1 to 30.
-    seed : int
-        Runs of different seeds are independent.
-    schedule : Schedule
-        Bands and threads; no influence on the result.
-    animation : Animation, optional
-        As of `extensions.frame_loop.path_frames`.
-
-    Returns
-    -------
-    iterator of CellFrame
-        Frame after frame.
-
-    Notes
-    -----
-    [ZyanideND].
+    world : World; the scene in frame 0
+    bounces : int; bounces of indirect light, 1 to 30
+    seed : int; runs of different seeds are independent
     """
     return path_frames(_frame, world, settings, bounces, seed, schedule, animation)
 

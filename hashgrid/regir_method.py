@@ -22,18 +22,7 @@ def _layers(frame: CellFrame, names: tuple[str, ...]) -> Mapping[str, Scalars]:
 
 
 def named_biases(job: Job) -> tuple[str, ...]:
-    """What biases the indirect light of a picture.
-
-    Parameters
-    ----------
-    job : Job
-        What is rendered.
-
-    Returns
-    -------
-    tuple of str
-        A line each.
-    """
+    """What biases the indirect light of a picture."""
     s = job.settings
     if job.light == "direct" or job.bounces == 0:
         return ()

@@ -13,18 +13,12 @@ class Occupancy:
 
     Attributes
     ----------
-    cells : int
-        That have a vertex.
-    vertices : int
-        In them.
-    lost : int
-        Vertices whose bucket was full.
-    buckets : tuple of int
-        How many buckets have 0, 1, ... 16 cells.
+    cells : int; that have a vertex
+    lost : int; vertices whose bucket was full
+    buckets : tuple of int; how many buckets have 0, 1, ... 16 cells
     probes : float
         Places that are looked at to find a cell, in the mean over the vertices.
-    longest : int
-        The most vertices of a cell.
+    longest : int; the most vertices of a cell
     shared : int
         Cells of a bucket whose checksum an earlier cell of it has too: whoever tells
         cells by checksums would mix them up.
@@ -40,18 +34,7 @@ class Occupancy:
 
 
 def occupancy(grid: Grid) -> Occupancy:
-    """Count.
-
-    Parameters
-    ----------
-    grid : Grid
-        Built.
-
-    Returns
-    -------
-    Occupancy
-        Of it.
-    """
+    """Count."""
     counts, bucket = grid.counts, grid.place // BUCKET
     _, full = np.unique(bucket, return_counts=True)
     histogram = np.bincount(full, minlength=BUCKET + 1)

@@ -21,14 +21,10 @@ class Onset:
 
     Attributes
     ----------
-    wi : (N, 3) float64
-        Unit directions.
-    weight : (N, 3) float64
-        f cos θ / p.
-    pdf : (N,) float64, 1/sr
-        p.
-    delta : (N,) bool
-        By a delta lobe.
+    wi : (N, 3) float64; unit directions
+    weight : (N, 3) float64; f cos θ / p
+    pdf : (N,) float64, 1/sr; p
+    delta : (N,) bool; by a delta lobe
     """
 
     wi: Vec3s
@@ -42,12 +38,8 @@ def behind(step: Step, tail: Paths, onset: Onset) -> Paths:
 
     Parameters
     ----------
-    step : Step
-        N paths at x_v; ``weight`` is that of the way to it.
-    tail : Paths
-        N paths from x_v on, which is the first point of theirs.
-    onset : Onset
-        How they leave x_v.
+    step : Step; N paths at x_v; ``weight`` is that of the way to it
+    tail : Paths; N paths from x_v on, which is the first point of theirs
 
     Returns
     -------

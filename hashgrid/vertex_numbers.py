@@ -15,25 +15,13 @@ DECISIONS = 16
 def of_vertices(
     pixel: Indices, frame: int, vertex: int | Indices, seed: int, stream: Stream
 ) -> KeyedUniforms:
-    """Random numbers of vertices x_v.
+    """Random numbers of vertices x_v; K rows, of the key 32 · frame + v.
 
     Parameters
     ----------
-    pixel : (K,) int64
-        Whose paths.
-    frame : int
-        Of them; below 2²².
-    vertex : int or (K,) int64
-        v, of all of them or of each.
-    seed : int
-        Of the run.
-    stream : Stream
-        Who draws.
-
-    Returns
-    -------
-    KeyedUniforms
-        K rows, of the key 32 · frame + v.
+    pixel : (K,) int64; whose paths
+    frame : int; of them; below 2²²
+    vertex : int or (K,) int64; v, of all of them or of each
     """
     key = frame * VERTICES + vertex
     return KeyedUniforms(pixel.astype(np.uint32), key, seed, stream)
@@ -44,14 +32,11 @@ def decisions(uniforms: Uniforms, count: int) -> list[Scalars]:
 
     Parameters
     ----------
-    uniforms : Uniforms
-        K rows, of the stream of cells.
-    count : int
-        How many reservoirs there are, at most 160.
+    uniforms : Uniforms; K rows, of the stream of cells
+    count : int; how many reservoirs there are, at most 160
 
     Returns
     -------
-    list of (K,) float64
-        One for each.
+    list of (K,) float64; one for each
     """
     return [uniforms.draw(DECISIONS + k // 4)[k % 4] for k in range(count)]

@@ -10,27 +10,19 @@ from reference.records import NONE
 def visits(grid: Grid, cells: Indices, u: Scalars, most: int) -> list[Indices]:
     """Draw some of the vertices of cells, no one twice.
 
+    Strides of n / most, rounded down, from a place that is drawn evenly: places differ
+    as long as there are enough of them, and all have the same chance.
+
     Parameters
     ----------
-    grid : Grid
-        Built.
-    cells : (Q,) int64
-        Rows of the grid, or ``NOWHERE``.
-    u : (Q,) float64
-        In [0, 1): where the walk begins.
-    most : int
-        How many.
+    cells : (Q,) int64; rows of the grid, or ``NOWHERE``
+    u : (Q,) float64; in [0, 1): where the walk begins
 
     Returns
     -------
     list of (Q,) int64
         Rows of the frame, or ``NONE`` where there is no more.  Each vertex of a cell is
         taken with the same probability, min(most / n, 1).
-
-    Notes
-    -----
-    Strides of n / most, rounded down, from a place that is drawn evenly: places differ
-    as long as there are enough of them, and all have the same chance.
     """
     row = np.maximum(cells, 0)
     there = cells != NOWHERE

@@ -33,18 +33,14 @@ class LightFrame:
 
     Attributes
     ----------
-    number : int
-        From 0.
-    world : World
-        The scene as it was.
-    visible : VisiblePoints
-        G-buffer, through the centres of the pixels.
+    number : int; from 0
+    world : World; the scene as it was
+    visible : VisiblePoints; G-buffer, through the centres of the pixels
     pixel, vertex : (V,) int64
         Whose path each vertex of the cache is of, and its number on it.
     cache : Cache
         Vertices x_2 of all pixels, then x_3, ...; before them x_1, if they are kept.
-    color : (N, 3) float64, W/(m² sr)
-        Indirect light.
+    color : (N, 3) float64, W/(m² sr); indirect light
     """
 
     number: int
@@ -68,16 +64,9 @@ def render_light_frames(
 
     Parameters
     ----------
-    world : World
-        The scene in frame 0.
-    settings : LightSettings
-        The algorithm.
-    bounces : int
-        Bounces of indirect light, 1 to 30.
-    seed : int
-        Runs of different seeds are independent.
-    schedule : Schedule
-        Bands and threads; no influence on the result.
+    world : World; the scene in frame 0
+    bounces : int; bounces of indirect light, 1 to 30
+    seed : int; runs of different seeds are independent
     animation : Animation, optional
         Validated scenes of all frames; by default the scene stands still.  Camera,
         shapes and lights may move.

@@ -41,15 +41,11 @@ FRAMES = 6
 def cells(work: Work) -> PaperFigure:
     """Cells that visible points lie in, and whose samples their paths take over.
 
+    A row a scene, with the counts of its grid.
+
     Parameters
     ----------
-    work : Work
-        Size, seed of the last run, and schedule.
-
-    Returns
-    -------
-    PaperFigure
-        A row a scene, with the counts of its grid.
+    work : Work; size, seed of the last run, and schedule
     """
     found = {name: _last(name, work) for name in SCENES}
     return PaperFigure(

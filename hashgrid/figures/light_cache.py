@@ -43,15 +43,7 @@ VARIANTS = {
 def light_cache(work: Work) -> PaperFigure:
     """Error of light reservoirs, and of next-event estimation in the same time.
 
-    Parameters
-    ----------
-    work : Work
-        Size, runs and schedule.
-
-    Returns
-    -------
-    PaperFigure
-        A row a scene, number of bounces and variant.
+    A row a scene, number of bounces and variant.
     """
     rows: list[Row] = []
     grid: list[list[Tile]] = []

@@ -39,18 +39,7 @@ VARIANTS: dict[str, Method] = {
 
 
 def shaft(work: Work) -> PaperFigure:
-    """Error of paths that ask cells, and of screen-space reuse in the same time.
-
-    Parameters
-    ----------
-    work : Work
-        Size, runs and schedule.
-
-    Returns
-    -------
-    PaperFigure
-        A row a scene and variant.
-    """
+    """Error of paths that ask cells, and of screen-space reuse in the same time."""
     rows: list[Row] = []
     grid: list[list[Tile]] = []
     contenders = [Contender(name, m, BOUNCES) for name, m in VARIANTS.items()]

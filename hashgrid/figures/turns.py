@@ -37,12 +37,9 @@ class Turns:
     ----------
     colors : dict of str to list of list of (N, 3) float64
         Counted frames of each run of each variant.
-    seconds : dict of str to float
-        A frame takes: the median.
-    batches : list of Moments
-        Path-traced samples drawn beside each run.
-    path_seconds : float
-        A path-traced sample takes: the median.
+    seconds : dict of str to float; a frame takes: the median
+    batches : list of Moments; path-traced samples drawn beside each run
+    path_seconds : float; a path-traced sample takes: the median
     """
 
     colors: dict[str, list[list[Vec3s]]]
@@ -57,11 +54,6 @@ class Turns:
 
     def errors(self, name: str) -> Numbers:
         """Mean squared error of a frame, an estimate a run.
-
-        Parameters
-        ----------
-        name : str
-            Of the variant.
 
         Returns
         -------
@@ -80,15 +72,7 @@ class Turns:
     def bias(self, name: str) -> tuple[float, float]:
         """Mean of a variant over the path-traced one, less 1, and its standard error.
 
-        Parameters
-        ----------
-        name : str
-            Of the variant.
-
-        Returns
-        -------
-        float, float
-            Frames of a run are taken for one number.
+        Frames of a run are taken for one number.
         """
         truth = self.truth.mean.mean()
         means = np.array([np.mean(run) for run in self.colors[name]])
@@ -105,19 +89,12 @@ def by_turns(
 
     Parameters
     ----------
-    world : World
-        The scene.
-    bounces : int
-        Of indirect light.
     variants : mapping of str to callable
         From the seed of a run to the colours of its frames.
-    work : Work
-        Runs, bands and threads.
 
     Returns
     -------
-    Turns
-        Run i of every variant has seed i.
+    Turns; run i of every variant has seed i
     """
     colors: dict[str, list[list[Vec3s]]] = {name: [] for name in variants}
     times: dict[str, list[float]] = {name: [] for name in variants}
