@@ -32,29 +32,13 @@ def render_after_frames(
 ) -> Iterator[GradientFrame]:
     """Frames of Area ReSTIR, and differences estimated from their paths, without end.
 
+    [Wang25, section 4.1].
+
     Parameters
     ----------
-    world : World
-        The scene in frame 0.
-    settings : AfterSettings
-        The algorithm.
-    bounces : int
-        Bounces of indirect light, 1 to 30.
-    seed : int
-        Runs of different seeds are independent.
-    schedule : Schedule
-        Bands and threads; no influence on the result.
-    animation : Animation, optional
-        As of `path_frames`.
-
-    Returns
-    -------
-    iterator of GradientFrame
-        Reuse knows nothing of differences.
-
-    Notes
-    -----
-    [Wang25, section 4.1].
+    world : World; the scene in frame 0
+    bounces : int; bounces of indirect light, 1 to 30
+    seed : int; runs of different seeds are independent
     """
     return path_frames(_frame, world, settings, bounces, seed, schedule, animation)
 
@@ -77,19 +61,11 @@ def _frame(moment: Moment, last: PathFrame | None, schedule: Schedule) -> Gradie
 def one_sided(value: PairValue) -> Vec3s:
     """What a resampled path says of a difference, times its weight W.
 
-    Parameters
-    ----------
-    value : PairValue
-        N rows.
+    [Wang25, Eqs. 11 to 13].
 
     Returns
     -------
-    (N, 3)
-        ω̂ G; densities after resampling are not known, and targets stand for them.
-
-    Notes
-    -----
-    [Wang25, Eqs. 11 to 13].
+    (N, 3); ω̂ G; densities after resampling are not known, and targets stand for them
     """
     p_base, p_offset = luminance(value.base.value), luminance(value.offset)
     share = share_of_base(p_base, p_offset, value.inner)

@@ -20,21 +20,11 @@ def paired(
 
     Parameters
     ----------
-    inner : InnerShift
-        Of this frame.
-    paths : Reservoirs
-        Of `AreaPaths`, a pixel each.
-    pairs : Pairs
-        K rows.
-    k : int
-        Whose paths: 0 those of the first pixels, 1 of the second.
-    sign : int
-        Of the reservoirs that want them.
+    k : int; whose paths: 0 those of the first pixels, 1 of the second
 
     Returns
     -------
-    Reservoirs
-        Of `PairedPaths`, K rows.  A pixel's path is a sample of up to four pairs.
+    Reservoirs; of `PairedPaths`, K rows; a pixel's path is a sample of up to four pairs
     """
     rows = pairs.first if k == 0 else pairs.second
     own, size = take(paths, rows), len(pairs)
@@ -51,26 +41,18 @@ def choose_pair(
 ) -> Reservoirs:
     """One of two samples of each pair, by what it is worth to a reservoir.
 
+    [Wang25, section 4.4].  Samples of other k are of other parts of the domain, so that
+    each has the weight m = 1.
+
     Parameters
     ----------
-    both : list of Reservoirs
-        Of `PairedPaths`, for k = 0 and 1.
-    sign : int
-        Of the reservoir; those of both signs share their samples.
-    u : (K,) float64
-        In [0, 1).
-    target : callable
-        p̂ of values.
+    both : list of Reservoirs; of `PairedPaths`, for k = 0 and 1
+    sign : int; of the reservoir; those of both signs share their samples
+    u : (K,) float64; in [0, 1)
 
     Returns
     -------
-    Reservoirs
-        K rows; M = 1.
-
-    Notes
-    -----
-    [Wang25, section 4.4].  Samples of other k are of other parts of the domain, so that
-    each has the weight m = 1.
+    Reservoirs; K rows; M = 1
     """
     first, second = (_competing(r, sign, target) for r in both)
     kept = merge(first, second, u)

@@ -19,12 +19,9 @@ class Looks:
 
     Attributes
     ----------
-    hit : (N,) bool
-        They see something.
-    albedo, normal : (N, 3) float64
-        Of it.
-    depth : (N,) float64, m
-        Of it.
+    hit : (N,) bool; they see something
+    albedo, normal : (N, 3) float64; of it
+    depth : (N,) float64, m; of it
     """
 
     hit: Masks
@@ -34,60 +31,25 @@ class Looks:
 
 
 def looks(visible: VisiblePoints) -> Looks:
-    """Looks of the pixels of a frame.
-
-    Parameters
-    ----------
-    visible : VisiblePoints
-        G-buffer.
-
-    Returns
-    -------
-    Looks
-        N rows.
-    """
+    """Looks of the pixels of a frame."""
     surface = visible.surface
     return Looks(surface.hit, surface.color, surface.shading, visible.depth)
 
 
 def across_edges(seen: Looks, pairs: Pairs) -> Masks:
-    """Which pairs lie across an edge.
+    """Which pairs lie across an edge [Wang25, section 4.3.2].
 
-    Parameters
-    ----------
-    seen : Looks
-        Of the frame, N rows.
-    pairs : Pairs
-        K rows.
-
-    Returns
-    -------
-    (K,) bool
-        Symmetric: the order of the pixels does not matter.
-
-    Notes
-    -----
-    [Wang25, section 4.3.2].
+    Returns (K,) bool; symmetric: the order of the pixels does not matter.
     """
     return differ(take(seen, pairs.first), take(seen, pairs.second))
 
 
 def alike(seen: Looks, pairs: Pairs, rows: Indices, others: Indices) -> Masks:
-    """Whether two pairs look alike, pixel by pixel.
+    """Whether two pairs look alike, pixel by pixel, (K,) bool; symmetric.
 
     Parameters
     ----------
-    seen : Looks
-        Of the frame, N rows.
-    pairs : Pairs
-        All of the frame.
-    rows, others : (K,) int
-        Rows of pairs.
-
-    Returns
-    -------
-    (K,) bool
-        Symmetric.
+    rows, others : (K,) int; rows of pairs
     """
     apart = [
         differ(take(seen, pixel[rows]), take(seen, pixel[others]))
@@ -100,21 +62,13 @@ def alike(seen: Looks, pairs: Pairs, rows: Indices, others: Indices) -> Masks:
 def differ(a: Looks, b: Looks) -> Masks:
     """Whether pixels look unlike.
 
-    Parameters
-    ----------
-    a, b : Looks
-        K pixels each.
-
-    Returns
-    -------
-    (K,) bool
-        Symmetric.  True where one of them sees nothing, false where neither does.
-
-    Notes
-    -----
     [Wang25, section 4.3.2]: albedos (here in any channel) that differ by more than 0.1,
     normals at a cosine *below* 0.9 (printed is above), or depths that differ by more
     than a tenth of the larger one (printed is the first).
+
+    Returns
+    -------
+    (K,) bool; symmetric; True where one of them sees nothing, false where neither does
     """
     albedo = np.abs(a.albedo - b.albedo).max(axis=1) > ALBEDO
     normal = dot(a.normal, b.normal) < COSINE

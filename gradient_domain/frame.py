@@ -24,8 +24,7 @@ class BySign:
     plus : Reservoirs
         Of `PairedPaths`, for the positive part; for magnitudes where ``minus`` is not
         there.
-    minus : Reservoirs or None
-        For the negative part.
+    minus : Reservoirs or None; for the negative part
     """
 
     plus: Reservoirs
@@ -37,18 +36,7 @@ class BySign:
         return [self.plus] if self.minus is None else [self.plus, self.minus]
 
     def of(self, sign: int) -> Reservoirs:
-        """The reservoirs of a sign.
-
-        Parameters
-        ----------
-        sign : int
-            Of those that are kept.
-
-        Returns
-        -------
-        Reservoirs
-            P rows.
-        """
+        """The reservoirs of a sign."""
         return self.parts[1 if sign == MINUS else 0]
 
 
@@ -58,10 +46,8 @@ class GradientFrame(PathFrame):
 
     Attributes
     ----------
-    differences : Differences
-        Of neighbouring pixels, N rows.
-    pairs : BySign or None
-        P rows; ``None`` where pairs keep nothing.
+    differences : Differences; of neighbouring pixels, N rows
+    pairs : BySign or None; P rows; ``None`` where pairs keep nothing
     """
 
     differences: Differences
@@ -88,21 +74,7 @@ def gradient_frame(
 
     Parameters
     ----------
-    moment : Moment
-        The frame.
-    primal : Reservoirs
-        Of `AreaPaths`, a pixel each.
-    pairs : Pairs
-        All of the image.
-    delta : (P, 3) float64
-        Δ of each.
-    held : BySign or None
-        What pairs keep.
-
-    Returns
-    -------
-    GradientFrame
-        Complete.
+    delta : (P, 3) float64; Δ of each
     """
     color = primal.y.paths.value * primal.W[:, None]
     found = as_differences(pairs, delta, moment.pixels)
@@ -115,15 +87,7 @@ def inner_shift(moment: Moment, world: World) -> InnerShift:
 
     Parameters
     ----------
-    moment : Moment
-        The frame.
-    world : World
-        Of this frame, or of the last.
-
-    Returns
-    -------
-    InnerShift
-        Within the image of that world.
+    world : World; of this frame, or of the last
     """
     return InnerShift(AreaShift(moment.shift, "move", world, world))
 
@@ -138,8 +102,7 @@ def estimate(parts: list[Reservoirs]) -> Vec3s:
 
     Returns
     -------
-    (K, 3) float64
-        Sum of contributions times W.
+    (K, 3) float64; sum of contributions times W
     """
     terms = [contribution(r.y.value) * r.W[:, None] for r in parts]
     return sum(terms[1:], terms[0])

@@ -32,29 +32,15 @@ def render_gradient_paths(
 ) -> Iterator[GradientFrame]:
     """Frames of one sample a pixel, without end, independent of each other.
 
+    [Kettunen15], and [Wang25, Eqs. 3 and 4].
+
+    Pixels and differences are of the same paths.
+
     Parameters
     ----------
-    world : World
-        The scene in frame 0.
-    settings : GradientPathSettings
-        The algorithm.
-    bounces : int
-        Bounces of indirect light, 1 to 30.
-    seed : int
-        Runs of different seeds are independent.
-    schedule : Schedule
-        Bands and threads; no influence on the result.
-    animation : Animation, optional
-        As of `path_frames`.
-
-    Returns
-    -------
-    iterator of GradientFrame
-        Pixels and differences are of the same paths.
-
-    Notes
-    -----
-    [Kettunen15], and [Wang25, Eqs. 3 and 4].
+    world : World; the scene in frame 0
+    bounces : int; bounces of indirect light, 1 to 30
+    seed : int; runs of different seeds are independent
     """
     drawing = AreaSettings(shift=settings.shift, temporal=False, spatial=False)
     return path_frames(_frame, world, drawing, bounces, seed, schedule, animation)

@@ -44,29 +44,15 @@ def render_gradient_frames(
 ) -> Iterator[GradientFrame]:
     """Frames of pixels by Area ReSTIR and of differences by ReSTIR, without end.
 
+    [Wang25, sections 4.2 to 4.4].
+
+    Pixels and differences begin with the same new paths.
+
     Parameters
     ----------
-    world : World
-        The scene in frame 0.
-    settings : GradientSettings
-        The algorithm.
-    bounces : int
-        Bounces of indirect light, 1 to 30.
-    seed : int
-        Runs of different seeds are independent.
-    schedule : Schedule
-        Bands and threads; no influence on the result.
-    animation : Animation, optional
-        As of `path_frames`.
-
-    Returns
-    -------
-    iterator of GradientFrame
-        Pixels and differences begin with the same new paths.
-
-    Notes
-    -----
-    [Wang25, sections 4.2 to 4.4].
+    world : World; the scene in frame 0
+    bounces : int; bounces of indirect light, 1 to 30
+    seed : int; runs of different seeds are independent
     """
     return path_frames(_frame, world, settings, bounces, seed, schedule, animation)
 
@@ -95,18 +81,7 @@ def _frame(
 
 
 def settings_of(moment: Moment) -> GradientSettings:
-    """Settings of a moment of this method.
-
-    Parameters
-    ----------
-    moment : Moment
-        The frame.
-
-    Returns
-    -------
-    GradientSettings
-        The same, with their type.
-    """
+    """Settings of a moment of this method."""
     assert isinstance(moment.settings, GradientSettings)
     return moment.settings
 

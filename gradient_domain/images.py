@@ -17,14 +17,8 @@ def reconstructed(
 
     Parameters
     ----------
-    kind : 'l2' or 'l1'
-        Norm of what is left of the differences.
-    primal : (N, 3) float64
-        Pixels.
-    d : Differences
-        N rows.
-    width : int, pixels
-        Of a row.
+    kind : 'l2' or 'l1'; norm of what is left of the differences
+    primal : (N, 3) float64; pixels
 
     Returns
     -------

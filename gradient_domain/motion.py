@@ -13,22 +13,13 @@ from reference.scene.surface import VisiblePoints
 def pivots(pairs: Pairs, visible: VisiblePoints) -> Indices:
     """The nearer pixel of each pair.
 
-    Parameters
-    ----------
-    pairs : Pairs
-        K rows.
-    visible : VisiblePoints
-        G-buffer, N rows.
+    [Wang25, section 4.3.1]: what is behind may have been hidden.
 
     Returns
     -------
     (K,) int
         Row of the pixel; one that sees nothing is the farther one, and the first is
         taken where both are alike.
-
-    Notes
-    -----
-    [Wang25, section 4.3.1]: what is behind may have been hidden.
     """
     depth = np.where(visible.surface.hit, visible.depth, np.inf)
     second = depth[pairs.second] < depth[pairs.first]
@@ -40,12 +31,7 @@ def pair_windows(last: PathFrame, moment: Moment, pairs: Pairs) -> list[Window]:
 
     Parameters
     ----------
-    last : PathFrame
-        The frame before.
-    moment : Moment
-        This one.
-    pairs : Pairs
-        K rows.
+    last : PathFrame; the frame before
 
     Returns
     -------

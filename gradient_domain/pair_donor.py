@@ -17,20 +17,14 @@ class PairDonor:
 
     Attributes
     ----------
-    forward, backward : OuterShift
-        From the donors to the K receivers, and back.
-    pairs : Pairs
-        K receivers.
-    pairs_from : Pairs
-        P donors.
-    reservoirs : Reservoirs
-        P rows of `PairedPaths`.
-    rows : (K,) int
-        Row that is offered to each receiver, or ``NONE``.
+    forward, backward : OuterShift; from the donors to the K receivers, and back
+    pairs : Pairs; K receivers
+    pairs_from : Pairs; P donors
+    reservoirs : Reservoirs; P rows of `PairedPaths`
+    rows : (K,) int; row that is offered to each receiver, or ``NONE``
     dx, dy : (K,) float64, pixels
         How far places move from the donor to the receiver, if x_1 moves.
-    sign, sign_from : int
-        Of the receivers' reservoirs, and of the donors'.
+    sign, sign_from : int; of the receivers' reservoirs, and of the donors'
     same_domain : bool
         Donor and receiver are one pair of one image, and nothing is shifted.
     """
@@ -52,13 +46,11 @@ class PairDonor:
 
         Parameters
         ----------
-        at : (A,) int
-            Receivers, none without a donor.
+        at : (A,) int; receivers, none without a donor
 
         Returns
         -------
-        PairValue, (A,) float64
-            As of `OuterShift`.
+        PairValue, (A,) float64; as of `OuterShift`
         """
         samples = take(self.reservoirs.y, self.rows[at])
         there = take(self.pairs, at)
@@ -69,10 +61,7 @@ class PairDonor:
 
         Parameters
         ----------
-        samples : PairedPaths
-            K rows, at the receivers.
-        at : (A,) int
-            Which of them, none without a donor.
+        at : (A,) int; which of them, none without a donor
 
         Returns
         -------

@@ -22,16 +22,12 @@ class PairValue:
 
     Attributes
     ----------
-    k : (N,) int8
-        0 where the base path is one of pixel i, 1 where of j.
-    base : Placed
-        The base path, in its pixel.
+    k : (N,) int8; 0 where the base path is one of pixel i, 1 where of j
+    base : Placed; the base path, in its pixel
     offset : (N, 3)
         Contribution f of the offset path, 0 where the inner shift does not exist.
-    inner : (N,)
-        Jacobian of the inner shift, 0 there as well.
-    sign : (N,) int8
-        ``WHOLE``, ``PLUS`` or ``MINUS``.
+    inner : (N,); Jacobian of the inner shift, 0 there as well
+    sign : (N,) int8; ``WHOLE``, ``PLUS`` or ``MINUS``
     """
 
     k: Indices
@@ -47,16 +43,11 @@ class PairedPaths:
 
     Attributes
     ----------
-    k : (N,) int8
-        0 where the base path is one of pixel i, 1 where of j.
-    base : AreaPaths
-        The base paths.
-    offset : (N, 3) float64, W/(m² sr)
-        Contribution f of the offset path.
-    inner : (N,) float64
-        Jacobian of the inner shift.
-    sign : (N,) int8
-        Of the reservoir.
+    k : (N,) int8; 0 where the base path is one of pixel i, 1 where of j
+    base : AreaPaths; the base paths
+    offset : (N, 3) float64, W/(m² sr); contribution f of the offset path
+    inner : (N,) float64; Jacobian of the inner shift
+    sign : (N,) int8; of the reservoir
     """
 
     k: Indices
@@ -79,10 +70,7 @@ class PairedPaths:
 
         Parameters
         ----------
-        value : PairValue
-            There.
-        jacobian : (N,) float64, sr/sr
-            Of the outer shift.
+        jacobian : (N,) float64, sr/sr; of the outer shift
 
         Returns
         -------
@@ -94,22 +82,17 @@ class PairedPaths:
 
 
 def difference(value: PairValue) -> Vec3s:
-    """Contribution G of a sample to the difference of its pair.
+    """Contribution G of a sample to the difference of its pair [Wang25, Eq. 15].
 
     Parameters
     ----------
-    value : PairValue
-        N rows.
+    value : PairValue; N rows
 
     Returns
     -------
     (N, 3)
         f_i(x) − f_j(T(x)) |∂T| where k = 0, f_i(T(x)) |∂T| − f_j(x) where k = 1; ±f of
         the base path alone where the inner shift does not exist.
-
-    Notes
-    -----
-    [Wang25, Eq. 15].
     """
     own = value.base.value - value.offset * value.inner[:, None]
     found: Vec3s = np.where((value.k == 0)[:, None], own, -own)
@@ -119,23 +102,20 @@ def difference(value: PairValue) -> Vec3s:
 def share_of_base(p_base: Scalars, p_offset: Scalars, jacobian: Scalars) -> Scalars:
     """Weight of a base path beside the same pair of paths, drawn the other way round.
 
+    [Wang25, Eq. 4, and Eq. 13 with targets].
+
     Parameters
     ----------
     p_base, p_offset : (N,)
         Densities of the paths in their pixels; or, where these are not known, targets
         that their densities come close to.
-    jacobian : (N,), sr/sr
-        Of the inner shift, 0 where it does not exist.
+    jacobian : (N,), sr/sr; of the inner shift, 0 where it does not exist
 
     Returns
     -------
     (N,)
         p / (p + p_offset |∂T|): 1 where there is no offset path, 0 where the base path
         cannot be.
-
-    Notes
-    -----
-    [Wang25, Eq. 4, and Eq. 13 with targets].
     """
     with np.errstate(over="ignore"):
         other = saturate(p_offset * jacobian)
@@ -147,19 +127,15 @@ def share_of_base(p_base: Scalars, p_offset: Scalars, jacobian: Scalars) -> Scal
 def weighted(value: PairValue) -> Vec3s:
     """Integrand ω G of the paired-pixel domain.
 
+    [Wang25, Eqs. 14 and 16].  Densities are those of primary sample space: both are 1.
+
     Parameters
     ----------
-    value : PairValue
-        N rows.
+    value : PairValue; N rows
 
     Returns
     -------
-    (N, 3)
-        Its integral is the difference Δ_ij = F_i − F_j.
-
-    Notes
-    -----
-    [Wang25, Eqs. 14 and 16].  Densities are those of primary sample space: both are 1.
+    (N, 3); its integral is the difference Δ_ij = F_i − F_j
     """
     one = np.ones_like(value.inner)
     return difference(value) * share_of_base(one, one, value.inner)[:, None]
@@ -168,19 +144,15 @@ def weighted(value: PairValue) -> Vec3s:
 def part(value: PairValue) -> Vec3s:
     """The part of ω G that a reservoir stands for, as a magnitude.
 
+    [Wang25, Eqs. 19, 25 and 26].
+
     Parameters
     ----------
-    value : PairValue
-        N rows.
+    value : PairValue; N rows
 
     Returns
     -------
-    (N, 3)
-        |ω G|, or max(±ω G, 0) of the reservoir's sign, in each channel.
-
-    Notes
-    -----
-    [Wang25, Eqs. 19, 25 and 26].
+    (N, 3); |ω G|, or max(±ω G, 0) of the reservoir's sign, in each channel
     """
     signed, sign = weighted(value), value.sign[:, None]
     one_sided = np.maximum(signed * sign, 0 * signed)
@@ -191,39 +163,21 @@ def part(value: PairValue) -> Vec3s:
 def target(value: PairValue) -> Scalars:
     """Target p̂ of a sample: luminance of the part that its reservoir stands for.
 
-    Parameters
-    ----------
-    value : PairValue
-        N rows.
+    [Wang25, Eqs. 19, 25 and 26].
 
     Returns
     -------
-    (N,)
-        Of magnitudes by channel, so that channels of both signs do not cancel.
-
-    Notes
-    -----
-    [Wang25, Eqs. 19, 25 and 26].
+    (N,); of magnitudes by channel, so that channels of both signs do not cancel
     """
     return luminance(part(value))
 
 
 def contribution(value: PairValue) -> Vec3s:
-    """What a sample adds to Δ_ij, times its weight W.
-
-    Parameters
-    ----------
-    value : PairValue
-        N rows.
+    """What a sample adds to Δ_ij, times its weight W [Wang25, Eqs. 17 and 24].
 
     Returns
     -------
-    (N, 3)
-        ω G, or ±max(±ω G, 0) of the reservoir's sign: the sum of both is ω G.
-
-    Notes
-    -----
-    [Wang25, Eqs. 17 and 24].
+    (N, 3); ω G, or ±max(±ω G, 0) of the reservoir's sign: the sum of both is ω G
     """
     sign = value.sign[:, None]
     found: Vec3s = np.where(sign == WHOLE, weighted(value), sign * part(value))

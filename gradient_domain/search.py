@@ -19,16 +19,8 @@ def draw_around(
 
     Parameters
     ----------
-    pairs : Pairs
-        All of the frame.
-    rows : (K,) int
-        Those that search.
-    radius : int, pixels
-        Half the side of the square.
-    width, height : int, pixels
-        Of the image.
-    u : (K,) float64
-        One number in [0, 1) each.
+    rows : (K,) int; those that search
+    u : (K,) float64; one number in [0, 1) each
 
     Returns
     -------
@@ -56,34 +48,20 @@ def find_alike(
 ) -> Indices:
     """The first of some edge pairs around each edge pair that looks like it.
 
+    [Wang25, section 4.3.2].  Pairs of both pixels alike also have the edge in the same
+    order, so that k means the same to both.
+
     Parameters
     ----------
-    seen : Looks
-        Of the frame, N rows.
-    pairs : Pairs
-        All of the frame, P rows.
-    across : (P,) bool
-        Which lie across an edge.
-    rows : (K,) int
-        Those that search; they do.
-    radius : int, pixels
-        Half the side of the square that is searched.
-    width : int, pixels
-        Of the image.
-    tries : int
-        How many pairs are looked at, at most 256.
-    uniforms : Uniforms
-        K rows; a try takes one number.
+    across : (P,) bool; which lie across an edge
+    rows : (K,) int; those that search; they do
+    radius : int, pixels; half the side of the square that is searched
+    tries : int; how many pairs are looked at, at most 256
+    uniforms : Uniforms; K rows; a try takes one number
 
     Returns
     -------
-    (K,) int
-        Row of a pair, or ``NONE`` where none was found.
-
-    Notes
-    -----
-    [Wang25, section 4.3.2].  Pairs of both pixels alike also have the edge in the same
-    order, so that k means the same to both.
+    (K,) int; row of a pair, or ``NONE`` where none was found
     """
     height = len(seen.depth) // width
     found = np.full(len(rows), NONE)

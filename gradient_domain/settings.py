@@ -23,8 +23,7 @@ class GradientPathSettings:
     ----------
     shift : 'reconnection', 'replay' or 'hybrid'
         How paths are shifted between the pixels of a pair.
-    reconstruction : 'l2' or 'l1'
-        Norm of what is left of the differences; L1 is biased.
+    reconstruction : 'l2' or 'l1'; norm of what is left of the differences; L1 is biased
     image : 'last' or 'mean'
         Of pixels and differences, before the image is reconstructed.
     """
@@ -40,8 +39,7 @@ class AfterSettings(AreaSettings):
 
     Attributes
     ----------
-    reconstruction : 'l2' or 'l1'
-        Norm of what is left of the differences; L1 is biased.
+    reconstruction : 'l2' or 'l1'; norm of what is left of the differences; L1 is biased
     """
 
     neighbors: int = 2
@@ -59,8 +57,7 @@ class GradientSettings(AfterSettings):
         samples of their own sign or of both; or one for the magnitude.
     around : 'edges', 'random' or 'none'
         Whether edge pairs look for pairs alike, all pairs take any, or nobody does.
-    tries : int
-        How many pairs are looked at, at most.
+    tries : int; how many pairs are looked at, at most
     """
 
     signs: Signs = "within"

@@ -18,8 +18,7 @@ class InnerShift:
 
     Attributes
     ----------
-    within : AreaShift
-        Within one image, where x_1 moves with its place.
+    within : AreaShift; within one image, where x_1 moves with its place
     """
 
     within: AreaShift
@@ -27,29 +26,13 @@ class InnerShift:
     def __call__(
         self, base: AreaPaths, placed: Placed, k: Indices, pairs: Pairs, sign: Indices
     ) -> PairValue:
-        """Worth of base paths, with their offset paths.
+        """Worth of base paths, with their offset paths [Wang25, section 4.2.1].
 
         Parameters
         ----------
-        base : AreaPaths
-            N rows, where ``placed`` says.
-        placed : Placed
-            What they are there.
-        k : (N,) int8
-            To which pixel of the pair they belong.
-        pairs : Pairs
-            N rows.
-        sign : (N,) int8
-            Of the reservoirs that want them.
-
-        Returns
-        -------
-        PairValue
-            N rows.
-
-        Notes
-        -----
-        [Wang25, section 4.2.1].
+        base : AreaPaths; N rows, where ``placed`` says
+        k : (N,) int8; to which pixel of the pair they belong
+        sign : (N,) int8; of the reservoirs that want them
         """
         onward = np.where(k == 0, 1.0, -1.0)
         other = np.where(k == 0, pairs.second, pairs.first)
@@ -63,10 +46,8 @@ class OuterShift:
 
     Attributes
     ----------
-    between : AreaShift
-        Between two images, or within one.
-    inner : InnerShift
-        At the pairs to which the samples go.
+    between : AreaShift; between two images, or within one
+    inner : InnerShift; at the pairs to which the samples go
     """
 
     between: AreaShift
@@ -75,28 +56,17 @@ class OuterShift:
     def __call__(
         self, samples: PairedPaths, pairs: Pairs, dx: Scalars, dy: Scalars, sign: int
     ) -> tuple[PairValue, Scalars]:
-        """Shift samples to other pairs.
+        """Shift samples to other pairs [Wang25, Eqs. 21 and 22].
 
         Parameters
         ----------
-        samples : PairedPaths
-            N rows.
-        pairs : Pairs
-            N rows, to which they go.
-        dx, dy : (N,) float64, pixels
-            How far places move, if x_1 moves.
-        sign : int
-            Of the reservoirs that want them.
+        dx, dy : (N,) float64, pixels; how far places move, if x_1 moves
 
         Returns
         -------
         PairValue, (N,) float64
             N rows, 0 where the base path has no place there; and the Jacobian of the
             base path's shift, which is all of it: k stays as it is.
-
-        Notes
-        -----
-        [Wang25, Eqs. 21 and 22].
         """
         k, size = samples.k, len(samples)
         pixel = np.where(k == 0, pairs.first, pairs.second)

@@ -48,15 +48,8 @@ def reuse(work: Work, scenes: Sequence[str] | None = None) -> PaperFigure:
 
     Parameters
     ----------
-    work : Work
-        Size, runs and schedule.
     scenes : sequence of str, optional
         Names of the catalogue, those of `SCENES` if none are given.
-
-    Returns
-    -------
-    PaperFigure
-        A row a scene and variant.
     """
     return _ablation(
         "gradient-reuse",
@@ -73,15 +66,8 @@ def signs(work: Work, scenes: Sequence[str] | None = None) -> PaperFigure:
 
     Parameters
     ----------
-    work : Work
-        Size, runs and schedule.
     scenes : sequence of str, optional
         Names of the catalogue, those of `SCENES` if none are given.
-
-    Returns
-    -------
-    PaperFigure
-        A row a scene and variant.
     """
     return _ablation(
         "gradient-signs",

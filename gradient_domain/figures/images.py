@@ -58,34 +58,13 @@ PAPER = (
 def images(work: Work) -> PaperFigure:
     """Error of images of each method, of its pixels alone, and of mixtures.
 
-    Parameters
-    ----------
-    work : Work
-        Size, runs and schedule.
-
-    Returns
-    -------
-    PaperFigure
-        A row a scene, method and norm.
+    A row a scene, method and norm.
     """
     return of_scenes([scene_of(name, work.size) for name in SCENES], work)
 
 
 def of_scenes(scenes: list[Scene], work: Work) -> PaperFigure:
-    """The same of any scenes.
-
-    Parameters
-    ----------
-    scenes : list of Scene
-        Square pictures of one size.
-    work : Work
-        Size, runs and schedule.
-
-    Returns
-    -------
-    PaperFigure
-        A row a scene, method and norm.
-    """
+    """The same of any scenes; a row a scene, method and norm."""
     rows: list[Row] = []
     grid: list[list[Tile]] = []
     for scene in scenes:

@@ -29,14 +29,9 @@ class Scene:
 
     Attributes
     ----------
-    name : str
-        In tables.
-    world : World
-        In frame 0.
-    bounces : int
-        Of indirect light.
-    animation : Animation or None
-        Of a camera that moves.
+    world : World; in frame 0
+    bounces : int; of indirect light
+    animation : Animation or None; of a camera that moves
     """
 
     name: str
@@ -69,10 +64,7 @@ class Variant:
 
     Attributes
     ----------
-    render : callable
-        As `render_gradient_frames`.
-    settings : dataclass instance
-        Of the method.
+    render : callable; as `render_gradient_frames`
     """
 
     render: Render
@@ -81,22 +73,7 @@ class Variant:
     def frames(
         self, scene: Scene, seed: int, schedule: Schedule
     ) -> Iterator[Estimated]:
-        """Frames of a run.
-
-        Parameters
-        ----------
-        scene : Scene
-            What is rendered.
-        seed : int
-            Of the run.
-        schedule : Schedule
-            Bands and threads.
-
-        Returns
-        -------
-        iterator of Estimated
-            Without end.
-        """
+        """Frames of a run, without end."""
         about = scene.world, self.settings, scene.bounces, seed, schedule
         return self.render(*about, scene.animation)
 
@@ -107,16 +84,11 @@ class Rounds:
 
     Attributes
     ----------
-    scene : Scene
-        What was rendered.
+    scene : Scene; what was rendered
     estimates : dict of str to list of (N, 9) float64
         Last frame of each run, a mean over the copies.
-    copies : dict of str to int
-        Of each variant.
-    seconds : dict of str to float
-        A frame of one copy takes: the median.
-    truth : Moments
-        Path-traced, over the areas of pixels.
+    seconds : dict of str to float; a frame of one copy takes: the median
+    truth : Moments; path-traced, over the areas of pixels
     """
 
     scene: Scene
@@ -126,44 +98,20 @@ class Rounds:
     truth: Moments
 
     def spent(self, name: str) -> float:
-        """Seconds that a frame of all copies takes.
-
-        Parameters
-        ----------
-        name : str
-            Of the variant.
-
-        Returns
-        -------
-        float
-            Copies times seconds.
-        """
+        """Seconds that a frame of all copies takes.  Copies times seconds."""
         return self.copies[name] * self.seconds[name]
 
 
 def by_rounds(
     scene: Scene, variants: Mapping[str, Variant], work: Work, paths: int, like: str
 ) -> Rounds:
-    """Run all variants by turns.
+    """Run all variants by turns.  Copy c of run i has seed i · copies + c.
 
     Parameters
     ----------
-    scene : Scene
-        What is rendered.
-    variants : mapping of str to Variant
-        By name.
-    work : Work
-        Runs, bands and threads.
-    paths : int
-        Path-traced samples a run.
     like : str
         The variant of which one copy runs; of each other one as many as take about its
         time.  Empty for one copy each.
-
-    Returns
-    -------
-    Rounds
-        Copy c of run i has seed i · copies + c.
     """
     copies = dict.fromkeys(variants, 1)
     if like:

@@ -44,8 +44,7 @@ class PrimalFrame:
 
     Attributes
     ----------
-    estimates : (N, 9) float64
-        Pixels; nothing is known of differences.
+    estimates : (N, 9) float64; pixels; nothing is known of differences
     """
 
     estimates: Scalars
@@ -62,38 +61,12 @@ PRIMAL = Variant(_area_frames, AreaSettings(neighbors=2))
 
 
 def with_restir(settings: GradientSettings) -> Variant:
-    """Gradient with ReSTIR, with other settings.
-
-    Parameters
-    ----------
-    settings : GradientSettings
-        All of them.
-
-    Returns
-    -------
-    Variant
-        That one.
-    """
+    """Gradient with ReSTIR, with other settings."""
     return Variant(render_gradient_frames, settings)
 
 
 def scene_of(name: str, size: int, bounces: int = BOUNCES) -> Scene:
-    """Built-in scene, with its animation if only the camera moves in it.
-
-    Parameters
-    ----------
-    name : str
-        Of the catalogue.
-    size : int, pixels
-        Width and height.
-    bounces : int
-        Of indirect light.
-
-    Returns
-    -------
-    Scene
-        Ready for rays.
-    """
+    """Built-in scene, with its animation if only the camera moves in it."""
     world, found = sized_world(name, size), find_animation(name)
     if found.changes != "camera":
         return Scene(name, world, bounces)
