@@ -28,10 +28,8 @@ class AreaShift:
 
     Attributes
     ----------
-    shift : Shift
-        Of all beyond x_1.
-    primary : 'move' or 'keep'
-        What becomes of x_1.
+    shift : Shift; of all beyond x_1
+    primary : 'move' or 'keep'; what becomes of x_1
     world_from, world_to : World
         In which the paths were made, and that to which they go.
     """
@@ -53,12 +51,8 @@ class AreaShift:
 
         Parameters
         ----------
-        samples : AreaPaths
-            N rows.
-        pixel : (N,) int
-            Rows of the image to which they go.
-        dx, dy : (N,) float64, pixels
-            How far places move, if x_1 moves.
+        pixel : (N,) int; rows of the image to which they go
+        dx, dy : (N,) float64, pixels; how far places move, if x_1 moves
 
         Returns
         -------
@@ -91,14 +85,10 @@ class AreaDonor:
 
     Attributes
     ----------
-    shift : AreaShift
-        From the donors to the K receivers.
-    pixel : (K,) int
-        Rows of the image that the receivers are.
-    reservoirs : Reservoirs
-        N rows of `AreaPaths`, a pixel each.
-    rows : (K,) int
-        Row that is offered to each pixel, or ``NONE``.
+    shift : AreaShift; from the donors to the K receivers
+    pixel : (K,) int; rows of the image that the receivers are
+    reservoirs : Reservoirs; N rows of `AreaPaths`, a pixel each
+    rows : (K,) int; row that is offered to each pixel, or ``NONE``
     dx, dy : (K,) float64, pixels
         How far places move from the donor to the receiver, if x_1 moves.
     same_domain : bool
@@ -118,13 +108,11 @@ class AreaDonor:
 
         Parameters
         ----------
-        at : (A,) int
-            Receivers, none without a donor.
+        at : (A,) int; receivers, none without a donor
 
         Returns
         -------
-        Placed, (A,) float64
-            As of `AreaShift`.
+        Placed, (A,) float64; as of `AreaShift`
         """
         samples = take(self.reservoirs.y, self.rows[at])
         return self.shift(samples, self.pixel[at], self.dx[at], self.dy[at])
@@ -134,15 +122,11 @@ class AreaDonor:
 
         Parameters
         ----------
-        samples : AreaPaths
-            K rows, at the receivers.
-        at : (A,) int
-            Which of them, none without a donor.
+        at : (A,) int; which of them, none without a donor
 
         Returns
         -------
-        Placed, (A,) float64
-            As of `AreaShift`.
+        Placed, (A,) float64; as of `AreaShift`
         """
         some = take(samples, at)
         return self.shift.back(some, self.rows[at], -self.dx[at], -self.dy[at])
@@ -155,15 +139,11 @@ def kept_in_place(
 
     Parameters
     ----------
-    world_from, world_to : World
-        Of the two cameras; nothing else has moved.
-    seen : SurfacePoints
-        N points that the first sees.
+    world_from, world_to : World; of the two cameras; nothing else has moved
 
     Returns
     -------
-    x, y : (N,) float64, pixels
-        In the image of the second; NaN behind it.
+    x, y : (N,) float64, pixels; in the image of the second; NaN behind it
     jacobian : (N,) float64
         |∂(x, y)_to / ∂(x, y)_from|: both images' pixels per area at the point; 0
         behind the second.

@@ -28,15 +28,11 @@ def area_layers(frame: PathFrame, names: tuple[str, ...]) -> Mapping[str, Scalar
 
     Parameters
     ----------
-    frame : PathFrame
-        Of `AreaPaths`.
-    names : tuple of str
-        Which; those that are not known here are passed over.
+    names : tuple of str; which; those that are not known here are passed over
 
     Returns
     -------
-    dict of str to (N,) float64
-        By name.
+    dict of str to (N,) float64; by name
     """
     r = frame.reservoirs
     places = {name: getattr(r.y, name) for name in names if name in PLACES}

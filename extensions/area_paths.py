@@ -21,10 +21,8 @@ class Placed:
 
     Attributes
     ----------
-    x, y : (N,) float64, pixels
-        Where x_1 appears in the image.
-    value : (N, 3) float64, W/(m² sr)
-        Contribution f / p.
+    x, y : (N,) float64, pixels; where x_1 appears in the image
+    value : (N, 3) float64, W/(m² sr); contribution f / p
     jacobian : (N,) float64
         Of the shift that brought it here, without that of the place.
     """
@@ -43,8 +41,7 @@ class AreaPaths:
     ----------
     x, y : (N,) float64, pixels
         Where x_1 appears; x_1 itself is what the camera sees there.
-    paths : Paths
-        All beyond x_1.
+    paths : Paths; all beyond x_1
     """
 
     x: Scalars
@@ -65,33 +62,15 @@ class AreaPaths:
 
         Parameters
         ----------
-        value : Placed
-            There.
         jacobian : (N,) float64, sr/sr
             Of the whole shift; densities at the joint change by their part of it.
-
-        Returns
-        -------
-        AreaPaths
-            N rows.
         """
         paths = self.paths.moved(value.value, value.jacobian)
         return AreaPaths(value.x, value.y, paths)
 
 
 def target(value: Placed) -> Scalars:
-    """Luminance of the contribution.
-
-    Parameters
-    ----------
-    value : Placed
-        N rows.
-
-    Returns
-    -------
-    (N,) float64
-        p̂.
-    """
+    """Luminance of the contribution, (N,) float64; p̂."""
     return luminance(value.value)
 
 
@@ -108,21 +87,13 @@ def draw_area_paths(
 
     Parameters
     ----------
-    world : World
-        The scene.
-    pixel : (N,) int
-        Rows of the image.
-    place : four (N,) float64
-        Lanes 0 and 1: where in the pixel.
-    number : (N,) int64
-        Of the paths.
-    bounces, criterion, uniforms
-        As of `draw_paths`.
+    pixel : (N,) int; rows of the image
+    place : four (N,) float64; lanes 0 and 1: where in the pixel
+    number : (N,) int64; of the paths
 
     Returns
     -------
-    Candidates
-        Of `AreaPaths`; the density of a place is 1 in pixels.
+    Candidates; of `AreaPaths`; the density of a place is 1 in pixels
     """
     width = world.camera.width
     x, y = pixel % width + place[0], pixel // width + place[1]

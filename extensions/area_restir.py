@@ -29,30 +29,18 @@ def render_area_frames(
 ) -> Iterator[PathFrame]:
     """Frames of indirect light by ReSTIR over the area of each pixel, without end.
 
+    [Zhang24].  Which pixels lend, and how far they are trusted, is decided by what
+    their centres see: never by a sample.
+
     Parameters
     ----------
-    world : World
-        The scene in frame 0.
-    settings : AreaSettings
-        The algorithm.
-    bounces : int
-        Bounces of indirect light, 1 to 30.
-    seed : int
-        Runs of different seeds are independent.
-    schedule : Schedule
-        Bands and threads; no influence on the result.
-    animation : Animation, optional
-        As of `path_frames`.
+    world : World; the scene in frame 0
+    bounces : int; bounces of indirect light, 1 to 30
+    seed : int; runs of different seeds are independent
 
     Returns
     -------
-    iterator of PathFrame
-        Means over the areas of the pixels; samples are `AreaPaths`.
-
-    Notes
-    -----
-    [Zhang24].  Which pixels lend, and how far they are trusted, is decided by what
-    their centres see: never by a sample.
+    iterator of PathFrame; means over the areas of the pixels; samples are `AreaPaths`
     """
     return path_frames(_frame, world, settings, bounces, seed, schedule, animation)
 
@@ -73,19 +61,8 @@ def area_reused(
 
     Parameters
     ----------
-    moment : Moment
-        The frame.
-    last : PathFrame or None
-        The one before, if there is one.
-    drawn : callable
-        From some pixels to the paths that they draw anew.
-    schedule : Schedule
-        Bands and threads.
-
-    Returns
-    -------
-    Reservoirs
-        Of `AreaPaths`, a pixel each.
+    last : PathFrame or None; the one before, if there is one
+    drawn : callable; from some pixels to the paths that they draw anew
     """
     rows, settings = moment.pixels, moment.settings
     if last is None or not settings.temporal:
@@ -99,20 +76,7 @@ def area_reused(
 
 
 def area_drawn(moment: Moment, rows: slice) -> Reservoirs:
-    """Paths that the areas of pixels draw anew.
-
-    Parameters
-    ----------
-    moment : Moment
-        The frame.
-    rows : slice
-        K pixels.
-
-    Returns
-    -------
-    Reservoirs
-        Of `AreaPaths`, K rows; M = 1.
-    """
+    """Paths that the areas of pixels draw anew, of `AreaPaths`, K rows; M = 1."""
     number = moment.numbers(rows)
     tree = draw_area_paths(
         moment.world,

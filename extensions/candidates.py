@@ -26,18 +26,14 @@ def draw_paths(
 ) -> Candidates:
     """Draw a tree of paths from each visible point, and keep one by its light.
 
+    Paths of other lengths, or that end otherwise, are other integrals: each is drawn
+    once, so that w = p̂(u), the luminance of f / p, without a weight.
+
     Parameters
     ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        N visible points x_1.
     bounces : int
         Of indirect light, at least 1: surface points after x_1 that a path may visit.
-    criterion : Criterion
-        When points may be joined.
-    number : (N,) int64
-        Keys of the paths.
+    number : (N,) int64; keys of the paths
     uniforms : Uniforms
         N rows, made from these keys.  Vertex v takes dimension 2 (v - 1) for its
         direction and 2 (v - 1) + 1 for its light; lanes 3 choose within the tree.
@@ -46,11 +42,6 @@ def draw_paths(
     -------
     Candidates
         Of `Paths`; w is the light of the whole tree, M = 1 for trees without light.
-
-    Notes
-    -----
-    Paths of other lengths, or that end otherwise, are other integrals: each is drawn
-    once, so that w = p̂(u), the luminance of f / p, without a weight.
     """
     step, trunk = start(points), _Trunk(no_paths(points, number))
     kept: Candidates | None = None

@@ -27,10 +27,8 @@ class Criterion:
     roughness : float
         Least perceptual roughness of both, the root of the GGX width; ``inf`` for
         never.
-    distance : float
-        Least distance of both, in half extents of the scene.
-    last_joint : int
-        Largest index of a reconnection vertex.
+    distance : float; least distance of both, in half extents of the scene
+    last_joint : int; largest index of a reconnection vertex
     replays : bool
         Whether what cannot be joined at x_2 is replayed; else it is not shifted.
     """
@@ -51,12 +49,7 @@ CRITERIA: dict[ShiftKind, Criterion] = {
 def roughness(table: MaterialTable, points: SurfacePoints) -> Scalars:
     """Perceptual roughness of all lobes that are no delta lobes.
 
-    Parameters
-    ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points.
+    The thresholds of the literature are in this unit; alpha is its square.
 
     Returns
     -------
@@ -64,10 +57,6 @@ def roughness(table: MaterialTable, points: SurfacePoints) -> Scalars:
         1 for paint and for the base under a smooth coat, √alpha for microfacets, −1 for
         what scatters into single directions alone, for rough dielectrics, which see
         both sides, and for misses.
-
-    Notes
-    -----
-    The thresholds of the literature are in this unit; alpha is its square.
     """
     kind = table.kind
     painted = (kind == Kind.LAMBERTIAN) | (kind == Kind.SMOOTH_COATED)
@@ -82,8 +71,7 @@ class Segment:
 
     Attributes
     ----------
-    distance : (N,) float64, m
-        Between them.
+    distance : (N,) float64, m; between them
     spread : (N,) float64, 1/m²
         cos φ / d² at the second: solid angle that its area fills.
     joinable : (N,) bool
@@ -102,15 +90,6 @@ def segment(
     x_to: SurfacePoints,
 ) -> tuple[SurfacePoints, Segment]:
     """Look from one point to another, and measure the way.
-
-    Parameters
-    ----------
-    criterion : Criterion
-        When points may be joined.
-    geometry : Geometry
-        The scene.
-    x_from, x_to : SurfacePoints
-        N points.
 
     Returns
     -------

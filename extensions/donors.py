@@ -17,18 +17,12 @@ class PointDonor:
 
     Attributes
     ----------
-    shift : Shift
-        Of paths.
-    world, points : World, SurfacePoints
-        Of the K receivers.
+    world, points : World, SurfacePoints; of the K receivers
     world_from, points_from : World, SurfacePoints
         In which the N paths were made, and what their pixels saw.
-    reservoirs : Reservoirs
-        N rows of `extensions.paths.Paths`.
-    rows : (K,) int
-        Row that is offered to each pixel, or ``NONE``.
-    same_domain : bool
-        Donor and pixel are one point, and nothing is shifted.
+    reservoirs : Reservoirs; N rows of `extensions.paths.Paths`
+    rows : (K,) int; row that is offered to each pixel, or ``NONE``
+    same_domain : bool; donor and pixel are one point, and nothing is shifted
     """
 
     shift: Shift
@@ -45,13 +39,11 @@ class PointDonor:
 
         Parameters
         ----------
-        at : (A,) int
-            Receivers, none without a donor.
+        at : (A,) int; receivers, none without a donor
 
         Returns
         -------
-        (A, 3), (A,) float64
-            Value, and Jacobian.
+        (A, 3), (A,) float64; value, and Jacobian
         """
         paths, rows = self.reservoirs.y, self.rows[at]
         return self.shift(self.world, self.points, at, paths, rows)
@@ -61,15 +53,11 @@ class PointDonor:
 
         Parameters
         ----------
-        samples : Paths
-            K rows, at the receivers.
-        at : (A,) int
-            Which of them, none without a donor.
+        at : (A,) int; which of them, none without a donor
 
         Returns
         -------
-        (A, 3), (A,) float64
-            Value, and Jacobian.
+        (A, 3), (A,) float64; value, and Jacobian
         """
         rows = self.rows[at]
         return self.shift(self.world_from, self.points_from, rows, samples, at)

@@ -23,17 +23,10 @@ def find_lights(
 
     Parameters
     ----------
-    world : World
-        The scene.
-    step : Step
-        N paths at x_v.
-    vertex : int
-        v, of all of them.
     uniforms : Uniforms
         N rows; dimension 2 (v - 1) + 1 chooses the light, lane 3 of the one before
         between the two.
-    leaving : Leaving or None
-        Rays that left x_v; ``None`` where none may meet a light.
+    leaving : Leaving or None; rays that left x_v; ``None`` where none may meet a light
 
     Returns
     -------
@@ -53,18 +46,14 @@ class Lights:
 
     Attributes
     ----------
-    technique : (N,) int8
-        How they were found.
-    joins : (N,) bool
-        The last point may be a reconnection vertex.
-    wi : (N, 3) float64
-        Unit directions to them.
+    technique : (N,) int8; how they were found
+    joins : (N,) bool; the last point may be a reconnection vertex
+    wi : (N, 3) float64; unit directions to them
     radiance : (N, 3) float64
         Radiance, over the density of the choice where they were chosen.
     reflected : (N, 3) float64, W/(m² sr)
         By the last point, over its density, and weighted.
-    pdf_light : (N,) float64, 1/sr
-        With which next-event estimation chooses them.
+    pdf_light : (N,) float64, 1/sr; with which next-event estimation chooses them
     pdf : (N,) float64, 1/sr
         With which the path chose its direction to the light, 1 where the light itself
         was chosen.
@@ -122,20 +111,9 @@ def ended(step: Step, paths: Paths, vertex: int, lights: Lights) -> Paths:
 
     Parameters
     ----------
-    step : Step
-        N paths at x_v.
     paths : Paths
         What is known of them, ``incoming`` being the product of weights beyond the
         reconnection vertex.
-    vertex : int
-        v, of all of them.
-    lights : Lights
-        N rows.
-
-    Returns
-    -------
-    Paths
-        N rows.
     """
     size = len(step.points)
     end, value = np.full(size, vertex, np.int8), step.throughput * lights.reflected
@@ -175,15 +153,12 @@ def density_at(step: Step, pdf: Scalars) -> Scalars:
 
     Parameters
     ----------
-    step : Step
-        N paths at x_v, that came from x_(v-1).
-    pdf : (N,) float64, 1/sr
-        With which x_v is left; 1 where the light was chosen.
+    step : Step; N paths at x_v, that came from x_(v-1)
+    pdf : (N,) float64, 1/sr; with which x_v is left; 1 where the light was chosen
 
     Returns
     -------
-    (N,) float64
-        p(ω_(v-1)) cos φ_v / d² p(ω_v).
+    (N,) float64; p(ω_(v-1)) cos φ_v / d² p(ω_v)
     """
     assert step.came is not None
     density: Scalars = step.pdf * step.came.spread * pdf

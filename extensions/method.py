@@ -31,21 +31,11 @@ def _frames(job: Job) -> Iterator[PathFrame]:
 def path_layers(
     r: Reservoirs, paths: Paths, names: tuple[str, ...]
 ) -> dict[str, Scalars]:
-    """Layers of what reservoirs of paths keep.
+    """Layers of what reservoirs of paths keep, dict of str to (N,) float64; by name.
 
     Parameters
     ----------
-    r : Reservoirs
-        A pixel each.
-    paths : Paths
-        Their samples.
-    names : tuple of str
-        Which; others than those of `PATHS` are passed over.
-
-    Returns
-    -------
-    dict of str to (N,) float64
-        By name.
+    names : tuple of str; which; others than those of `PATHS` are passed over
     """
     full = r.W > 0
     found = {
@@ -62,18 +52,7 @@ def _layers(frame: PathFrame, names: tuple[str, ...]) -> Mapping[str, Scalars]:
 
 
 def named_biases(job: Job) -> tuple[str, ...]:
-    """What biases the indirect light of a picture.
-
-    Parameters
-    ----------
-    job : Job
-        What is rendered.
-
-    Returns
-    -------
-    tuple of str
-        A line each.
-    """
+    """What biases the indirect light of a picture."""
     reuses = job.settings.spatial or (job.animation and job.settings.temporal)
     if job.light == "direct" or job.bounces == 0 or not reuses:
         return ()

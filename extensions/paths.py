@@ -25,17 +25,13 @@ class Paths:
     ----------
     number : (N,) int64
         Key of the random numbers: with them, and x1, the path can be drawn again.
-    end : (N,) int8
-        Index of the last surface point, at least 2; 0 for no path.
-    technique : (N,) int8
-        `Technique` by which x_end found its light.
+    end : (N,) int8; index of the last surface point, at least 2; 0 for no path
+    technique : (N,) int8; `Technique` by which x_end found its light
     joint : (N,) int8
         Index c of the reconnection vertex x_c, from which on the path is shared; 0
         where there is none, and the whole path is replayed.
-    surface : SurfacePoints
-        x_c, as it was seen from x_(c-1).
-    wi : (N, 3) float64
-        Unit direction from x_c to the next point, or to the light.
+    surface : SurfacePoints; x_c, as it was seen from x_(c-1)
+    wi : (N, 3) float64; unit direction from x_c to the next point, or to the light
     incoming : (N, 3) float64
         What arrives at x_c from there.  Where light follows x_c: its radiance, for
         next-event estimation over the density of the choice, W/(m² sr).  Else all
@@ -76,15 +72,12 @@ class Paths:
 
         Parameters
         ----------
-        value : (N, 3) float64
-            There.
-        jacobian : (N,) float64, sr/sr
-            Of the shift.
+        value : (N, 3) float64; there
+        jacobian : (N,) float64, sr/sr; of the shift
 
         Returns
         -------
-        Paths
-            Densities at the joint change as the Jacobian says.
+        Paths; densities at the joint change as the Jacobian says
         """
         joined = self.joint > 0
         density = np.where(joined, self.density * jacobian, self.density)
@@ -96,15 +89,8 @@ def no_paths(points: SurfacePoints, number: Indices) -> Paths:
 
     Parameters
     ----------
-    points : SurfacePoints
-        N points, that stand for those of the paths.
-    number : (N,) int64
-        Keys.
-
-    Returns
-    -------
-    Paths
-        N rows without light.
+    points : SurfacePoints; N points, that stand for those of the paths
+    number : (N,) int64; keys
     """
     size = len(number)
     none = np.zeros(size, np.int8)

@@ -28,31 +28,17 @@ def render_path_frames(
     schedule: Schedule,
     animation: Animation | None = None,
 ) -> Iterator[PathFrame]:
-    """Frames of indirect light by ReSTIR PT, without end.
+    """Frames of indirect light by ReSTIR PT, without end [Lin22, section 6].
 
     Parameters
     ----------
-    world : World
-        The scene in frame 0.
-    settings : PathSettings
-        The algorithm.
-    bounces : int
-        Bounces of indirect light, 1 to 30.
-    seed : int
-        Runs of different seeds are independent.
-    schedule : Schedule
-        Bands and threads; no influence on the result.
-    animation : Animation, optional
-        As of `path_frames`.
+    world : World; the scene in frame 0
+    bounces : int; bounces of indirect light, 1 to 30
+    seed : int; runs of different seeds are independent
 
     Returns
     -------
-    iterator of PathFrame
-        Each pixel's path begins at what its centre sees.
-
-    Notes
-    -----
-    [Lin22, section 6].
+    iterator of PathFrame; each pixel's path begins at what its centre sees
     """
     return path_frames(_frame, world, settings, bounces, seed, schedule, animation)
 
@@ -73,19 +59,8 @@ def reused(
 
     Parameters
     ----------
-    moment : Moment
-        The frame.
-    last : PathFrame or None
-        The one before, if there is one.
-    drawn : callable
-        From some pixels to the paths that they draw anew.
-    schedule : Schedule
-        Bands and threads.
-
-    Returns
-    -------
-    Reservoirs
-        Of `extensions.paths.Paths`, a pixel each.
+    last : PathFrame or None; the one before, if there is one
+    drawn : callable; from some pixels to the paths that they draw anew
     """
     rows = moment.pixels
     past = _rows_before(moment, last)

@@ -40,10 +40,7 @@ class Shift:
 
     Attributes
     ----------
-    criterion : Criterion
-        When points may be joined.
-    uniforms : callable
-        Random numbers of the paths that have the given numbers.
+    uniforms : callable; random numbers of the paths that have the given numbers
     """
 
     criterion: Criterion
@@ -57,20 +54,12 @@ class Shift:
         paths: Paths,
         rows: Indices,
     ) -> tuple[Vec3s, Scalars]:
-        """Shift paths to other visible points.
+        """Shift paths to other visible points [Lin22, section 7.2].
 
         Parameters
         ----------
-        world : World
-            The scene.
-        points : SurfacePoints
-            Visible points.
-        at : (N,) int
-            Which of them the paths go to.
-        paths : Paths
-            Base paths.
-        rows : (N,) int
-            Which of them are shifted.
+        at : (N,) int; which of them the paths go to
+        rows : (N,) int; which of them are shifted
 
         Returns
         -------
@@ -79,10 +68,6 @@ class Shift:
             below a horizon, of another length, or joinable elsewhere.
         jacobian : (N,) float64
             |∂u_to / ∂u_from| in primary sample space; 0 where there is no such path.
-
-        Notes
-        -----
-        [Lin22, section 7.2].
         """
         value, density = zero_vectors(len(rows)), np.zeros(len(rows))
         joint = paths.joint[rows]

@@ -21,14 +21,10 @@ class Step:
 
     Attributes
     ----------
-    points : SurfacePoints
-        x_v; misses where a walk has ended.
-    throughput : (N, 3) float64
-        Product of f cos θ / p of x_1 to x_(v-1).
-    weight : (N, 3) float64
-        The last of these factors.
-    came : Segment or None
-        From x_(v-1); ``None`` at x_1.
+    points : SurfacePoints; x_v; misses where a walk has ended
+    throughput : (N, 3) float64; product of f cos θ / p of x_1 to x_(v-1)
+    weight : (N, 3) float64; the last of these factors
+    came : Segment or None; from x_(v-1); ``None`` at x_1
     joinable : (N,) bool
         x_v may be a reconnection vertex, if it is left by no delta lobe.
     pdf : (N,) float64, 1/sr
@@ -45,33 +41,14 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Leaving:
-    """Directions in which N walks leave a point, and what they meet.
-
-    Attributes
-    ----------
-    bsdf : BsdfSamples
-        The directions.
-    hits : Hits
-        Of the rays.
-    """
+    """Directions in which N walks leave a point, and what they meet."""
 
     bsdf: BsdfSamples
     hits: Hits
 
 
 def start(points: SurfacePoints) -> Step:
-    """Walks that have not left their visible points.
-
-    Parameters
-    ----------
-    points : SurfacePoints
-        N visible points x_1.
-
-    Returns
-    -------
-    Step
-        N rows.
-    """
+    """Walks that have not left their visible points."""
     size = len(points)
     return Step(
         points,
@@ -90,21 +67,8 @@ def leave(
 
     Parameters
     ----------
-    world : World
-        The scene.
-    step : Step
-        Where the walks are.
-    vertex : int
-        v, of all of them.
-    uniforms : Uniforms
-        N rows; dimension 2 (v - 1) draws the direction.
-    active : (N,) bool
-        Which walks go on.
-
-    Returns
-    -------
-    Leaving
-        N rows.
+    uniforms : Uniforms; N rows; dimension 2 (v - 1) draws the direction
+    active : (N,) bool; which walks go on
     """
     bsdf = sample(world.materials, step.points, uniforms.draw(2 * (vertex - 1)))
     goes_on = active & step.points.hit & (dot(bsdf.weight, bsdf.weight) > 0)
@@ -117,23 +81,7 @@ def arrive(
 ) -> Step:
     """Go on to what the rays met.
 
-    Parameters
-    ----------
-    world : World
-        The scene.
-    criterion : Criterion
-        When points may be joined.
-    step : Step
-        Where the walks were.
-    vertex : int
-        v, of all of them.
-    leaving : Leaving
-        How they went on.
-
-    Returns
-    -------
-    Step
-        x_(v+1).
+    Returns Step; x_(v+1).
     """
     bsdf = leaving.bsdf
     met = surface_points(world.geometry, leaving.hits, step.points.position, bsdf.wi)

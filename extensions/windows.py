@@ -20,10 +20,8 @@ class Window:
 
     Attributes
     ----------
-    rows : (K,) int
-        Of the last frame, or ``NONE``.
-    dx, dy : (K,) float64, pixels
-        How far places have moved since.
+    rows : (K,) int; of the last frame, or ``NONE``
+    dx, dy : (K,) float64, pixels; how far places have moved since
     share : (K,) float64
         Of the pixel's area, 0 without a past; of all windows together at most 1.
     """
@@ -37,24 +35,18 @@ class Window:
 def windows(last: PathFrame, moment: Moment, pixel: Indices) -> list[Window]:
     """Where the areas of pixels were a frame ago.
 
+    [Zhang24].  What the centres see decides, never a sample.
+
     Parameters
     ----------
-    last : PathFrame
-        The frame before.
-    moment : Moment
-        This one.
-    pixel : (K,) int
-        Rows of the image.
+    last : PathFrame; the frame before
+    pixel : (K,) int; rows of the image
 
     Returns
     -------
     list of Window
         The four pixels around, whose parts of the area are disjoint; the pixel itself
         where nothing has moved.
-
-    Notes
-    -----
-    [Zhang24].  What the centres see decides, never a sample.
     """
     if last.world is moment.world:
         none = np.zeros(len(pixel))
@@ -88,23 +80,9 @@ def resample_past(
 
     Parameters
     ----------
-    own : Neighbor
-        The new samples; stands.
-    before : list of Neighbor
-        Of the last frame.
-    shares : list of (K,)
-        Of the area, one for each of them.
+    shares : list of (K,); of the area, one for each of them
     decisions : list of (K,)
         One number in [0, 1) for each of them, and for the new samples at last.
-    settings : PathSettings
-        Weights, and the limit of M.
-    target : callable
-        p̂ of values.
-
-    Returns
-    -------
-    Reservoirs
-        K rows.
     """
     trust = own.reservoirs.M
     for donor, share in zip(before, shares, strict=True):

@@ -30,16 +30,8 @@ PURE = "reconnection"
 def specular_floor(work: Work) -> PaperFigure:
     """Error of ReSTIR PT by each of its shifts, of as many samples.
 
-    Parameters
-    ----------
-    work : Work
-        Size, runs and schedule.
-
-    Returns
-    -------
-    PaperFigure
-        A row a shift and region; the number that counts is "times smaller" than that
-        of pure reconnection.
+    A row a shift and region; the number that counts is "times smaller" than that of
+    pure reconnection.
     """
     contenders = [
         Contender(

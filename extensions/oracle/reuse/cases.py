@@ -23,11 +23,6 @@ def table_cases(precision: Precision) -> list[Case]:
     ----------
     precision : 'float32' or 'float64'
         In which the inputs are given: numbers that float32 holds.
-
-    Returns
-    -------
-    list of Case
-        Always the same.
     """
     rng = np.random.default_rng(2029)
     found = []

@@ -35,15 +35,7 @@ operations of sums of positive numbers, in any order."""
 def lattice_probes(precision: Precision) -> list[Probe]:
     """Expectations of all unbiased weights, at all three receivers.
 
-    Parameters
-    ----------
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    list of Probe
-        Of rung L1; exact, so that a right backend cannot fail.
+    Of rung L1; exact, so that a right backend cannot fail.
     """
     unbiased = [mis for mis in WEIGHTS if mis != "1/M"]
     return [_probe(mis, c, precision) for mis in unbiased for c in range(PIXELS)]

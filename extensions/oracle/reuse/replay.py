@@ -29,22 +29,8 @@ def judge_path_reuse(
 ) -> Judgement:
     """Judge pass ``path_reuse``.
 
-    Parameters
-    ----------
-    case : Case
-        The call.
-    outputs : mapping of str to array
-        By the backend.
-    rules : Rules
-        What is calculated with.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Judgement
-        N rows.  Where the backend's choice is one that rounding allows, the weight that
-        goes with it is asked for.
+    N rows.  Where the backend's choice is one that rounding allows, the weight that
+    goes with it is asked for.
     """
     rounding, part = rounding_of(precision), reusing(rules)
     t = tables_of(case, part, rounding)

@@ -13,19 +13,14 @@ class ReuseRules:
     ----------
     jacobian : 'times', 'none', 'over' or 'twice'
         In the weight of a sample that was shifted.
-    target_base : bool
-        The donors' target takes the place of the receiver's.
-    nulls_count : bool
-        M of donors without a sample.
-    empty_count : bool
-        M of slots without a donor.
+    target_base : bool; the donors' target takes the place of the receiver's
+    nulls_count : bool; M of donors without a sample
+    empty_count : bool; M of slots without a donor
     normalization : str
         What is divided by, whatever is asked for, but for weights in pairs; 'asked'
         for that.
-    everybody_holds : bool
-        Z counts who could not have made the sample too.
-    maker_counts : bool
-        Who made the sample is in Z.
+    everybody_holds : bool; Z counts who could not have made the sample too
+    maker_counts : bool; who made the sample is in Z
     made : 'over', 'none', 'times' or 'here'
         Target of a sample where it was made: over the Jacobian, without it, times it,
         or that at the receiver.
@@ -33,21 +28,15 @@ class ReuseRules:
         The balance heuristic is divided by the maker's target, not the receiver's.
     canonical_in_s : bool
         S of the donors' weights has the confidence of the canonical slot in it.
-    defensive_total : bool
-        T of the donors' weights has it, where it should.
-    canonical_share : 'of all', 'whole' or 'none'
-        Of the canonical sample.
-    exchanged : bool
-        In pairs, the targets of donor and receiver.
-    beside_confidence : bool
-        Weights in pairs are multiplied by M_k as well.
-    divided_again : bool
-        Weights in pairs are divided by ΣM as well.
+    defensive_total : bool; T of the donors' weights has it, where it should
+    canonical_share : 'of all', 'whole' or 'none'; of the canonical sample
+    exchanged : bool; in pairs, the targets of donor and receiver
+    beside_confidence : bool; weights in pairs are multiplied by M_k as well
+    divided_again : bool; weights in pairs are divided by ΣM as well
     capped : 'M', 'before', 'weights', 'W' or 'never'
         What is capped: M on the way out, M of all donors beforehand, M in their weights
         but not in Z, W with M, or nothing.
-    u_turned : bool
-        1 − u decides.
+    u_turned : bool; 1 − u decides
     """
 
     jacobian: str = "times"
@@ -70,16 +59,5 @@ class ReuseRules:
 
 
 def reusing(rules: Rules) -> ReuseRules:
-    """What the pass calculates with.
-
-    Parameters
-    ----------
-    rules : Rules
-        Of the replay.
-
-    Returns
-    -------
-    ReuseRules
-        Its part, or the contract.
-    """
+    """What the pass calculates with."""
     return rules.part or ReuseRules()

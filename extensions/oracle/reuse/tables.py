@@ -22,14 +22,9 @@ class Tables:
     W, M, u, here, jacobian, made : list of (N,) Bounded
         Of each slot: what is given, with M as it counts, and the target where its
         sample was made, in the receiver's measure.
-    elsewhere : (N, K, K) Bounded
-        Of the sample of a slot, at a donor.
-    canonical : int
-        Slot that stands.
-    mis : str
-        What is asked for.
-    cap : float
-        Of M.
+    elsewhere : (N, K, K) Bounded; of the sample of a slot, at a donor
+    canonical : int; slot that stands
+    mis : str; what is asked for
     """
 
     W: list[Bounded]
@@ -55,22 +50,7 @@ class Tables:
 
 
 def tables_of(case: Case, rules: ReuseRules, rounding: Rounding) -> Tables:
-    """Read a case.
-
-    Parameters
-    ----------
-    case : Case
-        The call.
-    rules : ReuseRules
-        What counts.
-    rounding : Rounding
-        Of the backend.
-
-    Returns
-    -------
-    Tables
-        Slots without a donor offer nothing.
-    """
+    """Read a case.  Slots without a donor offer nothing."""
     given = {
         name: exact(array, rounding)
         for name, array in case.inputs.items()

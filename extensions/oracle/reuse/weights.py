@@ -11,17 +11,11 @@ from reference.oracle.replay.verbs import choose
 
 
 def total(terms: list[Bounded]) -> Bounded:
-    """Sum of bounded numbers.
+    """Sum of bounded numbers, (N,) Bounded; in the order given.
 
     Parameters
     ----------
-    terms : list of (N,) Bounded
-        At least one.
-
-    Returns
-    -------
-    (N,) Bounded
-        In the order given.
+    terms : list of (N,) Bounded; at least one
     """
     found = terms[0]
     for term in terms[1:]:
@@ -32,17 +26,7 @@ def total(terms: list[Bounded]) -> Bounded:
 def arriving(t: Tables, rules: ReuseRules) -> list[Bounded]:
     """Weights w_k with which samples compete.
 
-    Parameters
-    ----------
-    t : Tables
-        Of a case.
-    rules : ReuseRules
-        What is calculated with.
-
-    Returns
-    -------
-    list of (N,) Bounded
-        In the order of the slots.
+    Returns list of (N,) Bounded; in the order of the slots.
     """
     m = _in_pairs(t, rules) if t.mis in PAIRS else t.M
     if rules.capped == "weights":
@@ -109,17 +93,11 @@ def divisor(t: Tables, kept: Indices, rules: ReuseRules) -> Bounded:
 
     Parameters
     ----------
-    t : Tables
-        Of a case.
-    kept : (N,) int
-        Slot of the sample that is kept.
-    rules : ReuseRules
-        What is calculated with.
+    kept : (N,) int; slot of the sample that is kept
 
     Returns
     -------
-    (N,) Bounded
-        1 for weights in pairs.
+    (N,) Bounded; 1 for weights in pairs
     """
     if t.mis in PAIRS:
         return total(t.M) if rules.divided_again else t.one
@@ -150,19 +128,12 @@ def _held(t: Tables, k: int, p: Bounded, kept: Indices, rules: ReuseRules) -> Bo
 
 
 def of_kept(slots: list[Bounded], kept: Indices) -> Bounded:
-    """A number of the slot that is kept.
+    """A number of the slot that is kept, (N,) Bounded; row by row.
 
     Parameters
     ----------
-    slots : list of (N,) Bounded
-        Of each slot.
+    slots : list of (N,) Bounded; of each slot
     kept : (N,) int
-        Which.
-
-    Returns
-    -------
-    (N,) Bounded
-        Row by row.
     """
     found = slots[0]
     for k, slot in enumerate(slots[1:], start=1):

@@ -34,14 +34,10 @@ class Place:
 
     Attributes
     ----------
-    scene : str
-        Of `extensions.oracle.shifts.stage.BLOCKS`.
-    kind : str
-        Of `KINDS`.
-    frame : int
-        Of the random numbers.
-    right, down : int, pixels
-        To which pixels paths are shifted.
+    scene : str; of `extensions.oracle.shifts.stage.BLOCKS`
+    kind : str; of `KINDS`
+    frame : int; of the random numbers
+    right, down : int, pixels; to which pixels paths are shifted
     """
 
     scene: str
@@ -71,20 +67,7 @@ PLACES = (
 
 @cache
 def shift_case(place: Place, precision: Precision) -> Case:
-    """Rows of one frame.
-
-    Parameters
-    ----------
-    place : Place
-        Which.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Case
-        Always the same.
-    """
+    """Rows of one frame."""
     criterion = KINDS[place.kind]
     frame = frame_of(place.scene, SIZE, SEED, place.frame, BOUNCES, criterion)
     grid = np.arange(SIZE * SIZE).reshape(SIZE, SIZE)
@@ -99,21 +82,11 @@ def shift_case(place: Place, precision: Precision) -> Case:
 
 
 def settings_of(extent: float, criterion: Criterion, place: Place) -> dict[str, Value]:
-    """Settings of a case.
+    """Settings of a case, in the order of the contract.
 
     Parameters
     ----------
-    extent : float, m
-        Half of the scene.
-    criterion : Criterion
-        When points may be joined.
-    place : Place
-        Where rows come from.
-
-    Returns
-    -------
-    dict of str to number or name
-        In the order of the contract.
+    extent : float, m; half of the scene
     """
     return {
         "roughness": criterion.roughness,
@@ -132,15 +105,7 @@ def settings_of(extent: float, criterion: Criterion, place: Place) -> dict[str, 
 def null_case(precision: Precision) -> Case:
     """One row without a path, which every backend that has the pass answers.
 
-    Parameters
-    ----------
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Case
-        Made soon: whoever does not answer is not asked further.
+    Made soon: whoever does not answer is not asked further.
     """
     place, bounces = Place("paint", "hybrid", 0, 0, 0), 1
     criterion = KINDS[place.kind]

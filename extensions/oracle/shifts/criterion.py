@@ -34,12 +34,9 @@ class Ends:
 
     Attributes
     ----------
-    alpha : tuple of two (N,) Bounded
-        GGX widths.
-    single : tuple of two (N,) bool
-        Whether they scatter into single directions alone.
-    distance : (N,) Bounded
-        Between them.
+    alpha : tuple of two (N,) Bounded; GGX widths
+    single : tuple of two (N,) bool; whether they scatter into single directions alone
+    distance : (N,) Bounded; between them
     """
 
     alpha: tuple[Bounded, Bounded]
@@ -48,22 +45,7 @@ class Ends:
 
 
 def joined(ends: Ends, settings: Mapping[str, Value], rules: ShiftRules) -> Choice:
-    """Whether two points may be joined.
-
-    Parameters
-    ----------
-    ends : Ends
-        N rows.
-    settings : mapping of str to number
-        Of the case.
-    rules : ShiftRules
-        What is calculated with.
-
-    Returns
-    -------
-    Choice
-        (N,)
-    """
+    """Whether two points may be joined, (N,)."""
     rounding = ends.distance.rounding
     roughness, least, extent = (
         setting(settings[name], rounding)
@@ -84,17 +66,11 @@ def joined(ends: Ends, settings: Mapping[str, Value], rules: ShiftRules) -> Choi
 
 
 def way(a: Bounded, b: Bounded) -> Bounded:
-    """Distance from points to points.
+    """Distance from points to points, (N,).
 
     Parameters
     ----------
-    a, b : Bounded
-        (N, 3)
-
-    Returns
-    -------
-    Bounded
-        (N,)
+    a, b : Bounded; (N, 3)
     """
     return square_root(inner(b - a, b - a))
 
@@ -102,19 +78,7 @@ def way(a: Bounded, b: Bounded) -> Bounded:
 def came(case: Case, rounding: Rounding, rules: ShiftRules) -> list[Choice]:
     """Whether x_v may be joined, as far as it hangs on how the walk came there.
 
-    Parameters
-    ----------
-    case : Case
-        Of pass ``shift``.
-    rounding : Rounding
-        Of the backend.
-    rules : ShiftRules
-        What is calculated with.
-
-    Returns
-    -------
-    list of Choice
-        (N,) each, of x_1 to x_V; the first is a no.
+    Returns list of Choice; (N,) each, of x_1 to x_V; the first is a no.
     """
     given = case.inputs
     position, contact, alpha = (
@@ -140,21 +104,7 @@ def judge_joinable(
 ) -> Judgement:
     """Judge pass ``joinable``.
 
-    Parameters
-    ----------
-    case : Case
-        The call.
-    outputs : mapping of str to array
-        By the backend.
-    rules : Rules
-        What is calculated with.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Judgement
-        N rows.  Who is at a threshold, to rounding, may be on either side of it.
+    N rows.  Who is at a threshold, to rounding, may be on either side of it.
     """
     rounding, given = rounding_of(precision), case.inputs
     alpha_from, alpha_to, distance = (

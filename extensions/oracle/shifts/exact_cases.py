@@ -17,15 +17,12 @@ NEAR = 2.0**-16
 def exact_cases(precision: Precision) -> list[Case]:
     """Cases of both passes, with their thresholds and extremes.
 
+    In the order of the contract.
+
     Parameters
     ----------
     precision : 'float32' or 'float64'
         In which the inputs are given: numbers that float32 holds.
-
-    Returns
-    -------
-    list of Case
-        In the order of the contract.
     """
     rng = np.random.default_rng(2028)
     cases = [

@@ -16,10 +16,7 @@ def told(array: NDArray[Any], rounding: Rounding) -> Bounded:
 
     Parameters
     ----------
-    array : (N, ...) array
-        Reals of the case.
-    rounding : Rounding
-        Of the backend.
+    array : (N, ...) array; reals of the case
 
     Returns
     -------
@@ -31,33 +28,16 @@ def told(array: NDArray[Any], rounding: Rounding) -> Bounded:
 
 
 def perceptual(alpha: Bounded) -> Bounded:
-    """Perceptual roughness √alpha.
-
-    Parameters
-    ----------
-    alpha : Bounded
-        (N,): GGX width.
-
-    Returns
-    -------
-    Bounded
-        (N,)
-    """
+    """Perceptual roughness √alpha, (N,)."""
     return square_root(alpha)
 
 
 def spread(cosine_times_d: Bounded, squared: Bounded) -> Bounded:
-    """Solid angle over area, |cos| / d².
+    """Solid angle over area, |cos| / d², (N,).
 
     Parameters
     ----------
-    cosine_times_d, squared : Bounded
-        (N,): |n · D|, and D · D.
-
-    Returns
-    -------
-    Bounded
-        (N,)
+    cosine_times_d, squared : Bounded; (N,): |n · D|, and D · D
     """
     return cosine_times_d / square_root(squared) / squared
 
@@ -65,35 +45,18 @@ def spread(cosine_times_d: Bounded, squared: Bounded) -> Bounded:
 def spread_between(
     position: Bounded, joint: Bounded, normal: Bounded
 ) -> tuple[Bounded, Bounded]:
-    """What a spread is calculated from.
+    """What a spread is calculated from, (N,) each: n · D, D · D.
 
     Parameters
     ----------
-    position, joint, normal : Bounded
-        (N, 3): x_(c-1), x_c and the normal there.
-
-    Returns
-    -------
-    Bounded, Bounded
-        (N,) each: n · D, D · D.
+    position, joint, normal : Bounded; (N, 3): x_(c-1), x_c and the normal there
     """
     way = joint - position
     return inner(normal, way), inner(way, way)
 
 
 def share(mine: Bounded, other: Bounded) -> Bounded:
-    """Balance heuristic, 1 where one's own density is 0.
-
-    Parameters
-    ----------
-    mine, other : Bounded
-        (N,): densities of both techniques.
-
-    Returns
-    -------
-    Bounded
-        (N,)
-    """
+    """Balance heuristic (N,), 1 where one's own density is 0."""
     none = mine.value == 0
     return choose(none, constant(1.0, mine), mine / (mine + other))
 
@@ -103,46 +66,18 @@ def certainly(mask: Masks) -> Choice:
 
     Parameters
     ----------
-    mask : (N,) bool
-        Of flags.
-
-    Returns
-    -------
-    Choice
-        All certain.
+    mask : (N,) bool; of flags
     """
     return Choice(mask, np.ones(mask.shape, bool))
 
 
 def negated(choice: Choice) -> Choice:
-    """The opposite.
-
-    Parameters
-    ----------
-    choice : Choice
-        Any.
-
-    Returns
-    -------
-    Choice
-        As certain.
-    """
+    """The opposite."""
     return Choice(~choice.own, choice.certain)
 
 
 def all_of(*choices: Choice) -> Choice:
-    """Yes where all say yes.
-
-    Parameters
-    ----------
-    *choices : Choice
-        Of one shape.
-
-    Returns
-    -------
-    Choice
-        One certain no is enough.
-    """
+    """Yes where all say yes.  One certain no is enough."""
     own = np.all([c.own for c in choices], axis=0)
     certain = np.all([c.certain for c in choices], axis=0)
     no = np.any([c.certain & ~c.own for c in choices], axis=0)
@@ -150,16 +85,5 @@ def all_of(*choices: Choice) -> Choice:
 
 
 def where_positive(number: Bounded) -> Choice:
-    """Yes where a number is above 0.
-
-    Parameters
-    ----------
-    number : Bounded
-        (N,)
-
-    Returns
-    -------
-    Choice
-        An exact 0 is a certain no.
-    """
+    """Yes where a number is above 0.  An exact 0 is a certain no."""
     return Choice(number.value > 0, number.surely_positive | number.surely_not_positive)

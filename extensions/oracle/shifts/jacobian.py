@@ -17,23 +17,15 @@ def jacobian_of(
     p_onward: tuple[Bounded, Bounded],
     rules: ShiftRules,
 ) -> Bounded:
-    """Jacobian of a path that is joined.
+    """Jacobian of a path that is joined, (N,).
 
     Parameters
     ----------
     base : (N,) Bounded
         Both densities of the base path and the solid angle of its joint, multiplied.
-    offset : (N,) Bounded
-        Solid angle of the offset path's joint alone.
+    offset : (N,) Bounded; solid angle of the offset path's joint alone
     p, p_onward : pairs of (N,) Bounded
         Densities of the base path and of the offset path.
-    rules : ShiftRules
-        What is calculated with.
-
-    Returns
-    -------
-    Bounded
-        (N,)
     """
     whole = offset * p[1] if rules.offset_left else offset
     whole = whole * p_onward[1] if rules.offset_onward else whole
@@ -50,24 +42,7 @@ def jacobian_of(
 def judge_jacobian(
     case: Case, outputs: Buffers, rules: Rules, precision: Precision
 ) -> Judgement:
-    """Judge pass ``path_jacobian``.
-
-    Parameters
-    ----------
-    case : Case
-        The call.
-    outputs : mapping of str to array
-        By the backend.
-    rules : Rules
-        What is calculated with.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Judgement
-        N rows.
-    """
+    """Judge pass ``path_jacobian``."""
     rounding, part = rounding_of(precision), shifting(rules)
     given = {name: exact(array, rounding) for name, array in case.inputs.items()}
     ends, spreads = ("from", "to"), []

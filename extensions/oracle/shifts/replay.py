@@ -32,8 +32,7 @@ class Kinds:
     ----------
     joins, chosen : (N,) bool
         Joined, else replayed whole; the light was chosen, else met by chance.
-    last : (N,) int
-        m, index of the last point of the offset walk that takes part.
+    last : (N,) int; m, index of the last point of the offset walk that takes part
     """
 
     joins: Masks
@@ -42,20 +41,7 @@ class Kinds:
 
 
 def kinds_of(case: Case, rules: ShiftRules) -> Kinds:
-    """Which rows are shifted how.
-
-    Parameters
-    ----------
-    case : Case
-        Of pass ``shift``.
-    rules : ShiftRules
-        What is calculated with.
-
-    Returns
-    -------
-    Kinds
-        N rows.
-    """
+    """Which rows are shifted how."""
     joint, end = case.inputs["joint"], case.inputs["end"]
     more = joint - 1 + rules.replayed_once_more
     slots = case.inputs["hit"].shape[1]
@@ -68,21 +54,7 @@ def judge_shift(
 ) -> Judgement:
     """Judge pass ``shift``.
 
-    Parameters
-    ----------
-    case : Case
-        The call.
-    outputs : mapping of str to array
-        By the backend.
-    rules : Rules
-        What is calculated with.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Judgement
-        N rows.  Where rounding leaves open whether there is a path, the backend says.
+    N rows.  Where rounding leaves open whether there is a path, the backend says.
     """
     rounding, part = rounding_of(precision), shifting(rules)
     kinds = kinds_of(case, part)

@@ -29,23 +29,11 @@ ROWS = 6
 def buffers(
     frame: Frame, criterion: Criterion, start: Indices, to: Indices, bounces: int
 ) -> dict[str, Any]:
-    """All buffers of shifts.
+    """All buffers of shifts; N rows, by name.
 
     Parameters
     ----------
-    frame : Frame
-        Paths of a frame.
-    criterion : Criterion
-        When points may be joined.
-    start, to : (N,) int
-        Pixels whose paths are shifted, and to which.
-    bounces : int
-        Of indirect light.
-
-    Returns
-    -------
-    dict of str to array
-        N rows, by name.
+    start, to : (N,) int; pixels whose paths are shifted, and to which
     """
     paths = take(frame.paths, start)
     base, offset = (
@@ -140,19 +128,11 @@ def eventful(
 
     Parameters
     ----------
-    frame : Frame
-        Paths of a frame.
-    criterion : Criterion
-        When points may be joined.
-    start, to : (N,) int
-        Pixels whose paths are shifted, and to which.
-    inputs : mapping of str to array
-        Their buffers.
+    start, to : (N,) int; pixels whose paths are shifted, and to which
 
     Returns
     -------
-    (K,) int
-        `ROWS` of each kind at most.
+    (K,) int; `ROWS` of each kind at most
     """
     shift = Shift(criterion, frame.numbers)
     value, _ = shift(frame.world, frame.points, to, frame.paths, start)

@@ -14,46 +14,31 @@ class ShiftRules:
 
     Attributes
     ----------
-    perceptual : callable
-        Roughness of a GGX width.
-    ends : tuple of int
-        Of the two points, which have to be rough: 0 and 1.
-    one_end_is_enough : bool
-        One rough point of the two suffices.
+    perceptual : callable; roughness of a GGX width
+    ends : tuple of int; of the two points, which have to be rough: 0 and 1
+    one_end_is_enough : bool; one rough point of the two suffices
     single_asked : bool
         Whether points that scatter into single directions alone are refused.
-    distance_asked : bool
-        Whether points have to be far apart.
-    metres : bool
-        The least distance is taken for metres.
-    spread : callable
-        Solid angle of an area, of base path and offset path.
-    spread_to : callable or None
-        Of the offset path alone, where it is another.
-    inverted : bool
-        The Jacobian is upside down.
-    jacobian_omitted : bool
-        It is 1.
+    distance_asked : bool; whether points have to be far apart
+    metres : bool; the least distance is taken for metres
+    spread : callable; solid angle of an area, of base path and offset path
+    spread_to : callable or None; of the offset path alone, where it is another
+    inverted : bool; the Jacobian is upside down
+    jacobian_omitted : bool; it is 1
     left_density, onward_density : bool
         Whether the first and the second density are in the Jacobian.
     offset_left, offset_onward : bool
         Whether those of the offset path are, where the base path's are.
     chosen_density : bool
         The density at x_c is divided by, and in it, although the light was chosen.
-    earlier_asked : bool
-        Whether offset paths that could be joined earlier are refused.
-    before_asked : bool
-        Whether that holds for the point before the joint.
-    joint_asked : bool
-        Whether the criterion is asked where the paths are joined.
+    earlier_asked : bool; whether offset paths that could be joined earlier are refused
+    before_asked : bool; whether that holds for the point before the joint
+    joint_asked : bool; whether the criterion is asked where the paths are joined
     delta_left_asked, delta_came_asked : bool
         Whether a point that is left, or reached, by a delta lobe is no joint.
-    end_asked : bool
-        Whether a replayed path that could be joined at its end is refused.
-    hits_asked : bool
-        Whether paths of other lengths are refused.
-    visibility_asked, horizon_asked : bool
-        At the joint.
+    end_asked : bool; whether a replayed path that could be joined at its end is refused
+    hits_asked : bool; whether paths of other lengths are refused
+    visibility_asked, horizon_asked : bool; at the joint
     bases_distance, bases_value : bool
         What the base path had is taken for what the offset path has.
     throughput : 'offset', 'base', 'last' or 'none'
@@ -65,12 +50,10 @@ class ShiftRules:
     share : 'offset', 'base', 'other', 'choice' or 'none'
         Whose share of the technique; 'other': that of the other technique; 'choice':
         of next-event estimation for both.
-    replayed_once_more : int
-        Vertices that are replayed beyond x_(c-1).
+    replayed_once_more : int; vertices that are replayed beyond x_(c-1)
     replays_asked : bool
         Whether only joints at x_2 are shifted, where nothing else is asked for.
-    last_asked : bool
-        Whether there is a last joint.
+    last_asked : bool; whether there is a last joint
     """
 
     perceptual: Callable[[Bounded], Bounded] = perceptual
@@ -109,16 +92,5 @@ class ShiftRules:
 
 
 def shifting(rules: Rules) -> ShiftRules:
-    """What the passes of shifts calculate with.
-
-    Parameters
-    ----------
-    rules : Rules
-        Of the replay.
-
-    Returns
-    -------
-    ShiftRules
-        Its part, or the contract.
-    """
+    """What the passes of shifts calculate with."""
     return rules.part or ShiftRules()

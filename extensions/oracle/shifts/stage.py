@@ -44,15 +44,7 @@ Of the rough metal √alpha is above the usual threshold of 0.2, and alpha is no
 
 @dataclass(frozen=True, slots=True)
 class Numbers:
-    """Random numbers of paths by their numbers: pixel, and frame times pixels.
-
-    Attributes
-    ----------
-    pixels : int
-        Of the image.
-    seed : int
-        Of the run.
-    """
+    """Random numbers of paths by their numbers: pixel, and frame times pixels."""
 
     pixels: int
     seed: int
@@ -62,13 +54,7 @@ class Numbers:
 
         Parameters
         ----------
-        number : (N,) int
-            Of the paths.
-
-        Returns
-        -------
-        Uniforms
-            N rows.
+        number : (N,) int; of the paths
         """
         pixel = (number % self.pixels).astype(np.uint32)
         return KeyedUniforms(pixel, number // self.pixels, self.seed, Stream.PATH)
@@ -80,14 +66,8 @@ class Frame:
 
     Attributes
     ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        What the pixels see.
-    numbers : Numbers
-        Random numbers.
-    paths : Paths
-        One for each pixel.
+    points : SurfacePoints; what the pixels see
+    paths : Paths; one for each pixel
     """
 
     world: World
@@ -102,15 +82,11 @@ def room(scene: str, size: int) -> tuple[World, SurfacePoints]:
 
     Parameters
     ----------
-    scene : str
-        Of `BLOCKS`.
-    size : int
-        Pixels of a side of the image.
+    size : int; pixels of a side of the image
 
     Returns
     -------
-    World, SurfacePoints
-        Of size² pixels.
+    World, SurfacePoints; of size² pixels
     """
     found = find_scene("cornell-box")
     camera = replace(found.camera, width=size, height=size)
@@ -137,21 +113,7 @@ def frame_of(
 
     Parameters
     ----------
-    scene : str
-        Of `BLOCKS`.
-    size : int
-        Pixels of a side of the image.
-    seed, frame : int
-        Of the random numbers.
-    bounces : int
-        Of indirect light.
-    criterion : Criterion
-        When points may be joined.
-
-    Returns
-    -------
-    Frame
-        Always the same.
+    size : int; pixels of a side of the image
     """
     world, points = room(scene, size)
     numbers = Numbers(size * size, seed)

@@ -23,20 +23,7 @@ from reference.world import World
 
 
 def columns(world: World, walk: Walk) -> dict[str, Any]:
-    """A walk as buffers.
-
-    Parameters
-    ----------
-    world : World
-        The scene.
-    walk : Walk
-        N rows.
-
-    Returns
-    -------
-    dict of str to array
-        (N, V) or (N, V, 3) each.
-    """
+    """A walk as buffers, (N, V) or (N, V, 3) each."""
     points = [step.points for step in walk.steps]
     lobes = [lobes_of(world.materials, x) for x in points]
     found = {
@@ -55,13 +42,6 @@ def columns(world: World, walk: Walk) -> dict[str, Any]:
 
 def lobes_of(table: MaterialTable, points: SurfacePoints) -> tuple[Scalars, Masks]:
     """Widths of microfacets, and who is never joined.
-
-    Parameters
-    ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points.
 
     Returns
     -------
@@ -82,14 +62,7 @@ def connection(
 
     Parameters
     ----------
-    frame : Frame
-        The scene.
-    criterion : Criterion
-        When points may be joined.
-    x : SurfacePoints
-        x_(c-1), N points.
-    paths : Paths
-        N rows.
+    x : SurfacePoints; x_(c-1), N points
 
     Returns
     -------
@@ -117,20 +90,7 @@ def connection(
 
 
 def joints(frame: Frame, paths: Paths) -> dict[str, Any]:
-    """Reconnection vertices as buffers.
-
-    Parameters
-    ----------
-    frame : Frame
-        The scene.
-    paths : Paths
-        N rows.
-
-    Returns
-    -------
-    dict of str to array
-        Of what has no joint: any.
-    """
+    """Reconnection vertices as buffers, of what has no joint: any."""
     alpha, single = lobes_of(frame.world.materials, paths.surface)
     return {
         "joint_position": contact(frame.world.geometry, paths.surface),
@@ -143,21 +103,9 @@ def joints(frame: Frame, paths: Paths) -> dict[str, Any]:
 def lights(world: World, walk: Walk, paths: Paths, uniforms: Uniforms) -> Vec3s:
     """Light that reaches x_end by the technique of the base path.
 
-    Parameters
-    ----------
-    world : World
-        The scene.
-    walk : Walk
-        N rows.
-    paths : Paths
-        Gives end and technique.
-    uniforms : Uniforms
-        N rows.
-
     Returns
     -------
-    (N, 3) float64
-        Reflected towards x_(end-1), with its share; 0 without a point x_end.
+    (N, 3) float64; reflected towards x_(end-1), with its share; 0 without a point x_end
     """
     found = np.zeros((len(paths), 3))
     chosen = paths.technique == Technique.NEXT_EVENT
@@ -179,15 +127,11 @@ def filled(there: Masks, offset: Buffers, base: Buffers) -> dict[str, Any]:
 
     Parameters
     ----------
-    there : (N,) or (N, V) bool
-        Whether it has.
-    offset, base : mapping of str to array
-        The same buffers of both.
+    there : (N,) or (N, V) bool; whether it has
 
     Returns
     -------
-    dict of str to array
-        A mistake that does not ask finds something to go on with.
+    dict of str to array; a mistake that does not ask finds something to go on with
     """
     found = {}
     for name, array in offset.items():

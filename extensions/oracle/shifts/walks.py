@@ -17,12 +17,9 @@ class Walk:
 
     Attributes
     ----------
-    steps : tuple of Step
-        x_1 to x_V.
-    leavings : tuple of Leaving
-        How each is left.
-    weights : tuple of (N, 3) float64
-        f cos / p of that.
+    steps : tuple of Step; x_1 to x_V
+    leavings : tuple of Leaving; how each is left
+    weights : tuple of (N, 3) float64; f cos / p of that
     """
 
     steps: tuple[Step, ...]
@@ -41,21 +38,7 @@ def walked(
 
     Parameters
     ----------
-    world : World
-        The scene.
-    criterion : Criterion
-        When points may be joined.
-    points : SurfacePoints
-        N points x_1.
-    uniforms : Uniforms
-        N rows.
-    slots : int
-        V.
-
-    Returns
-    -------
-    Walk
-        N rows.
+    slots : int; V
     """
     steps, leavings = [start(points)], []
     for vertex in range(1, slots + 1):
@@ -71,15 +54,7 @@ def at_slot(walk: Walk, index: Indices) -> SurfacePoints:
 
     Parameters
     ----------
-    walk : Walk
-        N rows.
-    index : (N,) int
-        v, from 1.
-
-    Returns
-    -------
-    SurfacePoints
-        N rows.
+    index : (N,) int; v, from 1
     """
     found = walk.steps[0].points
     for v, step in enumerate(walk.steps, start=1):

@@ -19,10 +19,8 @@ class Shifted:
 
     Attributes
     ----------
-    value : (N, 3) Bounded
-        f / p.
-    jacobian : (N,) Bounded
-        Of the shift.
+    value : (N, 3) Bounded; f / p
+    jacobian : (N,) Bounded; of the shift
     """
 
     value: Bounded
@@ -36,19 +34,7 @@ def worth_replayed(
 
     Parameters
     ----------
-    case : Case
-        Of pass ``shift``.
-    last : (N,) int
-        m, at which they end.
-    rounding : Rounding
-        Of the backend.
-    rules : ShiftRules
-        What is calculated with.
-
-    Returns
-    -------
-    Shifted
-        N rows.
+    last : (N,) int; m, at which they end
     """
     light = told(case.inputs["light"], rounding)
     value = throughput(case, last, rounding, rules.end_throughput) * light
@@ -64,19 +50,7 @@ def worth_joined(
 
     Parameters
     ----------
-    case : Case
-        Of pass ``shift``.
-    last : (N,) int
-        m, from which the joint is seen.
-    rounding : Rounding
-        Of the backend.
-    rules : ShiftRules
-        What is calculated with.
-
-    Returns
-    -------
-    Shifted
-        N rows.
+    last : (N,) int; m, from which the joint is seen
     """
     given = case.inputs
     left, onward, incoming = (
@@ -91,23 +65,11 @@ def worth_joined(
 
 
 def throughput(case: Case, last: Indices, rounding: Rounding, whose: str) -> Bounded:
-    """Product of the offset walk's weights of x_1 to x_(m-1).
+    """Product of the offset walk's weights of x_1 to x_(m-1), (N, 3).
 
     Parameters
     ----------
-    case : Case
-        Of pass ``shift``.
-    last : (N,) int
-        m.
-    rounding : Rounding
-        Of the backend.
-    whose : 'offset', 'base', 'last' or 'none'
-        As the rules say.
-
-    Returns
-    -------
-    Bounded
-        (N, 3)
+    last : (N,) int; m
     """
     if whose == "base":
         return told(case.inputs["base_throughput"], rounding)
@@ -122,22 +84,7 @@ def throughput(case: Case, last: Indices, rounding: Rounding, whose: str) -> Bou
 
 
 def share_of(case: Case, rounding: Rounding, rules: ShiftRules) -> Bounded:
-    """Share of the technique that found a light after x_c, else 1.
-
-    Parameters
-    ----------
-    case : Case
-        Of pass ``shift``.
-    rounding : Rounding
-        Of the backend.
-    rules : ShiftRules
-        What is calculated with.
-
-    Returns
-    -------
-    Bounded
-        (N,)
-    """
+    """Share of the technique that found a light after x_c, else 1, (N,)."""
     given = case.inputs
     name = "base_pdf_onward" if rules.share == "base" else "pdf_onward"
     by_chance, by_choice = (told(given[n], rounding) for n in (name, "pdf_light"))
