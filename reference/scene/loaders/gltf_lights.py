@@ -20,12 +20,9 @@ class Lights:
 
     Attributes
     ----------
-    points : list of PointLight
-        Point lights.
-    spots : list of SpotLight
-        Spot lights.
-    suns : list of DirectionalLight
-        Directional lights.
+    points : list of PointLight; point lights
+    spots : list of SpotLight; spot lights
+    suns : list of DirectionalLight; directional lights
     """
 
     points: list[PointLight] = field(default_factory=list)
@@ -40,16 +37,7 @@ def add_light(
 
     Parameters
     ----------
-    lights : Lights
-        Takes it.
-    index : int
-        In the list of the file.
-    light : dict
-        As in the file.
-    matrix : (4, 4) float64
-        Of its node, to the world; the light shines along -z.
-    ledger : Ledger
-        Takes notes.
+    matrix : (4, 4) float64; of its node, to the world; the light shines along -z
 
     Raises
     ------

@@ -29,14 +29,9 @@ class Placed:
 
     Attributes
     ----------
-    name : str
-        Of its node or mesh.
-    primitive : dict
-        As in the file.
-    finish : Finish
-        What it wears.
-    matrices : list of (4, 4) float64
-        To the world, one an instance.
+    name : str; of its node or mesh
+    finish : Finish; what it wears
+    matrices : list of (4, 4) float64; to the world, one an instance
     """
 
     name: str
@@ -48,17 +43,7 @@ class Placed:
 def read_primitive(document: Document, placed: Placed) -> Mesh | None:
     """Triangles of one material, in the world.
 
-    Parameters
-    ----------
-    document : Document
-        The file.
-    placed : Placed
-        What to read.
-
-    Returns
-    -------
-    Mesh or None
-        All instances; ``None`` if there are none, or no vertices.
+    All instances; ``None`` if there are none, or no vertices.
     """
     primitive, finish = placed.primitive, placed.finish
     attributes = primitive["attributes"]

@@ -26,20 +26,7 @@ WHITE = (1.0, 1.0, 1.0)
 def read_material(entry: Entry) -> Material:
     """Material of a file; one-sided unless it says ``"twosided": true``.
 
-    Parameters
-    ----------
-    entry : Entry
-        An object with a "type".
-
-    Returns
-    -------
-    Material
-        As the type says.
-
-    Raises
-    ------
-    UsageError
-        The type or a key is not understood, unless lenient.
+    Raises UsageError: the type or a key is not understood, unless lenient.
     """
     kind = entry.get("type")
     if not isinstance(kind, str) or kind not in KNOWN:

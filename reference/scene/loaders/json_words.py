@@ -65,18 +65,10 @@ WORDS = (
 
 
 def names(element: str, fate: Fate = Fate.MODELLED) -> tuple[str, ...]:
-    """Words of an element that share a fate.
+    """Words of an element that share a fate, in the order of the table.
 
     Parameters
     ----------
-    element : str
-        As in `WORDS`.
-    fate : Fate
-        Theirs.
-
-    Returns
-    -------
-    tuple of str
-        In the order of the table.
+    element : str; as in `WORDS`
     """
     return tuple(w.name for w in WORDS if w.element == element and w.fate is fate)

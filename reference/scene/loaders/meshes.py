@@ -26,21 +26,14 @@ WHITE = Look(Lambertian((1.0, 1.0, 1.0)))
 def load(ledger: Ledger) -> Scene:
     """Scene of an OBJ or PLY file.
 
+    Seen by a default camera, and lit by a constant environment if nothing emits.
+
+    Raises UsageError: not such a file, truncated, without triangles, or (unless
+    lenient) with something missing or not modelled.
+
     Parameters
     ----------
-    ledger : Ledger
-        Of the file: .obj, with its .mtl files, or .ply.
-
-    Returns
-    -------
-    Scene
-        Seen by a default camera, and lit by a constant environment if nothing emits.
-
-    Raises
-    ------
-    UsageError
-        Not such a file, truncated, without triangles, or (unless lenient) with
-        something missing or not modelled.
+    ledger : Ledger; of the file: .obj, with its .mtl files, or .ply
     """
     contents, looks = ledger.contents(), dict[str, Look]()
     if ledger.path.suffix.lower() == ".obj":
@@ -102,17 +95,9 @@ def _mesh(part: Part, looks: Mapping[str, Look], ledger: Ledger) -> Mesh:
 def read_parts(name: str, ledger: Ledger) -> list[Part]:
     """All triangles of an OBJ or PLY file beside a scene, without its materials.
 
-    Parameters
-    ----------
-    name : str
-        Of the file.
-    ledger : Ledger
-        Of the scene.
-
     Returns
     -------
-    list of Part
-        Of one material each, in the order of their names.
+    list of Part; of one material each, in the order of their names
 
     Raises
     ------

@@ -27,14 +27,10 @@ class Lights:
 
     Attributes
     ----------
-    points : list of PointLight
-        Point lights.
-    spots : list of SpotLight
-        Spot lights.
-    suns : list of DirectionalLight
-        Directional lights.
-    environment : Environment or None
-        What surrounds the scene.
+    points : list of PointLight; point lights
+    spots : list of SpotLight; spot lights
+    suns : list of DirectionalLight; directional lights
+    environment : Environment or None; what surrounds the scene
     """
 
     points: list[PointLight] = field(default_factory=list)
@@ -44,17 +40,7 @@ class Lights:
 
 
 def add_light(lights: Lights, node: Node, textures: Textures) -> None:
-    """Add what an emitter outside the shapes stands for.
-
-    Parameters
-    ----------
-    lights : Lights
-        Grows.
-    node : Node
-        The emitter.
-    textures : Textures
-        Of the file.
-    """
+    """Add what an emitter outside the shapes stands for."""
     ledger = textures.ledger
     # An area emitter outside the shapes shines from those alone that refer to it.
     if node.kind == "area" or not node.is_modelled(ledger):

@@ -45,10 +45,8 @@ class Look:
 
     Attributes
     ----------
-    material : Material
-        How it scatters.
-    opacity : Bitmap or None
-        Where there is a surface.
+    material : Material; how it scatters
+    opacity : Bitmap or None; where there is a surface
     attribute : str
         Colours of the shape's vertices or faces, by Mitsuba's name; "" for none.
     """
@@ -64,16 +62,9 @@ class Materials:
 
     Attributes
     ----------
-    mi : module
-        ``mitsuba``.
-    ledger : Ledger
-        Of the file.
-    textures : Textures
-        Of the file.
-    made : dict
-        What was converted already.
-    weighed : set of Path
-        Files of triangles whose bytes were counted already.
+    mi : module; ``mitsuba``
+    made : dict; what was converted already
+    weighed : set of Path; files of triangles whose bytes were counted already
     """
 
     mi: Any
@@ -83,19 +74,11 @@ class Materials:
     weighed: set[Path] = field(default_factory=set)
 
     def of(self, node: Node, two_sided: bool = False) -> Look | None:
-        """Look of a BSDF.
+        """Look of a BSDF; ``None`` if the shape is to be left out.
 
         Parameters
         ----------
-        node : Node
-            The BSDF.
-        two_sided : bool
-            It stands inside a ``twosided``.
-
-        Returns
-        -------
-        Look or None
-            ``None`` if the shape is to be left out.
+        two_sided : bool; it stands inside a ``twosided``
         """
         key = id(node), two_sided
         if key not in self.made:

@@ -13,17 +13,7 @@ from reference.scene.surface import SurfacePoints
 def relative_index(table: MaterialTable, points: SurfacePoints) -> Scalars:
     """Index of refraction behind surfaces, as their viewers see them, over that before.
 
-    Parameters
-    ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points on dielectrics.
-
-    Returns
-    -------
-    (N,) float64
-        The inverse on backs.
+    Returns (N,) float64; the inverse on backs.
     """
     ior = table.ior[points.material]
     return np.where(points.front, ior, 1.0 / ior)
@@ -36,12 +26,7 @@ def sample(
 
     Parameters
     ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points on dielectrics.
-    u : four (N,) float64
-        Lane 0 decides.
+    u : four (N,) float64; lane 0 decides
 
     Returns
     -------
