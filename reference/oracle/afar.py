@@ -37,12 +37,8 @@ class Reached:
 
     Attributes
     ----------
-    name : str
-        Object, file or command line, the same everywhere.
-    limits : Limits
-        Of a call.
-    precision : 'float32' or 'float64'
-        Of a command line.
+    name : str; object, file or command line, the same everywhere
+    precision : 'float32' or 'float64'; of a command line
     """
 
     name: str
@@ -50,17 +46,9 @@ class Reached:
     precision: Precision
 
     def open(self) -> Backend:
-        """Of this process, opened once.
+        """Of this process, opened once.  Closed when the process ends.
 
-        Returns
-        -------
-        Backend
-            Closed when the process ends.
-
-        Raises
-        ------
-        UsageError
-            There is none here.
+        Raises UsageError: there is none here.
         """
         return _opened(self)
 
@@ -75,17 +63,7 @@ def _opened(reached: Reached) -> Backend:
 def batch(reached: Reached, seed: int) -> NDArray[np.float64]:
     """Runs of the backend of this process.
 
-    Parameters
-    ----------
-    reached : Reached
-        The backend.
-    seed : int
-        Of the batch.
-
-    Returns
-    -------
-    (R, 1 + T) float64
-        As of :func:`reference.oracle.rungs.means.replicates`.
+    Returns (R, 1 + T) float64; as of :func:`reference.oracle.rungs.means.replicates`.
     """
     backend = reached.open()
     return replicates(Asker(whole_contract(), backend), backend.precision, seed)
@@ -94,17 +72,7 @@ def batch(reached: Reached, seed: int) -> NDArray[np.float64]:
 def law(reached: Reached, scene: str) -> Step:
     """Step of the law in one scene, with the backend of this process.
 
-    Parameters
-    ----------
-    reached : Reached
-        The backend.
-    scene : str
-        Built-in.
-
-    Returns
-    -------
-    Step
-        As if it had been taken here.
+    As if it had been taken here.
     """
     return law_step(whole_contract(), reached.open(), scene)
 
@@ -119,19 +87,7 @@ def rungs_afar(
 
     Parameters
     ----------
-    reached : Reached
-        The backend, for them.
-    backend : Backend
-        The same, of this process.
-    executor : Executor
-        Of :func:`reference.workers.workers`.
-    remaining : callable
-        Seconds that are left.
-
-    Yields
-    ------
-    rung, title, callable
-        As of :func:`reference.oracle.ladder.statistical_rungs`.
+    remaining : callable; seconds that are left
     """
     found = {s: executor.submit(law, reached, s) for s in SCENES}
 

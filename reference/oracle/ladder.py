@@ -29,19 +29,10 @@ SIZE, SEED = 48, 1
 def ladder(passes: Passes, backend: Backend) -> Iterator[Rung]:
     """Rungs of a backend that can be asked.
 
-    Parameters
-    ----------
-    passes : mapping of str to Pass
-        The contract.
-    backend : Backend
-        Runs cases.
-
     Yields
     ------
-    rung, title : str
-        Of the next step.
-    callable
-        Takes it.
+    rung, title : str; of the next step
+    callable; takes it
     """
     precision = backend.precision
 
@@ -104,12 +95,7 @@ def statistical_rungs(
 
     Parameters
     ----------
-    passes : mapping of str to Pass
-        The contract.
-    backend : Backend
-        Runs cases.
-    remaining : callable
-        Seconds that are left.
+    remaining : callable; seconds that are left
     batches : callable, optional
         From the seed of a batch to its replicates and those of the seeds after it, by
         other processes; the first batch is made here.
@@ -118,10 +104,8 @@ def statistical_rungs(
 
     Yields
     ------
-    rung, title : str
-        Of the next step.
-    callable
-        Takes it.
+    rung, title : str; of the next step
+    callable; takes it
     """
     yield "L4", "mean", partial(_mean, passes, backend, remaining, batches)
     for scene in LAW_SCENES:
@@ -136,19 +120,12 @@ def golden_rungs(
 
     Parameters
     ----------
-    passes : mapping of str to Pass
-        The contract.
-    backend : Backend
-        Runs its cases, or has run them.
-    probes : list of Probe
-        As they stand in the folder.
+    backend : Backend; runs its cases, or has run them
 
     Yields
     ------
-    rung, title : str
-        Of the next step.
-    callable
-        Takes it.
+    rung, title : str; of the next step
+    callable; takes it
     """
     for rung in sorted({probe.rung for probe in probes}):
         chosen = [probe for probe in probes if probe.rung == rung]
@@ -164,21 +141,11 @@ def golden_rungs(
 def scene_probes(
     scene: str, precision: Precision, seed: int = SEED
 ) -> tuple[Probe, ...]:
-    """Replays of all passes in a frame of a scene.
+    """Replays of all passes in a frame of a scene, of rung L3.
 
     Parameters
     ----------
-    scene : str
-        Built-in, of paint alone.
-    precision : 'float32' or 'float64'
-        Of the backend.
-    seed : int
-        Of the frame.
-
-    Returns
-    -------
-    tuple of Probe
-        Of rung L3.
+    scene : str; built-in, of paint alone
     """
     at = stage(find_scene(scene), SIZE, seed)
     return tuple(replayed("L3", case) for case in frame_cases(at, precision))
@@ -220,22 +187,7 @@ def _mean(
 
 
 def law_step(passes: Passes, backend: Backend, scene: str) -> Step:
-    """Step of the law in one scene.
-
-    Parameters
-    ----------
-    passes : mapping of str to Pass
-        The contract.
-    backend : Backend
-        Runs cases.
-    scene : str
-        Built-in.
-
-    Returns
-    -------
-    Step
-        Of rung L4.
-    """
+    """Step of the law in one scene, of rung L4."""
 
     def test(ask: Ask) -> Finding:
         return same_law(ask, backend.precision, scene).finding

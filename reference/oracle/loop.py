@@ -40,18 +40,11 @@ class Run:
 
     Attributes
     ----------
-    frames : int
-        How many.
-    source : 'uniform' or 'cosine'
-        Density of the directions.
-    target : 'scattered' or 'outgoing'
-        Equation 9 or 10.
-    mis : '1/M' or '1/Z'
-        Weight of Algorithm 4.
-    temporal_cap, spatial_cap : float
-        Limits of M.
-    seed : int
-        Of the random numbers.
+    source : 'uniform' or 'cosine'; density of the directions
+    target : 'scattered' or 'outgoing'; Equation 9 or 10
+    mis : '1/M' or '1/Z'; weight of Algorithm 4
+    temporal_cap, spatial_cap : float; limits of M
+    seed : int; of the random numbers
     """
 
     frames: int = 3
@@ -69,10 +62,8 @@ class Shown:
 
     Attributes
     ----------
-    color : (N, 3)
-        Indirect light.
-    spatial : mapping of str to array
-        Reservoirs that were shown.
+    color : (N, 3); indirect light
+    spatial : mapping of str to array; reservoirs that were shown
     """
 
     color: Vec3s
@@ -90,29 +81,11 @@ def run_frames(
     run: Run,
     precision: Precision,
 ) -> list[Shown]:
-    """Frames of a backend's passes.
+    """Frames of a backend's passes [Ouyang21, Fig. 4].
 
     Parameters
     ----------
-    ask : callable
-        Gives the outputs of a case.
-    theatre : Theatre
-        Rays.
-    neighbors : callable
-        (N, K) neighbours of each row in a frame, or −1.
-    run : Run
-        How.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    list of Shown
-        One a frame.
-
-    Notes
-    -----
-    [Ouyang21, Fig. 4].
+    neighbors : callable; (N, K) neighbours of each row in a frame, or −1
     """
     x = theatre.receivers()
     rows = len(x["visible_position"])

@@ -42,18 +42,9 @@ class Stage:
 
     Attributes
     ----------
-    name : str
-        Of the scene.
-    world : World
-        The scene.
-    last : Frame
-        The frame before.
-    initial : InitialSamples
-        New samples of this one.
-    neighbors : (N, K) int
-        Neighbours of each pixel, or −1.
-    seed : int
-        Of the run.
+    last : Frame; the frame before
+    initial : InitialSamples; new samples of this one
+    neighbors : (N, K) int; neighbours of each pixel, or −1
     """
 
     name: str
@@ -64,43 +55,16 @@ class Stage:
     seed: int
 
     def uniforms(self, stream: Stream) -> KeyedUniforms:
-        """Random numbers of this frame.
-
-        Parameters
-        ----------
-        stream : Stream
-            Who draws.
-
-        Returns
-        -------
-        KeyedUniforms
-            N rows.
-        """
+        """Random numbers of this frame."""
         pixel = np.arange(len(self.neighbors), dtype=np.uint32)
         return KeyedUniforms(pixel, FRAMES, self.seed, stream)
 
 
 def stage(scene: Scene, size: int, seed: int) -> Stage:
-    """Render the frames before, and draw the samples of the next.
+    """Render the frames before, and draw the samples of the next, with size² rows.
 
-    Parameters
-    ----------
-    scene : Scene
-        Of paint alone.
-    size : int, pixels
-        Width and height.
-    seed : int
-        Of the run.
-
-    Returns
-    -------
-    Stage
-        With size² rows.
-
-    Raises
-    ------
-    UsageError
-        The scene has other materials than paint, of which the contract does not speak.
+    Raises UsageError: the scene has other materials than paint, of which the contract
+    does not speak.
     """
     camera = replace(scene.camera, width=size, height=size)
     world = build_world(validate(replace(scene, camera=camera)))

@@ -28,22 +28,13 @@ class Step:
 
     Attributes
     ----------
-    rung : str
-        "L0" to "L4".
-    title : str
-        What it is.
-    answers : list of Answer
-        To its probes.
-    findings : list of Finding
-        Of what is no single call.
-    certified : float or None
-        Bound on the relative bias, where one was found.
-    more : str
-        What more time would buy; empty where it buys nothing.
+    rung : str; "L0" to "L4"
+    findings : list of Finding; of what is no single call
+    certified : float or None; bound on the relative bias, where one was found
+    more : str; what more time would buy; empty where it buys nothing
     relies_on : tuple of str
         Departures from the contract under which its findings say nothing.
-    unasked : list of str
-        Calls of which nothing is known, and why, a line each.
+    unasked : list of str; calls of which nothing is known, and why, a line each
     """
 
     rung: str
@@ -70,21 +61,7 @@ def asked(
 ) -> Step:
     """A step of probes: ask a backend, and examine what it answers.
 
-    Parameters
-    ----------
-    rung, title : str
-        Of the step.
-    passes : mapping of str to Pass
-        The contract.
-    backend : Backend
-        Runs cases.
-    probes : sequence of Probe
-        Questions.
-
-    Returns
-    -------
-    Step
-        With an answer to each question that was asked, in the same order.
+    With an answer to each question that was asked, in the same order.
     """
     outcomes = backend.run(passes, [probe.case for probe in probes])
     _canary()
@@ -121,15 +98,7 @@ the loop has four."""
 
 
 class Asker:
-    """Asks a backend one case after the other; what it lacks, the built-in one answers.
-
-    Parameters
-    ----------
-    passes : mapping of str to Pass
-        The contract.
-    backend : Backend
-        Runs cases.
-    """
+    """Asks a backend case by case; what it lacks, the built-in one answers."""
 
     def __init__(self, passes: Passes, backend: Backend) -> None:
         self._passes, self._backend = passes, backend
@@ -139,24 +108,14 @@ class Asker:
     def __call__(self, case: Case) -> Buffers:
         """Outputs of a case, which have the right form.
 
-        Parameters
-        ----------
-        case : Case
-            One call.
+        Of the backend, or of the built-in one.
 
-        Returns
-        -------
-        Buffers
-            Of the backend, or of the built-in one.
-
-        Raises
-        ------
-        NoAnswerError
-            The backend has the pass, and gives nothing that can be judged.
-        NothingOfItsOwnError
-            Nothing that was asked so far was the backend's: there is nothing to judge.
-        UnaskedError
-            There was no time to ask, or nothing is known for another reason.
+        Raises NoAnswerError: the backend has the pass, and gives nothing that can be
+        judged.
+        Raises NothingOfItsOwnError: nothing that was asked so far was the backend's:
+        there is nothing to judge.
+        Raises UnaskedError: there was no time to ask, or nothing is known for another
+        reason.
         """
         if self._backend.remaining() <= 0:
             raise UnaskedError(f"{case.name}: {NO_TIME.reason}")
@@ -191,23 +150,7 @@ def taken(
 ) -> Step:
     """A step of tests that ask the backend themselves.
 
-    Parameters
-    ----------
-    rung, title : str
-        Of the step.
-    passes : mapping of str to Pass
-        The contract.
-    backend : Backend
-        Runs cases.
-    tests : iterable of callable
-        Each asks, and gives a finding.
-    relies_on : tuple of str
-        Departures under which these say nothing.
-
-    Returns
-    -------
-    Step
-        Without findings of tests in which nothing was the backend's own.
+    Without findings of tests in which nothing was the backend's own.
     """
     found, unasked = [], []
     for test in tests:

@@ -19,10 +19,8 @@ class Timed:
 
     Attributes
     ----------
-    step : Step
-        What was found.
-    seconds : float
-        Of wall time.
+    step : Step; what was found
+    seconds : float; of wall time
     """
 
     step: Step
@@ -35,16 +33,11 @@ class Verdict:
 
     Attributes
     ----------
-    status : 'PASS', 'FAIL' or 'UNDECIDED'
-        Right to rounding; wrong; or out of time.
-    steps : list of Timed
-        As far as the ladder was climbed.
-    left : list of str
-        Titles of steps for which there was no time.
-    diagnoses : list of Diagnosis
-        Of passes that are not the contract's, in its order.
-    absent : list of str
-        Passes that the backend does not have.
+    status : 'PASS', 'FAIL' or 'UNDECIDED'; right to rounding; wrong; or out of time
+    steps : list of Timed; as far as the ladder was climbed
+    left : list of str; titles of steps for which there was no time
+    diagnoses : list of Diagnosis; of passes that are not the contract's, in its order
+    absent : list of str; passes that the backend does not have
     left_running : int
         Processes that the backend had left when it was closed; they were ended.
     """
@@ -95,26 +88,14 @@ def climb(
 ) -> Verdict:
     """Climb the ladder until the time is over.
 
+    All steps of a budget are taken although one has failed: the diagnosis wants them.
+
     Parameters
     ----------
-    passes : mapping of str to Pass
-        The contract.
-    precision : 'float32' or 'float64'
-        Of the backend.
-    rungs : iterator of Rung
-        The ladder.
     budget : float, s
         No step begins after that, and those who ask a backend stop by themselves.
-    clock : callable
-        Gives seconds.
-    tell : callable
-        Told the title of each step before it begins.
-
-    Returns
-    -------
-    Verdict
-        All steps of a budget are taken although one has failed: the diagnosis wants
-        them.
+    clock : callable; gives seconds
+    tell : callable; told the title of each step before it begins
     """
     start, steps, left = clock(), [], []
     for rung, title, take in rungs:
@@ -151,15 +132,7 @@ def climb(
 def departs(diagnosis: Diagnosis) -> bool:
     """Whether a pass is only other than the contract's, and no bias comes of it.
 
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        Of one pass.
-
-    Returns
-    -------
-    bool
-        All that reproduce its answers are departures.
+    All that reproduce its answers are departures.
     """
     return bool(diagnosis.matches) and all(h.departure for h in diagnosis.matches)
 
@@ -179,15 +152,7 @@ def _is_wrong(verdict: Verdict, answers: list[Answer]) -> bool:
 def explicable(answer: Answer) -> bool:
     """Whether a replay can explain an answer; at some extremes it cannot.
 
-    Parameters
-    ----------
-    answer : Answer
-        Right or wrong.
-
-    Returns
-    -------
-    bool
-        There are outputs, and exact arithmetic has numbers to hold against them.
+    There are outputs, and exact arithmetic has numbers to hold against them.
     """
     if answer.finding is None or answer.outputs is None:
         return False

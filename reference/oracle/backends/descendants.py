@@ -20,15 +20,7 @@ ROUNDS = 100  # of ending what goes on to start others
 def marked(mark: str) -> list[int]:
     """Processes that have inherited a mark.
 
-    Parameters
-    ----------
-    mark : str
-        A variable of their environment.
-
-    Returns
-    -------
-    list of int
-        Of those that run; none where the system does not tell.
+    Of those that run; none where the system does not tell.
     """
     wanted, found = f"{mark}=".encode(), []
     with suppress(OSError):
@@ -42,18 +34,7 @@ def marked(mark: str) -> list[int]:
 
 
 def end_marked(mark: str) -> int:
-    """End all processes that have inherited a mark.
-
-    Parameters
-    ----------
-    mark : str
-        A variable of their environment.
-
-    Returns
-    -------
-    int
-        How many there were.
-    """
+    """End all processes that have inherited a mark."""
     ended: set[int] = set()
     for _ in range(ROUNDS):
         found = marked(mark)

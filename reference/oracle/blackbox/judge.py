@@ -49,25 +49,19 @@ def renderer_rungs(
 
     Parameters
     ----------
-    renderer : Renderer
-        A command.
-    truth : callable
-        Traces it; asked for when it is wanted.
+    truth : callable; traces it; asked for when it is wanted
     bound : float or None
         The user's word that no mean of a tile of one picture exceeds so many times its
         truth; ``None`` where there is none.
-    remaining : callable
-        Seconds that are left.
+    remaining : callable; seconds that are left
     pictures : callable, optional
         From seeds to the renderer's pictures, in order; by default one after the
         other is rendered here.
 
     Yields
     ------
-    rung, title : str
-        Of the next step.
-    callable
-        Takes it.
+    rung, title : str; of the next step
+    callable; takes it
     """
     yield "L2", "seeds", lambda: Step("L2", "seeds", findings=[_seeds(renderer)])
     rendered = (pictures or partial(map, renderer.render))(count(FIRST_SEED))

@@ -24,33 +24,22 @@ def as_real(precision: Precision, values: Array) -> Array:
 
     Parameters
     ----------
-    precision : 'float32' or 'float64'
-        Of the backend.
-    values : array
-        Reals.
+    values : array; reals
 
     Returns
     -------
-    array
-        In C order.
+    array; in C order
     """
     return np.ascontiguousarray(values.astype(dtype_of("real", precision)))
 
 
 def bit(words: Array, place: int) -> Masks:
-    """One bit of each word.
+    """One bit of each word, (N,) bool; whether it is set.
 
     Parameters
     ----------
-    words : (N,) uint32
-        Words.
-    place : int
-        From 0.
-
-    Returns
-    -------
-    (N,) bool
-        Whether it is set.
+    words : (N,) uint32; words
+    place : int; from 0
     """
     found: Masks = (words >> np.uint32(place)) & np.uint32(1) != 0
     return found
@@ -61,15 +50,7 @@ def samples_of(buffers: Arrays, prefix: str = "") -> Samples:
 
     Parameters
     ----------
-    buffers : mapping of str to array
-        With ``position``, ``normal`` and ``radiance``.
-    prefix : str
-        Before each name.
-
-    Returns
-    -------
-    Samples
-        N rows.
+    buffers : mapping of str to array; with ``position``, ``normal`` and ``radiance``
     """
     return Samples(
         buffers[f"{prefix}position"],
@@ -81,26 +62,7 @@ def samples_of(buffers: Arrays, prefix: str = "") -> Samples:
 def receivers_of(
     buffers: Arrays, kind: Any, mis: Any, cap: float, known: Sequence[Known] = ()
 ) -> Receivers:
-    """Pixels among buffers.
-
-    Parameters
-    ----------
-    buffers : mapping of str to array
-        With the visible points.
-    kind : 'scattered' or 'outgoing'
-        Target.
-    mis : '1/M' or '1/Z'
-        Weight.
-    cap : float
-        Limit of M.
-    known : sequence of Known
-        Visibility.
-
-    Returns
-    -------
-    Receivers
-        N rows.
-    """
+    """Pixels among buffers."""
     points = surface_of(
         buffers["visible_position"], buffers["visible_normal"], buffers["albedo"]
     )
@@ -113,17 +75,7 @@ def receivers_of(
 def target_of(kind: Any, buffers: Arrays) -> Scalars:
     """Target of sample points at visible points.
 
-    Parameters
-    ----------
-    kind : 'scattered' or 'outgoing'
-        Which.
-    buffers : mapping of str to array
-        With both.
-
-    Returns
-    -------
-    (N,)
-        In the precision of the buffers.
+    Returns (N,); in the precision of the buffers.
     """
     receivers = receivers_of(buffers, kind, "1/Z", 1.0)
     y = samples_of(buffers)
@@ -131,20 +83,7 @@ def target_of(kind: Any, buffers: Arrays) -> Scalars:
 
 
 def reservoirs_out(precision: Precision, r: Reservoirs) -> dict[str, Array]:
-    """Reservoirs as the buffers of an output.
-
-    Parameters
-    ----------
-    precision : 'float32' or 'float64'
-        Of the backend.
-    r : Reservoirs
-        N rows.
-
-    Returns
-    -------
-    dict of str to array
-        Five buffers.
-    """
+    """Reservoirs as the buffers of an output."""
     found = {
         "position": r.y.position,
         "normal": r.y.normal,

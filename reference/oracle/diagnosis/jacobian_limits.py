@@ -14,18 +14,7 @@ JacobianFormula = Callable[[Receiver, Receiver, Point], Bounded]
 
 
 def clamped(least: float, most: float) -> JacobianFormula:
-    """Jacobian of Equation 11 between two limits.
-
-    Parameters
-    ----------
-    least, most : float
-        The limits.
-
-    Returns
-    -------
-    callable
-        A formula as that of Equation 11.
-    """
+    """Jacobian of Equation 11 between two limits; a formula as that of Equation 11."""
 
     def limited(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
         J = jacobian(x_from, x_to, y)
@@ -39,15 +28,11 @@ def clamped(least: float, most: float) -> JacobianFormula:
 def rejected(least: float, most: float) -> JacobianFormula:
     """Jacobian of Equation 11, or 0 outside of two limits.
 
+    A formula as that of Equation 11.
+
     Parameters
     ----------
-    least, most : float
-        The limits, which belong to what is kept.
-
-    Returns
-    -------
-    callable
-        A formula as that of Equation 11.
+    least, most : float; the limits, which belong to what is kept
     """
 
     def limited(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:

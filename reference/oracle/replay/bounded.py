@@ -28,10 +28,8 @@ class Rounding:
 
     Attributes
     ----------
-    unit : float
-        Relative error of an operation.
-    tiny : float
-        Absolute error of an operation: results below it may be flushed to 0.
+    unit : float; relative error of an operation
+    tiny : float; absolute error of an operation: results below it may be flushed to 0
     """
 
     unit: float
@@ -40,11 +38,6 @@ class Rounding:
 
 def rounding_of(precision: Precision) -> Rounding:
     """Rounding of IEEE arithmetic, in any sensible order, subnormals kept or not.
-
-    Parameters
-    ----------
-    precision : 'float32' or 'float64'
-        Of the backend.
 
     Returns
     -------
@@ -63,12 +56,8 @@ class Bounded:
 
     Attributes
     ----------
-    value : array of float64
-        Exact arithmetic on the given numbers, to 2⁻⁵³.
-    error : array of float64
-        A backend's number differs by no more.
-    rounding : Rounding
-        Of each operation.
+    value : array of float64; exact arithmetic on the given numbers, to 2⁻⁵³
+    error : array of float64; a backend's number differs by no more
     """
 
     value: Scalars
@@ -136,19 +125,11 @@ class Bounded:
 
 
 def exact(values: NDArray[Any], rounding: Rounding) -> Bounded:
-    """Numbers that the backend was given, or that it gave.
+    """Numbers that the backend was given, or that it gave, without error.
 
     Parameters
     ----------
-    values : array
-        Any type that float64 holds.
-    rounding : Rounding
-        Of what is done with them.
-
-    Returns
-    -------
-    Bounded
-        Without error.
+    values : array; any type that float64 holds
     """
     wide = np.asarray(values).astype(np.float64)
     return Bounded(wide, np.zeros_like(wide), rounding)
@@ -157,17 +138,7 @@ def exact(values: NDArray[Any], rounding: Rounding) -> Bounded:
 def constant(value: float, like: Bounded) -> Bounded:
     """A number that a backend writes as a literal, rounded once.
 
-    Parameters
-    ----------
-    value : float
-        The number.
-    like : Bounded
-        Gives shape and rounding.
-
-    Returns
-    -------
-    Bounded
-        With one rounding, or none if it is a small whole number.
+    With one rounding, or none if it is a small whole number.
     """
     values = np.full(like.value.shape, float(value))
     whole = float(value).is_integer() and abs(value) < 2**11

@@ -17,22 +17,7 @@ from reference.oracle.replay.verbs import (
 
 
 def target(kind: Value, x: Receiver, y: Point) -> Bounded:
-    """Target p̂, Equation 9 or 10.
-
-    Parameters
-    ----------
-    kind : 'scattered' or 'outgoing'
-        Which.
-    x : Receiver
-        N visible points.
-    y : Point
-        N sample points.
-
-    Returns
-    -------
-    Bounded
-        (N,)
-    """
+    """Target p̂, Equation 9 or 10, (N,)."""
     if kind == "outgoing":
         return on_both_sides(x, y, luminance(y.radiance))
     light = luminance(x.albedo * y.radiance)
@@ -41,39 +26,18 @@ def target(kind: Value, x: Receiver, y: Point) -> Bounded:
 
 
 def reflected(x: Receiver, y: Point) -> Bounded:
-    """Integrand f = albedo / π · cos θ · L_o.
-
-    Parameters
-    ----------
-    x : Receiver
-        N visible points.
-    y : Point
-        N sample points.
-
-    Returns
-    -------
-    Bounded
-        (N, 3)
-    """
+    """Integrand f = albedo / π · cos θ · L_o, (N, 3)."""
     cosine = cosine_at(x, y)
     color = times(x.albedo * y.radiance, cosine / constant(pi, cosine))
     return on_both_sides(x, y, color)
 
 
 def jacobian(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
-    """Ratio |∂ω_to / ∂ω_from|, Equation 11.
+    """Ratio |∂ω_to / ∂ω_from|, Equation 11, (N,).
 
     Parameters
     ----------
-    x_from, x_to : Receiver
-        N visible points each; their normals are not used.
-    y : Point
-        N sample points.
-
-    Returns
-    -------
-    Bounded
-        (N,)
+    x_from, x_to : Receiver; N visible points each; their normals are not used
     """
     v_from, v_to = x_from.position - y.position, x_to.position - y.position
     d_from, d_to = inner(v_from, v_from), inner(v_to, v_to)
@@ -83,18 +47,7 @@ def jacobian(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
 
 
 def weight(p_hat: Bounded, W: Bounded, M: Bounded, J: Bounded) -> Bounded:
-    """Resampling weight w = p̂ W M J of a reservoir.
-
-    Parameters
-    ----------
-    p_hat, W, M, J : Bounded
-        (N,) each.
-
-    Returns
-    -------
-    Bounded
-        (N,)
-    """
+    """Resampling weight w = p̂ W M J of a reservoir, (N,)."""
     return p_hat * W * M * J
 
 
@@ -103,10 +56,8 @@ def preference(u: Bounded, w_before: Bounded, w: Bounded) -> Bounded:
 
     Parameters
     ----------
-    u : Bounded
-        (N,), in [0, 1).
-    w_before, w : Bounded
-        (N,): sum so far, and the candidate's weight.
+    u : Bounded; (N,), in [0, 1)
+    w_before, w : Bounded; (N,): sum so far, and the candidate's weight
 
     Returns
     -------
@@ -124,50 +75,18 @@ def preference(u: Bounded, w_before: Bounded, w: Bounded) -> Bounded:
 def fresh_confidence(w: Bounded) -> Bounded:
     """Confidence of a new sample: 1, for nulls too.
 
-    Parameters
-    ----------
-    w : Bounded
-        (N,), its weight.
-
-    Returns
-    -------
-    Bounded
-        (N,)
+    Returns Bounded; (N,).
     """
     return constant(1.0, w)
 
 
 def capped(M: Bounded, cap: float) -> Bounded:
-    """Confidence at most the cap.
-
-    Parameters
-    ----------
-    M : Bounded
-        (N,)
-    cap : float
-        The limit.
-
-    Returns
-    -------
-    Bounded
-        (N,)
-    """
+    """Confidence at most the cap, (N,)."""
     return Bounded(np.minimum(M.value, cap), M.error, M.rounding)
 
 
 def finalized(w: Bounded, p_hat: Bounded, Z: Bounded) -> Bounded:
-    """Contribution weight W = w / (Z p̂).
-
-    Parameters
-    ----------
-    w, p_hat, Z : Bounded
-        (N,) each.
-
-    Returns
-    -------
-    Bounded
-        (N,)
-    """
+    """Contribution weight W = w / (Z p̂), (N,)."""
     return w / p_hat / Z
 
 
@@ -176,46 +95,25 @@ def merged(a: Bounded, b: Bounded) -> Bounded:
 
     Parameters
     ----------
-    a, b : Bounded
-        (N,) each: what came before, and the next.
+    a, b : Bounded; (N,) each: what came before, and the next
 
     Returns
     -------
-    Bounded
-        (N,)
+    Bounded; (N,)
     """
     return a + b
 
 
 def fresh_weight(p_hat: Bounded, pdf: Bounded) -> Bounded:
-    """Resampling weight w = p̂ / p of a new sample.
-
-    Parameters
-    ----------
-    p_hat, pdf : Bounded
-        (N,) each.
-
-    Returns
-    -------
-    Bounded
-        (N,)
-    """
+    """Resampling weight w = p̂ / p of a new sample, (N,)."""
     return p_hat / pdf
 
 
 def shaded(f: Bounded, W: Bounded) -> Bounded:
-    """Estimate f W of the pixel.
+    """Estimate f W of the pixel, (N, 3).
 
     Parameters
     ----------
-    f : Bounded
-        (N, 3)
-    W : Bounded
-        (N,)
-
-    Returns
-    -------
-    Bounded
-        (N, 3)
+    f : Bounded; (N, 3)
     """
     return f * W[:, None]

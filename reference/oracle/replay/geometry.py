@@ -10,17 +10,11 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 def luminance(color: Bounded) -> Bounded:
-    """Luminance Y of colours.
+    """Luminance Y of colours, (N,).
 
     Parameters
     ----------
-    color : Bounded
-        (N, 3)
-
-    Returns
-    -------
-    Bounded
-        (N,)
+    color : Bounded; (N, 3)
     """
     unit = color.rounding.unit
     shares = np.broadcast_to(LUMINANCE, color.value.shape)
@@ -30,17 +24,7 @@ def luminance(color: Bounded) -> Bounded:
 def cosine_at(x: Receiver, y: Point) -> Bounded:
     """Cosine of the sample's direction with the receiver's normal.
 
-    Parameters
-    ----------
-    x : Receiver
-        N visible points.
-    y : Point
-        N sample points.
-
-    Returns
-    -------
-    Bounded
-        (N,), negative below the horizon.
+    Returns Bounded; (N,), negative below the horizon.
     """
     toward = y.position - x.position
     return inner(x.normal, toward) / square_root(inner(toward, toward))
@@ -49,17 +33,7 @@ def cosine_at(x: Receiver, y: Point) -> Bounded:
 def lit_at(x: Receiver, y: Point) -> Bounded:
     """Positive where the receiver is on the lit side of the sample point.
 
-    Parameters
-    ----------
-    x : Receiver
-        N visible points.
-    y : Point
-        N sample points.
-
-    Returns
-    -------
-    Bounded
-        (N,), −n_s·(x_s − x).
+    Returns Bounded; (N,), −n_s·(x_s − x).
     """
     return -inner(y.normal, y.position - x.position)
 
@@ -69,17 +43,7 @@ def on_both_sides(x: Receiver, y: Point, value: Bounded) -> Bounded:
 
     Parameters
     ----------
-    x : Receiver
-        N visible points.
-    y : Point
-        N sample points.
-    value : Bounded
-        (N,) or (N, 3)
-
-    Returns
-    -------
-    Bounded
-        Of the same shape.
+    value : Bounded; (N,) or (N, 3)
     """
     above = where_positive(inner(x.normal, y.position - x.position), value)
     return where_positive(lit_at(x, y), above)

@@ -21,14 +21,9 @@ class Compared:
 
     Attributes
     ----------
-    name : str
-        Of the buffer.
-    found : (N, ...) array
-        By the backend.
-    expected : (N, ...) array
-        By the contract, from the same inputs.
-    allowed : (N, ...) array
-        Largest difference that rounding explains.
+    found : (N, ...) array; by the backend
+    expected : (N, ...) array; by the contract, from the same inputs
+    allowed : (N, ...) array; largest difference that rounding explains
     """
 
     name: str
@@ -52,10 +47,8 @@ class Decisions:
 
     Attributes
     ----------
-    illegal : (N,) bool
-        No rounding explains the choice.
-    excused : int
-        Choices that differ from ours, which rounding explains.
+    illegal : (N,) bool; no rounding explains the choice
+    excused : int; choices that differ from ours, which rounding explains
     expected_excuses : float
         Mean number of decisions that rounding leaves open, if u are random.
     """
@@ -76,14 +69,11 @@ class Judgement:
 
     Attributes
     ----------
-    compared : tuple of Compared
-        Every output of the pass.
+    compared : tuple of Compared; every output of the pass
     terms : mapping of str to (N,) or (N, ...) array
         What the expected values are made of, for the report.
-    decisions : Decisions or None
-        Of passes that choose.
-    counted : bool
-        Excuses count against the budget: the decisions were random.
+    decisions : Decisions or None; of passes that choose
+    counted : bool; excuses count against the budget: the decisions were random
     """
 
     compared: tuple[Compared, ...]
@@ -113,39 +103,21 @@ class Judgement:
 
 
 def beside(name: str, found: NDArray[Any], expected: Bounded) -> Compared:
-    """A buffer beside bounded numbers.
+    """A buffer beside bounded numbers.  The bound is what is allowed.
 
     Parameters
     ----------
-    name : str
-        Of the buffer.
-    found : (N, ...) array
-        By the backend.
-    expected : Bounded
-        Of the same shape.
-
-    Returns
-    -------
-    Compared
-        The bound is what is allowed.
+    found : (N, ...) array; by the backend
     """
     return Compared(name, found, expected.value, expected.error)
 
 
 def exactly(name: str, found: NDArray[Any], expected: NDArray[Any]) -> Compared:
-    """A buffer beside numbers that leave no room.
+    """A buffer beside numbers that leave no room.  Nothing is allowed.
 
     Parameters
     ----------
-    name : str
-        Of the buffer.
-    found, expected : (N, ...) array
-        By the backend, and by the contract.
-
-    Returns
-    -------
-    Compared
-        Nothing is allowed.
+    found, expected : (N, ...) array; by the backend, and by the contract
     """
     wide = expected.astype(np.float64)
     return Compared(name, found, wide, np.zeros_like(wide))
@@ -156,17 +128,12 @@ def either(name: str, found: NDArray[Any], positive: Bounded) -> Compared:
 
     Parameters
     ----------
-    name : str
-        Of the buffer.
-    found : (N,) array
-        0 or 1, by the backend.
-    positive : Bounded
-        (N,), above 0 where the flag is 1.
+    found : (N,) array; 0 or 1, by the backend
+    positive : Bounded; (N,), above 0 where the flag is 1
 
     Returns
     -------
-    Compared
-        Both are allowed where the sign is within the bound of error.
+    Compared; both are allowed where the sign is within the bound of error
     """
     sure = positive.surely_positive | positive.surely_not_positive
     expected = (positive.value > 0).astype(np.float64)

@@ -13,8 +13,7 @@ class Receiver:
 
     Attributes
     ----------
-    position, normal, albedo : Bounded
-        (N, 3) each.
+    position, normal, albedo : Bounded; (N, 3) each
     """
 
     position: Bounded
@@ -27,12 +26,6 @@ class Receiver:
         Parameters
         ----------
         rows : (K,) int
-            Which.
-
-        Returns
-        -------
-        Receiver
-            K rows.
         """
         return Receiver(self.position[rows], self.normal[rows], self.albedo[rows])
 
@@ -43,8 +36,7 @@ class Point:
 
     Attributes
     ----------
-    position, normal, radiance : Bounded
-        (N, 3) each.
+    position, normal, radiance : Bounded; (N, 3) each
     """
 
     position: Bounded
@@ -57,12 +49,6 @@ class Point:
         Parameters
         ----------
         rows : (K,) int
-            Which.
-
-        Returns
-        -------
-        Point
-            K rows.
         """
         return Point(self.position[rows], self.normal[rows], self.radiance[rows])
 
@@ -74,15 +60,6 @@ def receiver_of(buffers: Buffers, rounding: Rounding, prefix: str = "") -> Recei
     ----------
     buffers : mapping of str to array
         With ``visible_position``, ``visible_normal`` and ``albedo``.
-    rounding : Rounding
-        Of the backend.
-    prefix : str
-        Before each name.
-
-    Returns
-    -------
-    Receiver
-        N rows.
     """
     names = ("visible_position", "visible_normal", "albedo")
     return Receiver(*(exact(buffers[prefix + name], rounding) for name in names))
@@ -93,17 +70,7 @@ def point_of(buffers: Buffers, rounding: Rounding, prefix: str = "") -> Point:
 
     Parameters
     ----------
-    buffers : mapping of str to array
-        With ``position``, ``normal`` and ``radiance``.
-    rounding : Rounding
-        Of the backend.
-    prefix : str
-        Before each name.
-
-    Returns
-    -------
-    Point
-        N rows.
+    buffers : mapping of str to array; with ``position``, ``normal`` and ``radiance``
     """
     names = ("position", "normal", "radiance")
     return Point(*(exact(buffers[prefix + name], rounding) for name in names))
@@ -114,15 +81,11 @@ def same_points(buffers: Buffers, y: Point) -> Masks:
 
     Parameters
     ----------
-    buffers : mapping of str to array
-        With ``position``, ``normal`` and ``radiance``.
-    y : Point
-        N rows.
+    buffers : mapping of str to array; with ``position``, ``normal`` and ``radiance``
 
     Returns
     -------
-    (N,) bool
-        Copying does not round.
+    (N,) bool; copying does not round
     """
     same: Masks = (buffers["position"] == y.position.value).all(axis=1)
     same &= (buffers["normal"] == y.normal.value).all(axis=1)

@@ -17,10 +17,8 @@ class Domain:
 
     Attributes
     ----------
-    x : Receiver
-        Visible points of the donors.
-    sees : (S, N) bool
-        Whether they see the sample of each slot.
+    x : Receiver; visible points of the donors
+    sees : (S, N) bool; whether they see the sample of each slot
     """
 
     x: Receiver
@@ -33,14 +31,10 @@ class Slot:
 
     Attributes
     ----------
-    y : Point
-        Its sample.
-    p_hat, w, M : Bounded
-        (N,): target at the receiver, weight and confidence.
-    u : Bounded
-        (N,), decides on it.
-    domain : Domain or None
-        ``None`` for what stands at the receiver itself.
+    y : Point; its sample
+    p_hat, w, M : Bounded; (N,): target at the receiver, weight and confidence
+    u : Bounded; (N,), decides on it
+    domain : Domain or None; ``None`` for what stands at the receiver itself
     """
 
     y: Point
@@ -57,16 +51,9 @@ class Closing:
 
     Attributes
     ----------
-    kind : str
-        Target.
-    mis : '1/M' or '1/Z'
-        What the sum of weights is divided by.
-    cap : float
-        Limit of M.
-    canonical : int
-        Slot of the receiver's own sample.
-    receiver : Receiver
-        N visible points.
+    mis : '1/M' or '1/Z'; what the sum of weights is divided by
+    cap : float; limit of M
+    canonical : int; slot of the receiver's own sample
     """
 
     kind: str
@@ -77,18 +64,7 @@ class Closing:
 
 
 def nothing(like: Bounded) -> Bounded:
-    """Zeros.
-
-    Parameters
-    ----------
-    like : Bounded
-        Gives shape and rounding.
-
-    Returns
-    -------
-    Bounded
-        Without error.
-    """
+    """Zeros, without error."""
     none = np.zeros_like(like.value)
     return Bounded(none, none, like.rounding)
 
@@ -96,17 +72,11 @@ def nothing(like: Bounded) -> Bounded:
 def backwards(slots: list[Slot], closing: Closing) -> tuple[list[Slot], Closing]:
     """The stream from its end; each place keeps its random number.
 
+    Whoever is asked about the samples is asked in the new order.
+
     Parameters
     ----------
-    slots : list of Slot
-        In the order of the contract.
-    closing : Closing
-        How it ends.
-
-    Returns
-    -------
-    slots, closing
-        Whoever is asked about the samples is asked in the new order.
+    slots : list of Slot; in the order of the contract
     """
     found = [replace(b, u=a.u) for a, b in zip(slots, slots[::-1], strict=True)]
     turned = [
@@ -123,17 +93,12 @@ def with_hidden(slot: Slot, seen: Masks, rules: Rules) -> Slot:
 
     Parameters
     ----------
-    slot : Slot
-        As if it were seen.
-    seen : (N,) bool
-        Whether it is.
-    rules : Rules
-        What becomes of weight and confidence.
+    slot : Slot; as if it were seen
+    seen : (N,) bool; whether it is
 
     Returns
     -------
-    Slot
-        The weight is 0 where it is hidden; M counts.
+    Slot; the weight is 0 where it is hidden; M counts
     """
     none = nothing(slot.w)
     w = choose(seen, slot.w, none) if rules.visibility_in_weight else slot.w
@@ -147,20 +112,7 @@ def with_hidden(slot: Slot, seen: Masks, rules: Rules) -> Slot:
 
 
 def counted_nulls(slot: Slot, rules: Rules) -> Slot:
-    """A slot whose null may not count.
-
-    Parameters
-    ----------
-    slot : Slot
-        Any.
-    rules : Rules
-        Whether nulls count.
-
-    Returns
-    -------
-    Slot
-        The same by the contract.
-    """
+    """A slot whose null may not count."""
     if rules.nulls_count:
         return slot
     found: Scalars = slot.w.value > 0

@@ -11,15 +11,7 @@ from rich.text import Text
 def table(plain: Mapping[str, Any]) -> Group:
     """A verdict for the terminal.
 
-    Parameters
-    ----------
-    plain : mapping
-        Of `plain.as_plain`.
-
-    Returns
-    -------
-    Group
-        A line for each rung, two for each wrong pass, and last the verdict.
+    A line for each rung, two for each wrong pass, and last the verdict.
     """
     parts: list[Table | Text] = [_rungs(plain)] if plain["steps"] else []
     wrong = [p for p in plain["passes"] if p["status"] in ("wrong", "departs")]
@@ -46,15 +38,7 @@ def table(plain: Mapping[str, Any]) -> Group:
 def printable(text: str) -> str:
     """A line that cannot steer a terminal, whatever a backend has said.
 
-    Parameters
-    ----------
-    text : str
-        From anywhere.
-
-    Returns
-    -------
-    str
-        With a mark in place of each control character.
+    With a mark in place of each control character.
     """
     return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
 
@@ -64,13 +48,7 @@ def left_running(count: int) -> str:
 
     Parameters
     ----------
-    count : int
-        One at least.
-
-    Returns
-    -------
-    str
-        A line.
+    count : int; one at least
     """
     many = "1 process" if count == 1 else f"{count} processes"
     return f"the backend left {many} running; they were ended"

@@ -55,17 +55,7 @@ def _up_to_the_largest(W: Scalars, w: Scalars) -> Scalars:
 def judged_exactly(case: Case, judgement: Judgement) -> Judgement:
     """A judgement with exact numbers as what is expected.
 
-    Parameters
-    ----------
-    case : Case
-        As for `exact_outputs`.
-    judgement : Judgement
-        Of the replay.
-
-    Returns
-    -------
-    Judgement
-        What rounding may explain is as it was: the bounds and the free decisions.
+    What rounding may explain is as it was: the bounds and the free decisions.
     """
     exact = exact_outputs(case)
     compared = (replace(c, expected=exact[c.name]) for c in judgement.compared)
@@ -75,20 +65,8 @@ def judged_exactly(case: Case, judgement: Judgement) -> Judgement:
 def examined_exactly(case: Case, outputs: Buffers, precision: Precision) -> Finding:
     """Examine a kernel's answer beside exact numbers.
 
-    Parameters
-    ----------
-    case : Case
-        As for `exact_outputs`.
-    outputs : mapping of str to array
-        By the backend.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Finding
-        Passed where each number is within the replay's bound of the exact one; with
-        the judgement that says so.
+    Passed where each number is within the replay's bound of the exact one; with the
+    judgement that says so.
     """
     judged = replayed("L0", case).examine(case, outputs, precision)
     assert judged.judgement is not None

@@ -31,13 +31,11 @@ def exactly(values: NDArray[Any]) -> Exact:
 
     Parameters
     ----------
-    values : (N, ...) array
-        Finite, of any type that float64 holds.
+    values : (N, ...) array; finite, of any type that float64 holds
 
     Returns
     -------
-    (N, ...) array of mpf of `WHOLE`
-        Not rounded, nor are their sums and products.
+    (N, ...) array of mpf of `WHOLE`; not rounded, nor are their sums and products
     """
     return _each(WHOLE.convert, values.astype(np.float64).astype(object))
 
@@ -48,12 +46,10 @@ def digits(values: Exact) -> Exact:
     Parameters
     ----------
     values : (N, ...) array of mpf of `WHOLE`
-        Any.
 
     Returns
     -------
-    (N, ...) array of mpf of `DIGITS`
-        Still exact; what is done with them is rounded.
+    (N, ...) array of mpf of `DIGITS`; still exact; what is done with them is rounded
     """
     return _each(DIGITS.convert, values)
 
@@ -64,12 +60,10 @@ def inner(a: Exact, b: Exact) -> Exact:
     Parameters
     ----------
     a, b : (N, 3) array of mpf of `WHOLE`
-        Any.
 
     Returns
     -------
-    (N,) array of mpf of `WHOLE`
-        Not rounded, nor is its sign.
+    (N,) array of mpf of `WHOLE`; not rounded, nor is its sign
     """
     products = a * b
     total: Exact = products[:, 0] + products[:, 1] + products[:, 2]
@@ -81,8 +75,7 @@ def luminance(color: Exact) -> Exact:
 
     Parameters
     ----------
-    color : (N, 3) array of mpf of `WHOLE`
-        Linear Rec. 709.
+    color : (N, 3) array of mpf of `WHOLE`; linear Rec. 709
 
     Returns
     -------
@@ -93,17 +86,11 @@ def luminance(color: Exact) -> Exact:
 
 
 def root(values: Exact) -> Exact:
-    """Square root.
+    """Square root, (N,) array of mpf of `DIGITS`; to 50 digits.
 
     Parameters
     ----------
-    values : (N,) array of mpf of `WHOLE`
-        Not negative.
-
-    Returns
-    -------
-    (N,) array of mpf of `DIGITS`
-        To 50 digits.
+    values : (N,) array of mpf of `WHOLE`; not negative
     """
     return _each(DIGITS.sqrt, digits(values))
 
@@ -114,12 +101,10 @@ def quotient(a: Exact, b: Exact) -> Exact:
     Parameters
     ----------
     a, b : (N,) array of mpf of `DIGITS`
-        Any.
 
     Returns
     -------
-    (N,) array of mpf of `DIGITS`
-        To 50 digits.
+    (N,) array of mpf of `DIGITS`; to 50 digits
     """
     there = b != 0
     return zero_but(there, a[there] / b[there])
@@ -130,15 +115,12 @@ def zero_but(mask: Masks, values: Exact) -> Exact:
 
     Parameters
     ----------
-    mask : (N,) bool
-        Which rows.
-    values : (K, ...) array of mpf of `DIGITS`
-        Of those K rows.
+    mask : (N,) bool; which rows
+    values : (K, ...) array of mpf of `DIGITS`; of those K rows
 
     Returns
     -------
-    (N, ...) array of mpf of `DIGITS`
-        0 in the others.
+    (N, ...) array of mpf of `DIGITS`; 0 in the others
     """
     filled: Exact = np.full((len(mask), *values.shape[1:]), DIGITS.zero)
     filled[mask] = values
@@ -146,17 +128,11 @@ def zero_but(mask: Masks, values: Exact) -> Exact:
 
 
 def cosine_of_turns(values: Exact) -> Exact:
-    """Cosine of 2π t.
+    """Cosine of 2π t, (N,) array of mpf of `DIGITS`; to 50 digits.
 
     Parameters
     ----------
-    values : (N,) array of mpf of `WHOLE`
-        Turns t.
-
-    Returns
-    -------
-    (N,) array of mpf of `DIGITS`
-        To 50 digits.
+    values : (N,) array of mpf of `WHOLE`; turns t
     """
     return _each(DIGITS.cospi, digits(2 * values))
 
@@ -164,16 +140,12 @@ def cosine_of_turns(values: Exact) -> Exact:
 def cosine_of_degrees(angle: float) -> Any:
     """Cosine of an angle.
 
+    To 50 digits, and exact where it is rational: for a rational number of degrees that
+    are 0, ±1/2 and ±1 alone.
+
     Parameters
     ----------
-    angle : float
-        Degrees, 0 to 180.
-
-    Returns
-    -------
-    mpf of `DIGITS`
-        To 50 digits, and exact where it is rational: for a rational number of degrees
-        that are 0, ±1/2 and ±1 alone.
+    angle : float; degrees, 0 to 180
     """
     halves = {0: 2, 60: 1, 90: 0, 120: -1, 180: -2}
     if angle in halves:
@@ -187,7 +159,6 @@ def rounded(values: Exact) -> Scalars:
     Parameters
     ----------
     values : (N, ...) array of mpf
-        Any.
 
     Returns
     -------

@@ -34,10 +34,8 @@ class Law:
 
     Attributes
     ----------
-    finding : Finding
-        Of the smallest p-value.
-    p : float
-        That of the scene, for all its functionals together.
+    finding : Finding; of the smallest p-value
+    p : float; that of the scene, for all its functionals together
     """
 
     finding: Finding
@@ -54,26 +52,15 @@ def same_law(
 ) -> Law:
     """Compare independent runs of a backend with as many of the reference.
 
+    The functionals are the means of tiles, capped and not, how many pixels are black,
+    the spread within the image and the mean of M.
+
     Parameters
     ----------
-    ask : callable
-        The backend.
-    precision : 'float32' or 'float64'
-        Of the backend.
-    scene : str
-        Built-in, of paint alone.
-    tests : int
-        Scenes that are tested, among which alpha is shared.
-    alpha : float
-        Probability of a false alarm in all of them.
-    seed : int
-        Of the runs; the reference has others.
-
-    Returns
-    -------
-    Law
-        The functionals are the means of tiles, capped and not, how many pixels are
-        black, the spread within the image and the mean of M.
+    scene : str; built-in, of paint alone
+    tests : int; scenes that are tested, among which alpha is shared
+    alpha : float; probability of a false alarm in all of them
+    seed : int; of the runs; the reference has others
     """
     ours = BuiltIn("float64")
 

@@ -13,17 +13,7 @@ from reference.oracle.rungs.probe import Finding, Probe
 def replayed(rung: str, case: Case) -> Probe:
     """Question of a case that the replay answers.
 
-    Parameters
-    ----------
-    rung : str
-        Of the ladder.
-    case : Case
-        What is asked.
-
-    Returns
-    -------
-    Probe
-        No false alarm, but for the budget of excuses.
+    No false alarm, but for the budget of excuses.
     """
     return Probe(rung, case, _examine)
 

@@ -28,15 +28,12 @@ _ASKED: tuple[tuple[str, str, dict[str, Value], tuple[str, ...]], ...] = (
 def worst_cases(precision: Precision) -> list[Case]:
     """One case for each kernel that a pass of the contract is.
 
+    Of few rows each; numbers that the kernel does not look at are 1.
+
     Parameters
     ----------
     precision : 'float32' or 'float64'
         Of the backend: the rows that were found in that type.
-
-    Returns
-    -------
-    list of Case
-        Of few rows each; numbers that the kernel does not look at are 1.
     """
     return [
         Case(
