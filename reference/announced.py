@@ -11,43 +11,22 @@ Kind = TypeVar("Kind")
 def announced_names(group: str) -> list[str]:
     """Names that packages announce in a group.
 
-    Parameters
-    ----------
-    group : str
-        Of entry points.
-
-    Returns
-    -------
-    list of str
-        In alphabetical order.  Nothing is imported, so that a broken package disturbs
-        nobody who does not ask for what it brings.
+    In alphabetical order.  Nothing is imported, so that a broken package disturbs
+    nobody who does not ask for what it brings.
     """
     return sorted({point.name for point in entry_points(group=group)})
 
 
 def announced(group: str, name: str, kind: type[Kind], word: str) -> Kind | None:
-    """What a package announces under a name.
+    """What a package announces under a name; ``None`` where nobody announces it.
+
+    Raises UsageError: several packages do, or theirs is broken; the message names the
+    package.
 
     Parameters
     ----------
-    group : str
-        Of entry points.
-    name : str
-        Under which, and what the object itself is called.
-    kind : type
-        Of the object; it has a ``name``.
-    word : str
-        For it, in messages.
-
-    Returns
-    -------
-    object or None
-        ``None`` where nobody announces it.
-
-    Raises
-    ------
-    UsageError
-        Several packages do, or theirs is broken; the message names the package.
+    name : str; under which, and what the object itself is called
+    kind : type; of the object; it has a ``name``
     """
     points = list(entry_points(group=group, name=name))
     if not points:

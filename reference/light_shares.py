@@ -15,19 +15,12 @@ def share_of_choice(
 
     Parameters
     ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        N points.
-    wi : (N, 3) float64
-        Unit directions to the light.
-    by_choice : (N,) float64, 1/sr
-        Density of the choice.
+    wi : (N, 3) float64; unit directions to the light
+    by_choice : (N,) float64, 1/sr; density of the choice
 
     Returns
     -------
-    (N,) float64
-        1 where no light can be met by chance.
+    (N,) float64; 1 where no light can be met by chance
     """
     if world.emitters is None or not world.emitters.can_be_hit:
         return np.ones(len(points))
@@ -39,15 +32,12 @@ def share_of_chance(by_chance: Scalars, delta: Masks, by_choice: Scalars) -> Sca
 
     Parameters
     ----------
-    by_chance, by_choice : (N,) float64, 1/sr
-        Densities of both.
-    delta : (N,) bool
-        The ray left by a delta lobe, for which no light can be chosen.
+    by_chance, by_choice : (N,) float64, 1/sr; densities of both
+    delta : (N,) bool; the ray left by a delta lobe, for which no light can be chosen
 
     Returns
     -------
-    (N,) float64
-        1 for delta lobes.
+    (N,) float64; 1 for delta lobes
     """
     return np.where(delta, 1.0, balance(by_chance, by_choice))
 
@@ -63,8 +53,7 @@ def balance(mine: Scalars, other: Scalars) -> Scalars:
 
     Returns
     -------
-    (N,) float
-        0 to 1.  The two weights of one sample sum to 1.
+    (N,) float; 0 to 1; the two weights of one sample sum to 1
     """
     share: Scalars = np.where(mine > 0, divide_or_zero(mine, plus(mine, other)), 1.0)
     return share

@@ -25,6 +25,10 @@ class Oracle:
     ) -> Verdict:
         """Judge a backend, and fail the test if it is wrong.
 
+        Of a backend that is not known to be wrong.
+
+        Raises UsageError: there is no such backend.
+
         Parameters
         ----------
         backend : object or str
@@ -34,16 +38,6 @@ class Oracle:
             No step begins after that; what is left out does not fail the test.
         statistics : bool
             Whole runs too: it takes some ten seconds, and certifies the mean.
-
-        Returns
-        -------
-        Verdict
-            Of a backend that is not known to be wrong.
-
-        Raises
-        ------
-        UsageError
-            There is no such backend.
         """
         # Imported here: a test run that never asks should not wait for Embree.
         from reference.oracle.checking import judge, told
@@ -59,9 +53,6 @@ class Oracle:
 def restir_oracle() -> Oracle:
     """The oracle: ``restir_oracle.check(backend)`` fails a test whose backend is wrong.
 
-    Returns
-    -------
-    Oracle
-        Without state.
+    Without state.
     """
     return Oracle()

@@ -19,10 +19,8 @@ class Source:
 
     Attributes
     ----------
-    rows : int
-        Pixels of the frame.
-    advance : callable
-        Adds samples.
+    rows : int; pixels of the frame
+    advance : callable; adds samples
     rays : callable
         Tells how many rays were traced so far, by kind: before the first sample those
         that all samples share.
@@ -45,19 +43,13 @@ def accumulate_resumably(
 
     Parameters
     ----------
-    source : Source
-        What to add.
-    spp : int
-        Samples in the end.
     path : Path
         Of the checkpoint.  It is left in place, complete in the end: whoever has
         written the result may delete it.
     run : mapping of str to str
         Everything that decides what a sample of a given number is.
-    every : float, s
-        Time between two checkpoints: what a kill may cost.
-    tick : callable
-        Told the number of samples so far.
+    every : float, s; time between two checkpoints: what a kill may cost
+    tick : callable; told the number of samples so far
 
     Returns
     -------

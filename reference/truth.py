@@ -17,18 +17,7 @@ from reference.version import project_version
 
 
 def checkpoint_beside(out: Path) -> Path:
-    """Where the checkpoint of a picture lies.
-
-    Parameters
-    ----------
-    out : Path
-        The picture.
-
-    Returns
-    -------
-    Path
-        In the same folder.
-    """
+    """Where the checkpoint of a picture lies."""
     return out.with_name(out.name + ".checkpoint")
 
 
@@ -44,23 +33,17 @@ def accumulate_truth(
 
     Parameters
     ----------
-    scene : Scene
-        Of which ``job.world`` was built.
-    job : Job
-        With the settings of the method ``path``.
-    checkpoint : Path
-        Left in place; see `accumulate_resumably`.
-    every : float, s
-        Time between checkpoints.
-    tick : callable
-        Told the samples so far, their number in the end, and "samples".
+    scene : Scene; of which ``job.world`` was built
+    job : Job; with the settings of the method ``path``
+    checkpoint : Path; left in place; see `accumulate_resumably`
+    every : float, s; time between checkpoints
+    tick : callable; told the samples so far, their number in the end, and "samples"
     elsewhere : callable, optional
         Gives the samples of a job that other processes draw; by default this one does.
 
     Returns
     -------
-    Checkpoint
-        With ``job.counts["spp"]`` samples.
+    Checkpoint; with ``job.counts["spp"]`` samples
     """
     spp = job.counts["spp"]
     return accumulate_resumably(
@@ -92,17 +75,12 @@ def _here(job: Job) -> Source:
 def identity(scene: Scene, job: Job) -> dict[str, str]:
     """Everything that decides what a sample of a given number is.
 
+    Not the number of samples, nor bands and threads.
+
     Parameters
     ----------
-    scene : Scene
-        Of which ``job.world`` was built.
-    job : Job
-        With the settings of the method ``path``.
-
-    Returns
-    -------
-    dict of str to str
-        Not the number of samples, nor bands and threads.
+    scene : Scene; of which ``job.world`` was built
+    job : Job; with the settings of the method ``path``
     """
     camera = scene.camera
     # The size is told by itself, so that a message can say what it is.
@@ -123,17 +101,7 @@ def truth_image(state: Checkpoint, job: Job, words: Mapping[str, str]) -> Image:
 
     Parameters
     ----------
-    state : Checkpoint
-        At least two samples.
-    job : Job
-        For the size.
-    words : mapping of str to str
-        Metadata.
-
-    Returns
-    -------
-    Image
-        Layers ``"color"`` and ``"standard_error"``.
+    state : Checkpoint; at least two samples
     """
     size = job.world.camera.width, job.world.camera.height
     layers = {

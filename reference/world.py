@@ -20,18 +20,12 @@ class World:
 
     Attributes
     ----------
-    scene : Scene
-        What it was made of.
-    geometry : Geometry
-        Primitives and materials.
-    caster : RayCaster
-        Traces rays, and counts them.
-    emitters : Emitters or None
-        Lights; ``None`` where nothing emits.
-    plan : Plan
-        What is run for the scene.
-    planner : callable
-        Scene to plan, for the next frame.
+    scene : Scene; what it was made of
+    geometry : Geometry; primitives and materials
+    caster : RayCaster; traces rays, and counts them
+    emitters : Emitters or None; lights; ``None`` where nothing emits
+    plan : Plan; what is run for the scene
+    planner : callable; scene to plan, for the next frame
     """
 
     scene: Scene
@@ -60,21 +54,15 @@ class World:
 def build_world(
     scene: Scene, before: World | None = None, planner: Planner = plan_of
 ) -> World:
-    """Make a scene ready for rays.
+    """Make a scene ready for rays, with a camera of the size that the scene asks for.
 
     Parameters
     ----------
-    scene : Scene
-        Validated by :func:`reference.scene.validation.validate`.
+    scene : Scene; validated by :func:`reference.scene.validation.validate`
     before : World, optional
         Of another frame of the same animation, in whose counter rays are counted on.
     planner : callable
         Scene to plan; by default what the scene requires is run, and nothing else.
-
-    Returns
-    -------
-    World
-        With a camera of the size that the scene asks for.
     """
     geometry = build_geometry(scene)
     plan = planner(scene)
@@ -88,10 +76,7 @@ def next_world(before: World, scene: Scene) -> World:
 
     Parameters
     ----------
-    before : World
-        Of a frame.
-    scene : Scene
-        Of another frame of the same animation.
+    scene : Scene; of another frame of the same animation
 
     Returns
     -------
@@ -109,15 +94,7 @@ def next_world(before: World, scene: Scene) -> World:
 def same_but_for_the_camera(a: Scene, b: Scene) -> bool:
     """Whether two scenes hold the very same shapes and lights.
 
-    Parameters
-    ----------
-    a, b : Scene
-        Frames of one animation.
-
-    Returns
-    -------
-    bool
-        By identity: what an animation does not change stays the same object.
+    By identity: what an animation does not change stays the same object.
     """
     ours = (*a.meshes, *a.spheres, *a.lamps, *a.suns, a.environment)
     theirs = (*b.meshes, *b.spheres, *b.lamps, *b.suns, b.environment)

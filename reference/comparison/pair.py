@@ -21,8 +21,7 @@ class Pair:
     ----------
     finite_a, finite_b : (H, W) bool
         Pixels with no NaN or infinity in the colour or its standard error.
-    a, b : (H, W, 3) float64
-        Linear radiance, NaN where a pixel is not finite in both.
+    a, b : (H, W, 3) float64; linear radiance, NaN where a pixel is not finite in both
     variance_a, variance_b : (H, W, 3) float64 or None
         Squared standard error; None where the image has none.
     """
@@ -48,19 +47,11 @@ class Pair:
 
 
 def match(a: Image, b: Image, names: tuple[str, str]) -> Pair:
-    """Put image A beside the truth B.
+    """Put image A beside the truth B, with at least one finite pixel.
 
     Parameters
     ----------
-    a, b : Image
-        A layer ``"standard_error"`` in either is used.
-    names : (str, str)
-        What an error message calls them.
-
-    Returns
-    -------
-    Pair
-        With at least one finite pixel.
+    a, b : Image; a layer ``"standard_error"`` in either is used
 
     Raises
     ------

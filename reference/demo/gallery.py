@@ -35,16 +35,9 @@ def write_gallery(
 
     Parameters
     ----------
-    out : Path
-        Folder that exists.
-    scene : Scene
-        What the pictures show.
-    truth : Image
-        With its standard error; the caller has written ``truth.exr``.
-    contenders : sequence of (Runs, Score)
-        From left to right.
-    remarks : sequence of str
-        How the numbers came about, for the page.
+    truth : Image; with its standard error; the caller has written ``truth.exr``
+    contenders : sequence of (Runs, Score); from left to right
+    remarks : sequence of str; how the numbers came about, for the page
 
     Raises
     ------

@@ -21,14 +21,9 @@ class Cell:
 
     Attributes
     ----------
-    kernel, extreme, type : str
-        Names.
-    inputs : mapping of str to array
-        What it was given.
-    judged : Judged
-        What came of it.
-    fault : str
-        Warning or exception, '' for none.
+    inputs : mapping of str to array; what it was given
+    judged : Judged; what came of it
+    fault : str; warning or exception, '' for none
     """
 
     kernel: str
@@ -45,20 +40,7 @@ class Cell:
 
 
 def reads(kernel: Kernel, extreme: Extreme) -> bool:
-    """Whether a kernel can meet an extreme.
-
-    Parameters
-    ----------
-    kernel : Kernel
-        Whose inputs.
-    extreme : Extreme
-        What is driven.
-
-    Returns
-    -------
-    bool
-        True for the plain one.
-    """
+    """Whether a kernel can meet an extreme."""
     draws = Draws(np.random.default_rng(0), 1, np.finfo(np.float64), EXTREMES[0])
     kernel.draw(draws)
     return not extreme.drives or bool(draws.read & set(extreme.drives))
@@ -69,19 +51,7 @@ def cell(kernel: Kernel, extreme: Extreme, dtype: Any, rows: int) -> Cell:
 
     Parameters
     ----------
-    kernel : Kernel
-        What runs.
-    extreme : Extreme
-        What it is given.
-    dtype : float16, float32 or float64
-        In which.
-    rows : int
-        How many; the same ones whenever it is asked.
-
-    Returns
-    -------
-    Cell
-        With its inputs.
+    rows : int; how many; the same ones whenever it is asked
     """
     name = np.dtype(dtype).name
     key = list(f"{kernel.name}/{extreme.name}/{name}".encode())
@@ -95,17 +65,11 @@ def judged_cell(kernel: Kernel, extreme: str, inputs: Inputs) -> Cell:
 
     Parameters
     ----------
-    kernel : Kernel
-        What runs.
-    extreme : str
-        Name of where the rows are from.
-    inputs : mapping of str to array
-        All of one type.
+    extreme : str; name of where the rows are from
 
     Returns
     -------
-    Cell
-        A warning is a fault; what was calculated is judged all the same.
+    Cell; a warning is a fault; what was calculated is judged all the same
     """
     dtype = next(iter(inputs.values())).dtype
     fault = ""
@@ -125,21 +89,11 @@ def matrix(
     rows: int,
     tell: Callable[[int, int], None] = lambda done, total: None,
 ) -> list[Cell]:
-    """All cells.
+    """All cells, by kernel, extreme and type; without what a kernel cannot meet.
 
     Parameters
     ----------
-    kernels : tuple of Kernel
-        Which.
-    rows : int
-        In each cell.
-    tell : callable
-        Told how many cells are done, of how many.
-
-    Returns
-    -------
-    list of Cell
-        By kernel, extreme and type; without what a kernel cannot meet.
+    tell : callable; told how many cells are done, of how many
     """
     asked = [(k, e, t) for k in kernels for e in EXTREMES if reads(k, e) for t in TYPES]
     cells = []

@@ -25,11 +25,8 @@ OWN = (
 def kernels() -> tuple[Kernel, ...]:
     """All kernels.
 
-    Returns
-    -------
-    tuple of Kernel
-        Those that packages announce through the entry-point group ``restir.kernels``
-        come last.
+    Those that packages announce through the entry-point group ``restir.kernels`` come
+    last.
     """
     names = announced_names(GROUP)
     theirs = (announced(GROUP, name, Kernel, "kernel") for name in names)
@@ -39,14 +36,6 @@ def kernels() -> tuple[Kernel, ...]:
 def limits_of(pass_name: str) -> dict[str, Mapping[str, str]]:
     """What the kernels of a pass define at their limits.
 
-    Parameters
-    ----------
-    pass_name : str
-        Of the contract.
-
-    Returns
-    -------
-    dict of str to mapping of str to str
-        By kernel and extreme; empty for passes of which no kernel has any.
+    By kernel and extreme; empty for passes of which no kernel has any.
     """
     return {k.name: k.defines for k in kernels() if k.of_contract == pass_name}

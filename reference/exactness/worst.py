@@ -21,12 +21,9 @@ class Worst:
 
     Attributes
     ----------
-    kernel, type, extreme : str
-        Whose, in which type, and where it was found.
-    ulp, share : float
-        Its error when it was found, and that as a share of the bound.
-    given : mapping of str to float or list of float
-        The very numbers.
+    kernel, type, extreme : str; whose, in which type, and where it was found
+    ulp, share : float; its error when it was found, and that as a share of the bound
+    given : mapping of str to float or list of float; the very numbers
     """
 
     kernel: str
@@ -47,18 +44,7 @@ class Worst:
 
 
 def plain(value: Any) -> Plain:
-    """Numbers of a row for JSON.
-
-    Parameters
-    ----------
-    value : number or (k,) array
-        Of any floating-point type.
-
-    Returns
-    -------
-    float or list of float
-        Without an error.
-    """
+    """Numbers of a row for JSON, without an error."""
     wide = np.asarray(value, np.float64)
     return wide.tolist() if wide.ndim else float(wide)
 
@@ -67,10 +53,7 @@ def plain(value: Any) -> Plain:
 def worst_rows() -> tuple[Worst, ...]:
     """All rows that are kept.
 
-    Returns
-    -------
-    tuple of Worst
-        For each kernel and type one of each extreme that the search has met.
+    For each kernel and type one of each extreme that the search has met.
     """
     return tuple(Worst(**row) for row in json.loads(PATH.read_text("utf-8")))
 
@@ -78,17 +61,7 @@ def worst_rows() -> tuple[Worst, ...]:
 def worst_inputs(kernel: str, type_name: str) -> Inputs:
     """The rows of one kernel, one below the other.
 
-    Parameters
-    ----------
-    kernel : str
-        Its name.
-    type_name : 'float16', 'float32' or 'float64'
-        In which they were found.
-
-    Returns
-    -------
-    mapping of str to array
-        Of that type; none where nothing is kept.
+    Of that type; none where nothing is kept.
     """
     rows = [w for w in worst_rows() if (w.kernel, w.type) == (kernel, type_name)]
     names = rows[0].given if rows else ()

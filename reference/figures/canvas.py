@@ -26,10 +26,8 @@ class Tile:
 
     Attributes
     ----------
-    pixels : (H, W, 3) uint8
-        As a screen takes them.
-    title, caption : str
-        Above and below.
+    pixels : (H, W, 3) uint8; as a screen takes them
+    title, caption : str; above and below
     """
 
     pixels: Bytes
@@ -42,17 +40,11 @@ def shown(rows: Floats, size: int, exposure: float) -> Bytes:
 
     Parameters
     ----------
-    rows : (size · size, 3) float
-        Linear radiance.
-    size : int, pixels
-        Width and height.
-    exposure : float
-        Factor on it.
+    rows : (size · size, 3) float; linear radiance
 
     Returns
     -------
-    (size, size, 3) uint8
-        See :func:`reference.display.to_display`.
+    (size, size, 3) uint8; see :func:`reference.display.to_display`
     """
     return to_display(to_image(rows, size, size), exposure)
 
@@ -62,15 +54,7 @@ def exposure_of(rows: Floats, size: int) -> float:
 
     Parameters
     ----------
-    rows : (size · size, 3) float
-        Linear radiance.
-    size : int, pixels
-        Width and height.
-
-    Returns
-    -------
-    float
-        See :func:`reference.display.auto_exposure`.
+    rows : (size · size, 3) float; linear radiance
     """
     return auto_exposure(to_image(rows, size, size))
 
@@ -78,15 +62,7 @@ def exposure_of(rows: Floats, size: int) -> float:
 def blank(width: float, height: float) -> "Figure":
     """Empty figure that no window and no global state knows.
 
-    Parameters
-    ----------
-    width, height : float, inches
-        Of the whole.
-
-    Returns
-    -------
-    Figure
-        Its parts find room for their labels by themselves.
+    Its parts find room for their labels by themselves.
     """
     from matplotlib.figure import Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -100,19 +76,12 @@ def split(
 ) -> list["SubFigure"]:
     """Parts of a figure, side by side or one below the other.
 
+    From the top, or from the left.
+
     Parameters
     ----------
-    picture : Figure
-        Empty.
-    rows, columns : int
-        Of parts; one of the two is 1.
-    shares : sequence of float
-        Of the height or the width, one a part.
-
-    Returns
-    -------
-    list of SubFigure
-        From the top, or from the left.
+    rows, columns : int; of parts; one of the two is 1
+    shares : sequence of float; of the height or the width, one a part
     """
     heights, widths = (shares, None) if columns == 1 else (None, shares)
     parts = picture.subfigures(
@@ -130,12 +99,7 @@ def draw_tiles(
 
     Parameters
     ----------
-    area : Figure or SubFigure
-        Filled by them.
-    grid : sequence of sequence of Tile
-        Rows of equally many pictures.
-    names : sequence of str
-        Of the rows, at their left; may be left out.
+    names : sequence of str; of the rows, at their left; may be left out
     """
     axes = area.subplots(len(grid), len(grid[0]), squeeze=False)
     for places, tiles in zip(axes, grid, strict=True):
@@ -151,15 +115,7 @@ def draw_tiles(
 
 
 def tidy(axes: "Axes", title: str, x: str, y: str) -> None:
-    """Label axes, and take away what says nothing.
-
-    Parameters
-    ----------
-    axes : Axes
-        With what they show.
-    title, x, y : str
-        Above, below and at the left.
-    """
+    """Label axes, and take away what says nothing."""
     axes.set_title(title, fontsize=9, color=INK)
     axes.set_xlabel(x, fontsize=8, color=INK)
     axes.set_ylabel(y, fontsize=8, color=INK)

@@ -51,13 +51,7 @@ def extremes(work: Work) -> PaperFigure:
 
     Parameters
     ----------
-    work : Work
-        ``runs`` geometries in each cell.
-
-    Returns
-    -------
-    PaperFigure
-        A row a type.
+    work : Work; ``runs`` geometries in each cell
     """
     errors, shares, curves, rows = {}, {}, {}, list[Row]()
     for done, dtype in enumerate(TYPES):

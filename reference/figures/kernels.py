@@ -23,13 +23,7 @@ def kernels_at_extremes(work: Work) -> PaperFigure:
 
     Parameters
     ----------
-    work : Work
-        ``runs`` rows in each cell.
-
-    Returns
-    -------
-    PaperFigure
-        A row a cell.
+    work : Work; ``runs`` rows in each cell
     """
     cells = matrix(kernels(), work.runs, lambda done, of: work.tick(done, of, "cells"))
     return PaperFigure(

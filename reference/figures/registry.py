@@ -25,16 +25,9 @@ class Entry:
 
     Attributes
     ----------
-    name : str
-        As on the command line.
-    make : callable
-        Runs and draws it.
-    runs : int
-        By default.
-    numbers : tuple of str
-        In the paper; each is as good as the name.
-    least_runs : int
-        With which its errors can be told.
+    make : callable; runs and draws it
+    numbers : tuple of str; in the paper; each is as good as the name
+    least_runs : int; with which its errors can be told
     """
 
     name: str
@@ -62,35 +55,20 @@ FIGURES: dict[str, Entry] = {entry.name: entry for entry in _ENTRIES}
 
 
 def figure_names() -> list[str]:
-    """Names of all figures.
-
-    Returns
-    -------
-    list of str
-        The paper's first.  Nothing is imported.
-    """
+    """Names of all figures."""
     theirs = [name for name in announced_names(GROUP) if name not in FIGURES]
     return [*FIGURES, *theirs]
 
 
 def find_figure(name: str) -> Entry:
-    """Figure of a name.
+    """Figure of a name.  Not made yet.
+
+    Raises UsageError: no figure has that name; the message says which do, the closest
+    one first.  Or the package that brings it is broken.
 
     Parameters
     ----------
-    name : str
-        As `figure_names` lists it, or its number in the paper.
-
-    Returns
-    -------
-    Entry
-        Not made yet.
-
-    Raises
-    ------
-    UsageError
-        No figure has that name; the message says which do, the closest one first.  Or
-        the package that brings it is broken.
+    name : str; as `figure_names` lists it, or its number in the paper
     """
     if name in FIGURES:
         return FIGURES[name]

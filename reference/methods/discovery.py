@@ -12,13 +12,7 @@ BUILT_IN = {method.name: method for method in (PATH, BIASED, UNBIASED)}
 
 
 def method_names() -> list[str]:
-    """Names of all methods.
-
-    Returns
-    -------
-    list of str
-        The built-in ones first.  Nothing is imported.
-    """
+    """Names of all methods.  The built-in ones first.  Nothing is imported."""
     theirs = [name for name in announced_names(GROUP) if name not in BUILT_IN]
     return [*BUILT_IN, *theirs]
 
@@ -26,20 +20,12 @@ def method_names() -> list[str]:
 def method_named(name: str) -> Method:
     """Find a method.
 
+    Raises UsageError: no such name, or its package is broken; the message names the
+    package.
+
     Parameters
     ----------
-    name : str
-        As `method_names` lists it.  A built-in method cannot be replaced.
-
-    Returns
-    -------
-    Method
-        Ready to render.
-
-    Raises
-    ------
-    UsageError
-        No such name, or its package is broken; the message names the package.
+    name : str; as `method_names` lists it; a built-in method cannot be replaced
     """
     found = BUILT_IN.get(name) or announced(GROUP, name, Method, "method")
     if found is None:

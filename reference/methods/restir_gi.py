@@ -63,18 +63,7 @@ class RestirSettings(Settings):
 
 
 def named_biases(job: Job) -> tuple[str, ...]:
-    """What biases the indirect light of a picture.
-
-    Parameters
-    ----------
-    job : Job
-        What is rendered.
-
-    Returns
-    -------
-    tuple of str
-        See :func:`reference.biases.biases`.
-    """
+    """What biases the indirect light of a picture."""
     if job.light == "direct" or job.bounces == 0:
         return ()
     changes = job.animation.changes if job.animation else "nothing"

@@ -42,8 +42,7 @@ class Recovery:
 
     Attributes
     ----------
-    point : Point
-        Method and settings.
+    point : Point; method and settings
     error : (F,) float64
         Root mean squared error of the tiles of frame 0, 1, ... after the change, as a
         share of the mean light.
@@ -59,17 +58,7 @@ class Recovery:
 def points_after_change(base: Point, method: Method) -> tuple[Point, ...]:
     """What is looked at after a change of light.
 
-    Parameters
-    ----------
-    base : Point
-        Where all begins.
-    method : Method
-        Of the base.
-
-    Returns
-    -------
-    tuple of Point
-        Ways to treat the past; the base alone where the method knows but one.
+    Ways to treat the past; the base alone where the method knows but one.
     """
     found = usable([WAYS], method)
     if not found:
@@ -87,17 +76,7 @@ def recoveries(
 
     Parameters
     ----------
-    sweep : Sweep
-        All of whose runs are there.
-    store : Store
-        Where.
-    truths : mapping of 'center' and 'box' to Moments
-        Of the light after the change.
-
-    Returns
-    -------
-    list of Recovery
-        One a point.
+    truths : mapping of 'center' and 'box' to Moments; of the light after the change
     """
     found = []
     for point in sweep.changed:
@@ -117,13 +96,11 @@ def draw_recoveries(found: Sequence[Recovery]) -> "Figure":
 
     Parameters
     ----------
-    found : sequence of Recovery
-        At least one.
+    found : sequence of Recovery; at least one
 
     Returns
     -------
-    Figure
-        Left the error of tiles, right that of the whole picture.
+    Figure; left the error of tiles, right that of the whole picture
     """
     picture = blank(11, 3.8)
     parts = (

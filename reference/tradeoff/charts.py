@@ -26,10 +26,7 @@ def curves(scores: Sequence[Score], light: float) -> "Figure":
 
     Parameters
     ----------
-    scores : sequence of Score
-        At most `LINES`.
-    light : float
-        Mean of the truth.
+    scores : sequence of Score; at most `LINES`
 
     Returns
     -------
@@ -75,17 +72,11 @@ def _curve(axes: "Axes", score: Score, cost: float, light: float, index: int) ->
 def bars(groups: Sequence[tuple[str, Sequence[Score]]], light: float) -> "Figure":
     """Squared bias and variance, stacked, a panel a knob.
 
+    The line over each bar is the interval of their sum, the MSE.
+
     Parameters
     ----------
-    groups : sequence of (str, sequence of Score)
-        A knob, and its levels; at least one.
-    light : float
-        Mean of the truth.
-
-    Returns
-    -------
-    Figure
-        The line over each bar is the interval of their sum, the MSE.
+    groups : sequence of (str, sequence of Score); a knob, and its levels; at least one
     """
     columns = min(3, len(groups))
     rows = -(-len(groups) // columns)
@@ -114,18 +105,8 @@ def bars(groups: Sequence[tuple[str, Sequence[Score]]], light: float) -> "Figure
 def front(scores: Sequence[Score], light: float) -> "Figure":
     """All points by time, standard deviation and certain bias; dominated ones grey.
 
-    Parameters
-    ----------
-    scores : sequence of Score
-        All, each once.
-    light : float
-        Mean of the truth.
-
-    Returns
-    -------
-    Figure
-        Names stand at the points that nothing dominates, where there is something to
-        be seen of them.
+    Names stand at the points that nothing dominates, where there is something to be
+    seen of them.
     """
     picture = blank(11, 5)
     scale = light or 1.0
@@ -155,15 +136,11 @@ def front(scores: Sequence[Score], light: float) -> "Figure":
 def neighbours(groups: Sequence[tuple[str, Sequence[Score]]]) -> "Figure":
     """How far, and for how long, pixels err alike.
 
+    A row a knob: correlation length, and lag.
+
     Parameters
     ----------
-    groups : sequence of (str, sequence of Score)
-        A knob, and its levels; at least one.
-
-    Returns
-    -------
-    Figure
-        A row a knob: correlation length, and lag.
+    groups : sequence of (str, sequence of Score); a knob, and its levels; at least one
     """
     picture = blank(7.5, 2.5 * len(groups))
     panels = picture.subplots(len(groups), 2, squeeze=False)

@@ -21,17 +21,11 @@ MOST_DRAWS = 1000
 def one_at_a_time(base: Point, knobs: Iterable[Knob]) -> list[Point]:
     """Points that differ from the base in one knob.
 
+    All levels of all knobs; one of a knob may be as the base is.
+
     Parameters
     ----------
-    base : Point
-        Where all begins.
-    knobs : iterable of Knob
-        Turned one after the other.
-
-    Returns
-    -------
-    list of Point
-        All levels of all knobs; one of a knob may be as the base is.
+    knobs : iterable of Knob; turned one after the other
     """
     return [
         Point(base.method, (*base.values, *values), knob.name, label)
@@ -43,27 +37,14 @@ def one_at_a_time(base: Point, knobs: Iterable[Knob]) -> list[Point]:
 def at_random(base: Point, knobs: Sequence[Knob], count: int, seed: int) -> list[Point]:
     """Points that differ from the base in all knobs.
 
+    A Latin hypercube: [McKay79].  Levels that cannot go together, such as a coarse
+    lattice without spatial reuse, are drawn again.
+
+    Raises UsageError: hardly any go together.
+
     Parameters
     ----------
-    base : Point
-        Where all begins.
-    knobs : sequence of Knob
-        Each turned to one of its levels, over all points evenly.
-    count : int
-        Points.
-    seed : int
-        Decides which levels meet.
-
-    Returns
-    -------
-    list of Point
-        A Latin hypercube: [McKay79].  Levels that cannot go together, such as a coarse
-        lattice without spatial reuse, are drawn again.
-
-    Raises
-    ------
-    UsageError
-        Hardly any go together.
+    knobs : sequence of Knob; each turned to one of its levels, over all points evenly
     """
     if not knobs:
         return []
@@ -92,18 +73,7 @@ def _turned(knobs: Sequence[Knob], cube: Scalars) -> Iterator[tuple[str, ...]]:
 
 
 def methods_beside(base: Point) -> list[Point]:
-    """Other methods, as they are by default.
-
-    Parameters
-    ----------
-    base : Point
-        Whose method is left out.
-
-    Returns
-    -------
-    list of Point
-        All that make frames one by one.
-    """
+    """Other methods, as they are by default.  All that make frames one by one."""
     return [
         Point(name, (), "method", name)
         for name in method_names()

@@ -10,16 +10,8 @@ from reference.tradeoff.scores import Score
 def on_front(scores: Sequence[Score]) -> list[bool]:
     """Whether no other point is as good in everything and better in something.
 
-    Parameters
-    ----------
-    scores : sequence of Score
-        Measured.
-
-    Returns
-    -------
-    list of bool
-        By time, bias and standard deviation, as they were measured; the bias is that
-        which is certain, so that noise makes nobody worse.
+    By time, bias and standard deviation, as they were measured; the bias is that which
+    is certain, so that noise makes nobody worse.
     """
     rows = np.array([(s.ms.value, s.bias, s.error.variance.value) for s in scores])
     as_good = (rows[:, None] <= rows).all(axis=2)
@@ -29,20 +21,7 @@ def on_front(scores: Sequence[Score]) -> list[bool]:
 
 
 def best_within(scores: Sequence[Score], ms: float) -> Score | None:
-    """Point of the least error that a frame's time allows.
-
-    Parameters
-    ----------
-    scores : sequence of Score
-        Measured.
-    ms : float
-        A frame may take.
-
-    Returns
-    -------
-    Score or None
-        None if all take longer.
-    """
+    """Point of the least error that a frame's time allows; None if all take longer."""
     allowed = [s for s in scores if s.ms.value <= ms]
     return min(allowed, key=lambda s: s.error.mse.value, default=None)
 
@@ -50,17 +29,11 @@ def best_within(scores: Sequence[Score], ms: float) -> Score | None:
 def fastest_for(scores: Sequence[Score], mse: float) -> Score | None:
     """Point of the least time that makes an error small enough.
 
+    None if none is so exact.
+
     Parameters
     ----------
-    scores : sequence of Score
-        Measured.
-    mse : float, (W/(m² sr))²
-        Of one frame, at most.
-
-    Returns
-    -------
-    Score or None
-        None if none is so exact.
+    mse : float, (W/(m² sr))²; of one frame, at most
     """
     allowed = [s for s in scores if s.error.mse.value <= mse]
     return min(allowed, key=lambda s: s.ms.value, default=None)
@@ -69,23 +42,13 @@ def fastest_for(scores: Sequence[Score], mse: float) -> Score | None:
 def advice(
     scores: Sequence[Score], light: float, percent: float | None, ms: float | None
 ) -> str:
-    """The sentence at the end.
+    """The sentence at the end.  What to take for that error, and what in that time.
 
     Parameters
     ----------
-    scores : sequence of Score
-        Measured; the first is the base.
-    light : float
-        Mean of the truth.
     percent : float, optional
         Error that is allowed, of the mean; by default that of the base.
-    ms : float, optional
-        Time that is allowed; by default that of the base.
-
-    Returns
-    -------
-    str
-        What to take for that error, and what in that time.
+    ms : float, optional; time that is allowed; by default that of the base
     """
     base = scores[0]
     percent = rms_percent(base, light) if percent is None else percent
@@ -102,17 +65,7 @@ def advice(
 def rms_percent(score: Score, light: float) -> float:
     """Root mean squared error of a frame, as a share of the mean light.
 
-    Parameters
-    ----------
-    score : Score
-        Measured.
-    light : float
-        Mean of the truth.
-
-    Returns
-    -------
-    float
-        In percent; 0 where there is no light at all.
+    In percent; 0 where there is no light at all.
     """
     mse = max(score.error.mse.value, 0.0)
     return float(100 * np.sqrt(mse) / light) if light > 0 else 0.0

@@ -19,14 +19,10 @@ class Point:
 
     Attributes
     ----------
-    method : str
-        Its name.
     values : tuple of str
         Settings, as of ``--set KEY=VALUE``; of two with one key the last one counts.
-    knob : str
-        Which knob was turned: its name, ``"several"``, or ``""`` for the base.
-    label : str
-        What it was turned to.
+    knob : str; which knob was turned: its name, ``"several"``, or ``""`` for the base
+    label : str; what it was turned to
     """
 
     method: str
@@ -46,22 +42,13 @@ class Point:
 
 
 def settings_of(point: Point) -> Any:
-    """Settings of a point.
+    """Settings of a point, of the type of the method's own.
+
+    Raises UsageError: there is no such method, setting or value.
 
     Parameters
     ----------
-    point : Point
-        With the name of a method.
-
-    Returns
-    -------
-    dataclass instance
-        Of the type of the method's own.
-
-    Raises
-    ------
-    UsageError
-        There is no such method, setting or value.
+    point : Point; with the name of a method
     """
     return with_values(method_named(point.method).settings, point.values)
 
@@ -69,15 +56,11 @@ def settings_of(point: Point) -> Any:
 def can_run(point: Point) -> bool:
     """Whether the settings of a point go together.
 
+    Its settings exist, and none rules out another.
+
     Parameters
     ----------
-    point : Point
-        With the name of a method.
-
-    Returns
-    -------
-    bool
-        Its settings exist, and none rules out another.
+    point : Point; with the name of a method
     """
     try:
         settings_of(point)

@@ -15,16 +15,11 @@ class Results:
 
     Attributes
     ----------
-    sweep : Sweep
-        What was measured.
-    truth : Moments
-        Of the base.
-    scores : list of Score
-        One a point, the first that of the base.
+    sweep : Sweep; what was measured
+    scores : list of Score; one a point, the first that of the base
     recoveries : list of Recovery
         After a change of light; none where the scene changes by itself.
-    percent, ms : float or None
-        Error and time that the user allows.
+    percent, ms : float or None; error and time that the user allows
     """
 
     sweep: Sweep

@@ -28,18 +28,9 @@ class Sweep:
 
     Attributes
     ----------
-    named : Named
-        The scene.
-    bounces : int
-        Of indirect light.
-    frames : int
-        Of a run.
-    runs : int
-        Of each point, of seeds ``seed``, ``seed + 1``, ...
-    seed : int
-        Of the first.
-    points : tuple of Point
-        The first is the base.
+    bounces : int; of indirect light
+    runs : int; of each point, of seeds ``seed``, ``seed + 1``, ...
+    points : tuple of Point; the first is the base
     changed : tuple of Point
         What is seen after a change of light; none for no such runs.
     """
@@ -53,18 +44,7 @@ class Sweep:
     changed: tuple[Point, ...]
 
     def runs_of(self, point: Point) -> list[Task]:
-        """Runs of a point, in a scene that is left alone.
-
-        Parameters
-        ----------
-        point : Point
-            Method and settings.
-
-        Returns
-        -------
-        list of Task
-            One a seed.
-        """
+        """Runs of a point, in a scene that is left alone."""
         seeds = range(self.seed, self.seed + self.runs)
         scene = self.named, self.bounces, self.frames, point
         return [Task(*scene, seed) for seed in seeds]
@@ -72,15 +52,7 @@ class Sweep:
     def runs_after_change(self, point: Point) -> list[Task]:
         """Runs of a point, whose lights change when as many frames are still to come.
 
-        Parameters
-        ----------
-        point : Point
-            Method and settings.
-
-        Returns
-        -------
-        list of Task
-            At most `CHANGES` of them, each twice as long.
+        At most `CHANGES` of them, each twice as long.
         """
         seeds = range(self.seed, self.seed + min(self.runs, CHANGES))
         scene = self.named, self.bounces, 2 * self.frames, point
@@ -89,10 +61,7 @@ class Sweep:
     def tasks(self) -> list[Task]:
         """All runs: the first of all points, the second of all, and so on.
 
-        Returns
-        -------
-        list of Task
-            So that what slows the machine for a while slows all points.  None twice.
+        So that what slows the machine for a while slows all points.  None twice.
         """
         rows = [
             *map(self.runs_of, _once(self.points)),
@@ -105,21 +74,11 @@ class Sweep:
 def run_sweep(sweep: Sweep, store: Store, executor: Executor, tick: Tick) -> None:
     """Do the runs that are not there yet, and keep each as soon as it is done.
 
+    Raises Interrupted by Ctrl-C or SIGTERM; runs that are done are kept.
+
     Parameters
     ----------
-    sweep : Sweep
-        What is measured.
-    store : Store
-        Of the same sweep.
-    executor : Executor
-        See `reference.workers`.
-    tick : callable
-        Told how many runs there are, of how many, and their unit.
-
-    Raises
-    ------
-    Interrupted
-        By Ctrl-C or SIGTERM; runs that are done are kept.
+    tick : callable; told how many runs there are, of how many, and their unit
     """
     tasks = sweep.tasks()
     missing = [task for task in tasks if not store.path(task).exists()]
@@ -141,21 +100,11 @@ def run_sweep(sweep: Sweep, store: Store, executor: Executor, tick: Tick) -> Non
 def scores_of(
     sweep: Sweep, store: Store, truths: Mapping[Pixel, Moments]
 ) -> list[Score]:
-    """Scores of all points.
+    """Scores of all points, in the order of the points.
 
     Parameters
     ----------
-    sweep : Sweep
-        All of whose runs are there.
-    store : Store
-        Where.
-    truths : mapping of 'center' and 'box' to Moments
-        Those that `pixels_of` names.
-
-    Returns
-    -------
-    list of Score
-        In the order of the points.
+    truths : mapping of 'center' and 'box' to Moments; those that `pixels_of` names
     """
     counted = sweep.runs_of(sweep.points[0])[0].counted
     return [
@@ -173,15 +122,7 @@ def scores_of(
 def pixel_of(point: Point) -> Pixel:
     """What a pixel of a point's pictures shows.
 
-    Parameters
-    ----------
-    point : Point
-        Method and settings.
-
-    Returns
-    -------
-    'center' or 'box'
-        What its centre sees, or the mean over its area.
+    What its centre sees, or the mean over its area.
     """
     pixel: Pixel = getattr(
         settings_of(point), "pixel", method_named(point.method).pixel
@@ -194,16 +135,5 @@ def _once(points: Sequence[Point]) -> list[Point]:
 
 
 def pixels_of(points: Sequence[Point]) -> list[Pixel]:
-    """Which truths are needed.
-
-    Parameters
-    ----------
-    points : sequence of Point
-        All.
-
-    Returns
-    -------
-    list of 'center' or 'box'
-        Each once.
-    """
+    """Which truths are needed."""
     return sorted({pixel_of(point) for point in points})
