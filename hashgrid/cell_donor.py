@@ -14,8 +14,8 @@ from reference.resampling.generalized import Shifted
 def in_cells(shift: Shift) -> Shift:
     """How paths of cells are shifted: joined at their second point, or not at all.
 
-    Under the same criterion, without replay: the numbers of a path that begins at a
-    vertex are those of another pixel's path.
+    The criterion is the same.  Nothing is replayed: the numbers of a path that begins
+    at a vertex are those of another pixel's path.
     """
     joined = replace(shift.criterion, last_joint=2, replays=False)
     return replace(shift, criterion=joined)

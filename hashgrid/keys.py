@@ -43,9 +43,8 @@ class Lattice:
 def lattice_of(camera: Camera, facings: int = 1) -> Lattice:
     """Lattice whose cells are some 16 pixels wide.
 
-    [Boisse21], with the numbers of the author's later renderer.
-
-    With base = tan(fov_y · 16 · max(1 / h, h / w²)).
+    Its base is tan(fov_y · 16 · max(1 / h, h / w²)): [Boisse21], with the numbers of
+    the author's later renderer.
 
     Parameters
     ----------

@@ -60,9 +60,7 @@ class CellSettings(PathSettings):
                 )
 
     def asks(self, vertex: int) -> bool:
-        """Whether paths at x_v ask a cell.
-
-        For their last points nothing is left to ask.
+        """Whether paths at x_v ask a cell; their last points have nothing left to ask.
 
         Parameters
         ----------
@@ -71,9 +69,7 @@ class CellSettings(PathSettings):
         return self.cells > 0 and self.query in (0, vertex)
 
     def writes(self, vertex: int) -> bool:
-        """Whether reservoirs of x_v are put into cells.
-
-        Where nobody asks, nobody writes.
+        """Whether reservoirs of x_v are put into cells: not where nobody asks.
 
         Parameters
         ----------

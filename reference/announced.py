@@ -9,10 +9,10 @@ Kind = TypeVar("Kind")
 
 
 def announced_names(group: str) -> list[str]:
-    """Names that packages announce in a group.
+    """Names that packages announce in a group, in alphabetical order.
 
-    In alphabetical order.  Nothing is imported, so that a broken package disturbs
-    nobody who does not ask for what it brings.
+    Nothing is imported, so that a broken package disturbs nobody who does not ask for
+    what it brings.
     """
     return sorted({point.name for point in entry_points(group=group)})
 

@@ -100,7 +100,7 @@ def sampled_by(executor: Executor, named: Named) -> Callable[[Job], Source]:
 def add_share(share: Share) -> tuple[Moments, Counter[str]]:
     """Add samples to some rows: what a worker does.
 
-    Of these rows, and the rays that were traced, by kind.
+    Returns the moments of these rows, and the rays that were traced, by kind.
     """
     samples = _opened(share.request)
     before = Counter(samples.world.caster.counts)

@@ -51,7 +51,7 @@ def layers_of_channels(
 ) -> Layers:
     """Group the channels into layers: the inverse of `channels_of_layers`.
 
-    Raises UsageError: None of these; the message names the layers.
+    Raises UsageError: none of these; the message names the layers.
 
     Parameters
     ----------

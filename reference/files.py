@@ -13,7 +13,7 @@ MOST_BYTES = 2**32
 
 
 def read_file(path: Path, most: int = MOST_BYTES) -> bytes:
-    """Contents of a file.  All that it held when it was opened.
+    """All that a file held when it was opened.
 
     The file is opened without waiting and asked what it is only then, so that neither a
     pipe can hold the reader up nor a device be put in the place of a file in between.

@@ -8,9 +8,7 @@ from typing import Any
 
 
 def json_text(results: Mapping[str, Any]) -> str:
-    """Text of one object; numbers that are not finite become null.
-
-    With the end of its last line.
+    """Text of one object and a newline; numbers that are not finite become null.
 
     Raises TypeError: JSON has no form for a value.
 

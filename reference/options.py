@@ -81,10 +81,7 @@ def known(settings: Any) -> str:
 
 
 def as_text(settings: Any) -> dict[str, str]:
-    """Every setting as text, as `with_values` would read it.
-
-    In the order of the fields.
-    """
+    """Every setting as text that `with_values` can read, in the order of the fields."""
     return {key: text_of(value) for key, value in asdict(settings).items()}
 
 

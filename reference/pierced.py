@@ -36,7 +36,7 @@ class PiercedTriangles:
         self._masked = Triangles(geometry, np.flatnonzero(geometry.mask >= 0))
 
     def first_hits(self, origin: Vec3s, direction: Vec3s, reach: Scalars) -> Hits:
-        """First triangle along rays; see `Triangles.first_hits`.  Never in a hole.
+        """First triangle along rays, never in a hole; see `Triangles.first_hits`.
 
         Parameters
         ----------

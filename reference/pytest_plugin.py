@@ -23,9 +23,7 @@ class Oracle:
     def check(
         self, backend: Any, budget: float = 60.0, statistics: bool = False
     ) -> Verdict:
-        """Judge a backend, and fail the test if it is wrong.
-
-        Of a backend that is not known to be wrong.
+        """Judge a backend, and fail the test if it is wrong; else return the verdict.
 
         Raises UsageError: there is no such backend.
 
@@ -51,8 +49,5 @@ class Oracle:
 
 @pytest.fixture(scope="session")
 def restir_oracle() -> Oracle:
-    """The oracle: ``restir_oracle.check(backend)`` fails a test whose backend is wrong.
-
-    Without state.
-    """
+    """The oracle: ``restir_oracle.check(backend)`` fails if the backend is wrong."""
     return Oracle()

@@ -88,7 +88,7 @@ def where(mask: Masks, yes: Record, no: Record) -> Record:
 
 
 def concatenate(records: list[Record]) -> Record:
-    """Join records (or arrays) end to end.  All rows, in the order given.
+    """Join records (or arrays) end to end: all rows, in the order given.
 
     Parameters
     ----------

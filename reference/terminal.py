@@ -11,8 +11,6 @@ from reference.errors import UsageError
 def visible(text: str, keep: str = "") -> str:
     r"""Text with all that cannot be printed written as an escape, such as ``\x1b``.
 
-    The same text where all of it can be printed.
-
     Parameters
     ----------
     text : str

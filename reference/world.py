@@ -92,9 +92,9 @@ def next_world(before: World, scene: Scene) -> World:
 
 
 def same_but_for_the_camera(a: Scene, b: Scene) -> bool:
-    """Whether two scenes hold the very same shapes and lights.
+    """Whether two scenes hold the very same shapes and lights, by identity.
 
-    By identity: what an animation does not change stays the same object.
+    What an animation does not change stays the same object.
     """
     ours = (*a.meshes, *a.spheres, *a.lamps, *a.suns, a.environment)
     theirs = (*b.meshes, *b.spheres, *b.lamps, *b.suns, b.environment)

@@ -89,7 +89,7 @@ def _row(rounds: Rounds, name: str) -> Row:
 def difference_tile(
     rounds: Rounds, estimates: Scalars, title: str, caption: str
 ) -> Tile:
-    """Picture of differences to the right.  Grey for no difference.
+    """Picture of differences to the right, grey for no difference.
 
     Parameters
     ----------

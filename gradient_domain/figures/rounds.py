@@ -98,14 +98,14 @@ class Rounds:
     truth: Moments
 
     def spent(self, name: str) -> float:
-        """Seconds that a frame of all copies takes.  Copies times seconds."""
+        """Seconds that a frame of all copies takes."""
         return self.copies[name] * self.seconds[name]
 
 
 def by_rounds(
     scene: Scene, variants: Mapping[str, Variant], work: Work, paths: int, like: str
 ) -> Rounds:
-    """Run all variants by turns.  Copy c of run i has seed i · copies + c.
+    """Run all variants by turns; copy c of run i has seed i · copies + c.
 
     Parameters
     ----------

@@ -149,7 +149,7 @@ def add_out(parser: Parser) -> None:
 def schedule(arguments: argparse.Namespace, pixels: int) -> Schedule:
     """Bands and threads.
 
-    By default of several bands a thread, so that no thread waits long for another.
+    By default each thread has several bands, so that none waits long for another.
     """
     threads = arguments.threads or processors()
     parts = BANDS_A_THREAD * threads if threads > 1 else 1

@@ -22,9 +22,9 @@ MADE_BY = b'<meta name="generator" content="restir-gi-oracle">'
 
 
 def new_file(suffix: str = ".exr") -> Callable[[str], Path]:
-    """Make a converter of names of files that can be written.
+    """Make a converter from text to the path of a file that can be written.
 
-    From text to a path; see `check_file`.
+    See `check_file`.
     """
 
     def convert(text: str) -> Path:

@@ -15,9 +15,9 @@ Size = tuple[int, int]
 
 
 def whole(least: int, most: int) -> Callable[[str], int]:
-    """Make a converter of integers within limits.
+    """Make a converter from text to an integer within limits.
 
-    From text; raises what argparse tells as an error.
+    It raises what argparse tells as an error.
 
     Parameters
     ----------

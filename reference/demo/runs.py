@@ -73,7 +73,7 @@ def runs_of_paths(job: Job, seconds: float, count: int) -> Runs:
 
 
 def timed(method: Method, job: Job) -> tuple[Layers, list[float]]:
-    """Render, with a clock.  The result, and the time of each step."""
+    """Render by the clock: the result, and the time of each step."""
     clock = [time.perf_counter()]
     layers = drive(method, job, lambda _: clock.append(time.perf_counter()))
     return layers, [b - a for a, b in pairwise(clock)]

@@ -110,8 +110,5 @@ class Draws:
 
 
 def weights(*names: str) -> Callable[[Draws], dict[str, Scalars]]:
-    """Inputs that are weights, each on its own.
-
-    From draws to (rows,) float64 of each name.
-    """
+    """From draws to inputs that are weights, (rows,) float64 of each name."""
     return lambda draws: {name: draws("weight") for name in names}

@@ -51,18 +51,12 @@ def plain(value: Any) -> Plain:
 
 @cache
 def worst_rows() -> tuple[Worst, ...]:
-    """All rows that are kept.
-
-    For each kernel and type one of each extreme that the search has met.
-    """
+    """All rows that are kept: for each kernel and type one of each extreme met."""
     return tuple(Worst(**row) for row in json.loads(PATH.read_text("utf-8")))
 
 
 def worst_inputs(kernel: str, type_name: str) -> Inputs:
-    """The rows of one kernel, one below the other.
-
-    Of that type; none where nothing is kept.
-    """
+    """Rows of one kernel in one type, one below the other; none if none are kept."""
     rows = [w for w in worst_rows() if (w.kernel, w.type) == (kernel, type_name)]
     names = rows[0].given if rows else ()
     return {k: np.concatenate([w.inputs[k] for w in rows]) for k in names}

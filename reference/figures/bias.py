@@ -52,7 +52,8 @@ def bias(work: Work) -> PaperFigure:
     text, which is Equation 9.  Light of sample points that are not Lambertian is path
     traced in both, so that nothing else is biased.
 
-    Of the two forms against path tracing, and of their difference.
+    The numbers are deviations of the two forms from path tracing, and of one from the
+    other.
 
     Parameters
     ----------

@@ -74,9 +74,7 @@ def blank(width: float, height: float) -> "Figure":
 def split(
     picture: "Figure", rows: int, columns: int, shares: Sequence[float]
 ) -> list["SubFigure"]:
-    """Parts of a figure, side by side or one below the other.
-
-    From the top, or from the left.
+    """Parts of a figure, from left to right or from top to bottom.
 
     Parameters
     ----------

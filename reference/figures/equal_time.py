@@ -87,7 +87,7 @@ def equal_time(work: Work, scenes: tuple[str, ...] = SCENES) -> PaperFigure:
 def ratio(contest: Contest, name: str) -> Interval:
     """How many times smaller the error is than path tracing's in the same time.
 
-    Of (variance of one path-traced sample · its seconds) over (MSE · seconds).
+    (Variance of one path-traced sample · its seconds) over (MSE · seconds).
 
     Parameters
     ----------

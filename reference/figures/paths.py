@@ -13,7 +13,7 @@ from reference.world import World, build_world
 
 
 def sized_world(name: str, size: int) -> World:
-    """Built-in scene with a square picture, ready for rays.  Validated."""
+    """Built-in scene with a square picture, validated and ready for rays."""
     scene = find_scene(name)
     camera = replace(scene.camera, width=size, height=size)
     return build_world(validate(replace(scene, camera=camera)))

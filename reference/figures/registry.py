@@ -61,7 +61,7 @@ def figure_names() -> list[str]:
 
 
 def find_figure(name: str) -> Entry:
-    """Figure of a name.  Not made yet.
+    """Figure of a name, not made yet.
 
     Raises UsageError: no figure has that name; the message says which do, the closest
     one first.  Or the package that brings it is broken.

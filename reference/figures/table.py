@@ -43,7 +43,7 @@ def table(figure: PaperFigure) -> Table:
 def as_plain(figure: PaperFigure) -> dict[str, Any]:
     """Numbers of a figure for a program.
 
-    Of text, numbers, lists and dicts alone; numbers that are not finite are None.
+    Text, numbers, lists and dicts alone; numbers that are not finite are None.
 
     Parameters
     ----------

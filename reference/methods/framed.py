@@ -61,7 +61,7 @@ def as_it_is(job: Job, color: Scalars) -> Vec3s:
 
 
 def bytes_of_frame(job: Job, frame: Any) -> int:
-    """What a frame holds beside its picture and the scene.  Bytes.
+    """Bytes that a frame holds beside its picture and the scene.
 
     Parameters
     ----------

@@ -46,7 +46,7 @@ class Reached:
     precision: Precision
 
     def open(self) -> Backend:
-        """Of this process, opened once.  Closed when the process ends.
+        """Of this process, opened once, and closed when the process ends.
 
         Raises UsageError: there is none here.
         """
@@ -72,7 +72,7 @@ def batch(reached: Reached, seed: int) -> NDArray[np.float64]:
 def law(reached: Reached, scene: str) -> Step:
     """Step of the law in one scene, with the backend of this process.
 
-    As if it had been taken here.
+    The same as if it had been taken here.
     """
     return law_step(whole_contract(), reached.open(), scene)
 

@@ -83,9 +83,9 @@ def for_ever() -> float:
 
 
 def output_shapes(passes: Passes, case: Case) -> dict[str, tuple[int, ...]]:
-    """Shapes of the buffers that a case asks for.
+    """Shapes of the buffers that a case asks for, by name.
 
-    By name, in the order of the contract; terms come last.
+    They are in the order of the contract; terms come last.
     """
     found = passes[case.pass_name]
     counts = _counts(found.inputs, case)

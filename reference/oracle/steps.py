@@ -61,7 +61,7 @@ def asked(
 ) -> Step:
     """A step of probes: ask a backend, and examine what it answers.
 
-    With an answer to each question that was asked, in the same order.
+    The answers stand in the order of the questions that were asked.
     """
     outcomes = backend.run(passes, [probe.case for probe in probes])
     _canary()
@@ -106,7 +106,7 @@ class Asker:
         self._lent, self.answered = 0, 0
 
     def __call__(self, case: Case) -> Buffers:
-        """Outputs of a case, which have the right form.
+        """Outputs of a case, of the right form, by the backend or the built-in one.
 
         Of the backend, or of the built-in one.
 
@@ -150,7 +150,7 @@ def taken(
 ) -> Step:
     """A step of tests that ask the backend themselves.
 
-    Without findings of tests in which nothing was the backend's own.
+    Findings of tests in which nothing was the backend's own are left out.
     """
     found, unasked = [], []
     for test in tests:

@@ -122,7 +122,7 @@ def resample(
 def candidate(neighbor: Neighbor, slot: int, target: Target) -> Candidate:
     """Shift what a neighbour offers: w = p̂(T(x)) W M |∂T/∂x|, still without m.
 
-    Where nothing could be shifted w is 0, and M counts all the same.
+    Where nothing could be shifted, w is 0, and M counts all the same.
     """
     r, row = neighbor.reservoirs, np.maximum(neighbor.rows, 0)
     none, size = neighbor.rows == NONE, len(row)

@@ -101,9 +101,7 @@ def with_shape(
 def with_change(
     animation: Animation, frame: int, change: Callable[[Scene], Scene]
 ) -> Animation:
-    """Change the scene at once, from one frame on: switch a light, say.
-
-    As before until ``frame``, changed from there on.
+    """Change the scene at once, from frame ``frame`` on: switch a light, say.
 
     Parameters
     ----------

@@ -110,7 +110,7 @@ class Geometry:
 
 
 def build_geometry(scene: Scene) -> Geometry:
-    """Put all shapes of a scene into the world.  Primitives in the order of the scene.
+    """Put all shapes of a scene into the world; primitives in the order of the scene.
 
     Parameters
     ----------

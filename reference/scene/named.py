@@ -35,7 +35,7 @@ class Named:
 def find_scene_or_file(
     name: str, lenient: bool = False, allow_outside: bool = False
 ) -> Scene:
-    """Scene that a word on the command line names.  Not validated.
+    """Scene that a word on the command line names, not validated.
 
     Raises UsageError: there is none, or it cannot be read.
 
@@ -58,10 +58,9 @@ def find_scene_or_file(
 
 
 def frames_of(named: Named, scene: Scene) -> Animation:
-    """Scenes of all frames, of the size asked for.
+    """Scenes of all frames, of the size asked for; frame 0 is frame ``named.frame``.
 
-    Its frame 0 is frame ``named.frame``.  Each frame is validated when it is asked for;
-    that of ``scene`` now.
+    Each frame is validated when it is asked for; that of ``scene`` now.
 
     Raises UsageError: it cannot be rendered.
 

@@ -41,9 +41,7 @@ class Requirement:
 
 
 def requirements(scene: Scene) -> tuple[Requirement, ...]:
-    """Features that a scene needs.
-
-    In the order of :func:`survey`, each with who asks for it.
+    """Features that a scene needs, each with who asks, in the order of :func:`survey`.
 
     Parameters
     ----------
@@ -53,9 +51,7 @@ def requirements(scene: Scene) -> tuple[Requirement, ...]:
 
 
 def left_out(scene: Scene) -> tuple[Requirement, ...]:
-    """Features that a scene does not need.
-
-    In the order of :func:`survey`, each with what makes it needless.
+    """Features that a scene does not need, and why not, in the order of :func:`survey`.
 
     Parameters
     ----------

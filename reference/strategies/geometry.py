@@ -117,7 +117,7 @@ def views_of_a_patch(
 
 @st.composite
 def samples(draw: st.DrawFn, rows: int = ROWS, brightest: float = 100.0) -> Samples:
-    """Sample points, some of them black, which are nulls.  Unit normals.
+    """Sample points with unit normals, some of them black, which are nulls.
 
     Parameters
     ----------

@@ -19,9 +19,9 @@ MOST_DRAWS = 1000
 
 
 def one_at_a_time(base: Point, knobs: Iterable[Knob]) -> list[Point]:
-    """Points that differ from the base in one knob.
+    """Points that differ from the base in one knob: all levels of all knobs.
 
-    All levels of all knobs; one of a knob may be as the base is.
+    One level of a knob may be as the base is.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ def _turned(knobs: Sequence[Knob], cube: Scalars) -> Iterator[tuple[str, ...]]:
 
 
 def methods_beside(base: Point) -> list[Point]:
-    """Other methods, as they are by default.  All that make frames one by one."""
+    """Other methods that make frames one by one, as they are by default."""
     return [
         Point(name, (), "method", name)
         for name in method_names()

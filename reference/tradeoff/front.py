@@ -10,7 +10,7 @@ from reference.tradeoff.scores import Score
 def on_front(scores: Sequence[Score]) -> list[bool]:
     """Whether no other point is as good in everything and better in something.
 
-    By time, bias and standard deviation, as they were measured; the bias is that which
+    Time, bias and standard deviation are compared as measured; the bias is that which
     is certain, so that noise makes nobody worse.
     """
     rows = np.array([(s.ms.value, s.bias, s.error.variance.value) for s in scores])
@@ -27,9 +27,7 @@ def best_within(scores: Sequence[Score], ms: float) -> Score | None:
 
 
 def fastest_for(scores: Sequence[Score], mse: float) -> Score | None:
-    """Point of the least time that makes an error small enough.
-
-    None if none is so exact.
+    """Point of the least time that makes an error small enough; None if none does.
 
     Parameters
     ----------
@@ -42,7 +40,7 @@ def fastest_for(scores: Sequence[Score], mse: float) -> Score | None:
 def advice(
     scores: Sequence[Score], light: float, percent: float | None, ms: float | None
 ) -> str:
-    """The sentence at the end.  What to take for that error, and what in that time.
+    """The sentence at the end: what to take for that error, and what in that time.
 
     Parameters
     ----------
@@ -63,9 +61,7 @@ def advice(
 
 
 def rms_percent(score: Score, light: float) -> float:
-    """Root mean squared error of a frame, as a share of the mean light.
-
-    In percent; 0 where there is no light at all.
+    """Root mean squared error of a frame, in percent of the mean light; 0 without any.
     """
     mse = max(score.error.mse.value, 0.0)
     return float(100 * np.sqrt(mse) / light) if light > 0 else 0.0

@@ -109,10 +109,9 @@ def knobs_of(words: Iterable[str]) -> tuple[Knob, ...]:
 
 
 def usable(knobs: Iterable[Knob], method: Method) -> tuple[Knob, ...]:
-    """Knobs that a method has.
+    """Knobs that a method has, without the levels that it does not take.
 
-    Without the levels that it does not take, and without the knobs that are left with
-    fewer than two.
+    Knobs that are left with fewer than two levels are left out.
     """
     found = []
     for knob in knobs:

@@ -124,10 +124,10 @@ COLUMNS = (
 
 
 def cells(results: Results) -> list[tuple[str, ...]]:
-    """The points as text, a cell a column.
+    """The points as text, a cell a column, in the order of `COLUMNS`.
 
-    In the order of `COLUMNS`; error: the root of the MSE over the mean light, and the
-    squared bias as a share of the MSE with its interval.
+    The error is the root of the MSE over the mean light; the squared bias is a share of
+    the MSE, with its interval.
     """
     found: list[tuple[str, ...]] = []
     for score, numbers in zip(results.scores, rows(results), strict=True):

@@ -66,7 +66,7 @@ class Score:
 def score(
     point: Point, trials: list[Trial], truth: Moments, width: int, counted: int
 ) -> Score:
-    """Measure a point by its runs.  Intervals of errors: 95 %, bootstrap over runs.
+    """Measure a point by its runs; errors have 95 % intervals, by bootstrap over runs.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def _quartiles(values: Scalars) -> Interval:
 
 
 def _deviation(frames: list[Scalars], truth: Moments) -> Deviation:
-    """Of the mean of the picture.  The pixels of the truth are independent."""
+    """Of the mean of the picture; the pixels of the truth are independent."""
     true = float(truth.mean.mean())
     if true <= 0:
         return Deviation(0.0, 0.0)

@@ -31,7 +31,7 @@ class Store:
     folder: Path
 
     def path(self, task: Task) -> Path:
-        """File of a run.  It need not exist."""
+        """File of a run; it need not exist."""
         name = f"{task.seed}-after-{task.change}" if task.change else f"{task.seed}"
         return self.folder / task.point.key / f"{name}.npz"
 
@@ -75,7 +75,7 @@ class Store:
 def open_store(folder: Path, identity: Mapping[str, str]) -> Store:
     """Open the folder of a sweep, and only of the same sweep.
 
-    With the runs that were done before.
+    What was done before is there.
 
     Raises UsageError: it holds runs of another scene, size or version: the message says
     what differs.

@@ -59,9 +59,9 @@ class Sweep:
         return [Task(*scene, seed, change=self.frames) for seed in seeds]
 
     def tasks(self) -> list[Task]:
-        """All runs: the first of all points, the second of all, and so on.
+        """All runs: the first of all points, the second of all, and so on; none twice.
 
-        So that what slows the machine for a while slows all points.  None twice.
+        So what slows the machine for a while slows all points.
         """
         rows = [
             *map(self.runs_of, _once(self.points)),

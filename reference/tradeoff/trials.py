@@ -142,10 +142,7 @@ def job_of(task: Task, world: World, animation: Animation) -> Job:
 
 @lru_cache(maxsize=2)
 def opened(named: Named) -> tuple[World, Animation]:
-    """A scene ready for rays, kept for the next task of this process.
-
-    Of frame 0, and all frames.
-    """
+    """Frame 0 ready for rays, and all frames, kept for the next task of the process."""
     scene = find_scene_or_file(named.name, named.lenient, named.allow_outside)
     animation = frames_of(named, scene)
     return build_world(animation(0)), animation

@@ -33,9 +33,9 @@ operations of sums of positive numbers, in any order."""
 
 
 def lattice_probes(precision: Precision) -> list[Probe]:
-    """Expectations of all unbiased weights, at all three receivers.
+    """Expectations of all unbiased weights, at all three receivers, of rung L1.
 
-    Of rung L1; exact, so that a right backend cannot fail.
+    They are exact, so that a right backend cannot fail.
     """
     unbiased = [mis for mis in WEIGHTS if mis != "1/M"]
     return [_probe(mis, c, precision) for mis in unbiased for c in range(PIXELS)]

@@ -50,7 +50,7 @@ class Tables:
 
 
 def tables_of(case: Case, rules: ReuseRules, rounding: Rounding) -> Tables:
-    """Read a case.  Slots without a donor offer nothing."""
+    """Read a case; slots without a donor offer nothing."""
     given = {
         name: exact(array, rounding)
         for name, array in case.inputs.items()

@@ -15,9 +15,7 @@ NEAR = 2.0**-16
 
 
 def exact_cases(precision: Precision) -> list[Case]:
-    """Cases of both passes, with their thresholds and extremes.
-
-    In the order of the contract.
+    """Cases of both passes, with thresholds and extremes, in the contract's order.
 
     Parameters
     ----------

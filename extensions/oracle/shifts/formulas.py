@@ -77,7 +77,7 @@ def negated(choice: Choice) -> Choice:
 
 
 def all_of(*choices: Choice) -> Choice:
-    """Yes where all say yes.  One certain no is enough."""
+    """Yes where all say yes; one certain no is enough."""
     own = np.all([c.own for c in choices], axis=0)
     certain = np.all([c.certain for c in choices], axis=0)
     no = np.any([c.certain & ~c.own for c in choices], axis=0)

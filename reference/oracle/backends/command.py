@@ -53,10 +53,10 @@ class ProgramBackend:
         self._workspace = Workspace("cases")
 
     def run(self, passes: Passes, cases: list[Case]) -> list[Outcome]:
-        """Outcome of each case.
+        """Outcome of each case, in the same order.
 
-        In the same order.  Where the program fails on all cases at once, each case is
-        given to it alone, but none of a pass that took too long before.
+        Where the program fails on all cases at once, each case is given to it alone,
+        but none of a pass that took too long before.
         """
         asked = [case for case in cases if case.pass_name not in self._too_slow]
         if len(asked) > 1 and self.remaining() > 0:

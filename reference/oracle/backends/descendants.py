@@ -18,10 +18,7 @@ ROUNDS = 100  # of ending what goes on to start others
 
 
 def marked(mark: str) -> list[int]:
-    """Processes that have inherited a mark.
-
-    Of those that run; none where the system does not tell.
-    """
+    """Running processes that inherited a mark; none if the system does not tell."""
     wanted, found = f"{mark}=".encode(), []
     with suppress(OSError):
         for name in os.listdir(PROCESSES):

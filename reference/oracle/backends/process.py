@@ -70,10 +70,10 @@ class PythonBackend:
             raise
 
     def run(self, passes: Passes, cases: list[Case]) -> list[Outcome]:
-        """Outcome of each case.
+        """Outcome of each case, in the same order.
 
-        In the same order.  After a death or a time-out a new process goes on with the
-        next case, but none of a pass that took too long before.
+        After a death or a time-out a new process goes on with the next case, but none
+        of a pass that took too long before.
         """
         outcomes: list[Outcome] = []
         while len(outcomes) < len(cases):

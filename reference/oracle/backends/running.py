@@ -107,8 +107,8 @@ class LastWords:
     def last_line(self) -> str:
         """Last line that is not empty, at most 200 characters.
 
-        Of what is there a moment after the process ended: who still holds the pipe is
-        not waited for.
+        It is of what is there a moment after the process ended: who still holds the
+        pipe is not waited for.
         """
         self._reader.join(A_MOMENT)
         text = self._kept.decode(errors="replace")

@@ -18,7 +18,7 @@ Value = str | int | float
 
 
 def dtype_of(kind: Kind, precision: Precision) -> np.dtype[np.generic]:
-    """Number type of a buffer.  Little-endian: ``<f4`` or ``<f8``, ``<i4``, ``<u4``."""
+    """Number type of a buffer, little-endian: ``<f4`` or ``<f8``, ``<i4``, ``<u4``."""
     types: dict[Kind, DTypeLike] = {
         "real": "<f4" if precision == "float32" else "<f8",
         "index": "<i4",

@@ -138,7 +138,7 @@ def exact(values: NDArray[Any], rounding: Rounding) -> Bounded:
 def constant(value: float, like: Bounded) -> Bounded:
     """A number that a backend writes as a literal, rounded once.
 
-    With one rounding, or none if it is a small whole number.
+    A small whole number is not rounded.
     """
     values = np.full(like.value.shape, float(value))
     whole = float(value).is_integer() and abs(value) < 2**11

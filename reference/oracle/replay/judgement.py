@@ -103,7 +103,7 @@ class Judgement:
 
 
 def beside(name: str, found: NDArray[Any], expected: Bounded) -> Compared:
-    """A buffer beside bounded numbers.  The bound is what is allowed.
+    """A buffer beside bounded numbers, whose bound is what is allowed.
 
     Parameters
     ----------
@@ -113,7 +113,7 @@ def beside(name: str, found: NDArray[Any], expected: Bounded) -> Compared:
 
 
 def exactly(name: str, found: NDArray[Any], expected: NDArray[Any]) -> Compared:
-    """A buffer beside numbers that leave no room.  Nothing is allowed.
+    """A buffer beside numbers that leave no room: nothing is allowed.
 
     Parameters
     ----------

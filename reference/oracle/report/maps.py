@@ -42,8 +42,7 @@ def error_maps(answer: Answer) -> list[ErrorMap]:
 def signed_map(compared: Compared, width: int) -> ErrorMap:
     """Signed difference of a buffer, mean over the components.
 
-    In units of what rounding allows; relative where for every number that is nothing,
-    or anything.
+    In units of what rounding allows; where it allows nothing or anything, relative.
     """
     found, expected, allowed = (
         _mean(array) for array in (compared.found, compared.expected, compared.allowed)

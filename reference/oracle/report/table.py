@@ -38,7 +38,7 @@ def table(plain: Mapping[str, Any]) -> Group:
 def printable(text: str) -> str:
     """A line that cannot steer a terminal, whatever a backend has said.
 
-    With a mark in place of each control character.
+    A mark stands in place of each control character.
     """
     return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
 

@@ -9,9 +9,9 @@ from reference.oracle.verdict import Verdict
 
 
 def answers_of(verdict: Verdict, pass_name: str) -> list[Answer]:
-    """Answers of a pass that show something.
+    """Answers of a pass that show something, each with a finding.
 
-    In the order of the ladder; each has a finding.
+    In the order of the ladder.
     """
     return [
         answer

@@ -138,10 +138,10 @@ def cosine_of_turns(values: Exact) -> Exact:
 
 
 def cosine_of_degrees(angle: float) -> Any:
-    """Cosine of an angle.
+    """Cosine of an angle, to 50 digits.
 
-    To 50 digits, and exact where it is rational: for a rational number of degrees that
-    are 0, ±1/2 and ±1 alone.
+    Exact where it is rational: for a rational number of degrees that are 0, ±1/2 and ±1
+    alone.
 
     Parameters
     ----------

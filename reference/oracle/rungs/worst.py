@@ -26,9 +26,9 @@ _ASKED: tuple[tuple[str, str, dict[str, Value], tuple[str, ...]], ...] = (
 
 
 def worst_cases(precision: Precision) -> list[Case]:
-    """One case for each kernel that a pass of the contract is.
+    """One case of few rows for each kernel that a pass of the contract is.
 
-    Of few rows each; numbers that the kernel does not look at are 1.
+    Numbers that the kernel does not look at are 1.
 
     Parameters
     ----------

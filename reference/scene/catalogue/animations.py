@@ -102,9 +102,7 @@ def light_switch(scene: Scene) -> Animation:
 
 
 def sunlight_turns(scene: Scene) -> Animation:
-    """The sun changes its direction at once, as in Figure 11 of the paper.
-
-    [Ouyang21, Fig. 11].
+    """The sun changes its direction at once, as in [Ouyang21, Fig. 11].
 
     Its patch leaves the far wall and lies on the floor from frame ``CHANGE`` on.
     """

@@ -164,7 +164,7 @@ CATALOGUE: dict[str, Entry] = {entry.name: entry for entry in _ENTRIES}
 
 
 def find_scene(name: str) -> Scene:
-    """Built-in scene of a name.  Freshly built; frame 0 of one that is animated.
+    """Built-in scene of a name, freshly built; frame 0 of one that is animated.
 
     Raises UsageError: no scene has that name; the message says which do, the closest
     one first.

@@ -80,7 +80,7 @@ def check_environment(where: str, environment: Environment) -> None:
 
 
 def is_lit(scene: Scene) -> bool:
-    """Whether anything emits.  Some shape, lamp, sun or sky has an emission above 0.
+    """Whether any shape, lamp, sun or sky has an emission above 0.
 
     Parameters
     ----------

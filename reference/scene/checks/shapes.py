@@ -119,9 +119,9 @@ def check_sphere(where: str, sphere: Sphere) -> None:
 
 
 def without_flat_faces(scene: Scene) -> Scene:
-    """Drop triangles without area, count them and say so.
+    """Drop triangles without area, with a note for each mesh that lost some.
 
-    With a note for each mesh that lost triangles; meshes that lost all are gone.
+    Meshes that lost all are gone.
 
     Parameters
     ----------

@@ -80,7 +80,7 @@ def need_numbers(
 
 
 def told(values: Scalars) -> str:
-    """Numbers as a reader expects them.  "0.5" or "(nan, 0, 1)".
+    """Numbers as a reader expects them: "0.5" or "(nan, 0, 1)".
 
     Parameters
     ----------

@@ -34,7 +34,7 @@ class Words:
 
 
 def words_of(text: Bytes) -> Words:
-    """Find the words of a text.  Parted by spaces and what ASCII counts as such.
+    """Find the words of a text, parted by spaces and what ASCII counts as such.
 
     Parameters
     ----------

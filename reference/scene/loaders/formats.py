@@ -62,7 +62,7 @@ no coat, and refused.
 
 
 def formats_page() -> str:
-    """The whole page.  Markdown."""
+    """The whole page, in Markdown."""
     return "\n".join([HEAD, *(x for title in TABLES for x in _section(title))])
 
 

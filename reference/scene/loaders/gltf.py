@@ -43,9 +43,7 @@ class _Parts:
 
 
 def load(ledger: Ledger) -> Scene:
-    """Scene of a glTF file.
-
-    Of the file's default scene, all in the world; see the notes.
+    """Default scene of a glTF file, all in the world; see the notes.
 
     Raises UsageError: not glTF 2, truncated, or (unless lenient) with something not
     modelled.

@@ -70,7 +70,7 @@ class Document:
 
 
 def read_document(ledger: Ledger) -> Document:
-    """Open a .gltf or .glb file.  Its JSON as it is; no buffer is read yet.
+    """Open a .gltf or .glb file: its JSON as it is; no buffer is read yet.
 
     Raises UsageError: no glTF 2 file, or truncated.
     """

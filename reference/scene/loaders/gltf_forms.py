@@ -143,9 +143,7 @@ def fault(form: Form, value: Any, tree: dict[str, Any]) -> str | None:
 
 
 def listed(tree: dict[str, Any], name: str) -> list[Any]:
-    """List of a file by its name, also that of lights, which is an extension's.
-
-    Empty where the file has none.
+    """List of a file by its name, also an extension's lights; empty if it has none.
 
     Parameters
     ----------

@@ -41,9 +41,9 @@ class Placed:
 
 
 def read_primitive(document: Document, placed: Placed) -> Mesh | None:
-    """Triangles of one material, in the world.
+    """Triangles of one material, in the world, of all instances.
 
-    All instances; ``None`` if there are none, or no vertices.
+    ``None`` if there are none, or no vertices.
     """
     primitive, finish = placed.primitive, placed.finish
     attributes = primitive["attributes"]

@@ -85,7 +85,7 @@ class Entry:
         return int(value)
 
     def color(self, key: str, default: Color | None = None) -> Color:
-        """Colour or point.  One number stands for three equal ones.
+        """Colour or point; one number stands for three equal ones.
 
         Raises UsageError: missing, or neither one number nor three.
 

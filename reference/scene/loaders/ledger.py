@@ -50,9 +50,9 @@ class Ledger:
         return self._counted(self.path)
 
     def locate(self, name: str) -> Path:
-        """Where a further file of the scene lies.
+        """Where a further file of the scene lies; it need not exist.
 
-        In the scene's folder, unless ``allow_outside``.  It need not exist.
+        In the scene's folder, unless ``allow_outside``.
 
         Raises UsageError: the name leads to another machine, or (unless
         ``allow_outside``) out of the folder, be it by "..", by a link or as an absolute

@@ -20,10 +20,10 @@ LOADERS = {
 
 
 def load_scene(path: Path, lenient: bool = False, allow_outside: bool = False) -> Scene:
-    """Scene in a file.
+    """Scene in a file, as it stands there.
 
-    As in the file, not validated: NaN and infinite values pass through.  ``notes`` says
-    in sentences what differs from the file.
+    Not validated: NaN and infinite values pass through.  ``notes`` says in sentences
+    what differs from the file.
 
     Raises UsageError: missing, empty or corrupt file, an unknown suffix, or (unless
     lenient) something that is not modelled.

@@ -103,7 +103,7 @@ class Textures:
     def number(self, node: Node, key: str, default: float) -> float:
         """Number that a plugin takes from a parameter: the mean of a colour.
 
-        Of a texture the mean, if lenient.
+        Of a texture it is the mean too, if lenient.
         """
         shades = self.color(node, key, default)
         # The mean of three equal numbers is rounded.
@@ -209,6 +209,6 @@ def _same(a: Scalars | None, b: Scalars | None) -> bool:
 
 
 def as_bitmap(checker: Checker) -> Bitmap:
-    """The same checker as a picture of two by two.  Read without interpolation."""
+    """The same checker as a picture of two by two, read without interpolation."""
     one, other = checker.color0, checker.color1
     return Bitmap(np.array([[other, one], [one, other]]), "nearest", checker.scale)

@@ -230,9 +230,7 @@ def find(element: str, name: str) -> Word:
 
 
 def modelled(element: str) -> str:
-    """Plugins of a kind that are modelled, for messages.
-
-    Their names, separated by commas.
+    """Names of the plugins of a kind that are modelled, separated by commas.
 
     Parameters
     ----------

@@ -83,7 +83,7 @@ class _TooShortError(Exception):
 
 
 def read_ply(contents: bytes, name: str, ledger: Ledger) -> Part:
-    """All triangles of a PLY file; nothing is merged or dropped.  Without a material.
+    """All triangles of a PLY file, without a material; nothing is merged or dropped.
 
     Parameters
     ----------

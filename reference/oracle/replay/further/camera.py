@@ -39,7 +39,7 @@ class Eye:
 def eye_of(
     settings: Mapping[str, Value], rounding: Rounding, rules: FurtherRules
 ) -> Eye:
-    """The camera of a case.  Its axes as a backend calculates them, from the settings.
+    """The camera of a case, its axes calculated from the settings as a backend does.
 
     Parameters
     ----------
