@@ -61,8 +61,7 @@ def advice(
 
 
 def rms_percent(score: Score, light: float) -> float:
-    """Root mean squared error of a frame, in percent of the mean light; 0 without any.
-    """
+    """Root mean squared error of a frame, in percent of the mean light; 0 if dark."""
     mse = max(score.error.mse.value, 0.0)
     return float(100 * np.sqrt(mse) / light) if light > 0 else 0.0
 
