@@ -44,7 +44,6 @@ class PairedPaths:
     Attributes
     ----------
     k : (N,) int8; 0 where the base path is one of pixel i, 1 where of j
-    base : AreaPaths; the base paths
     offset : (N, 3) float64, W/(m² sr); contribution f of the offset path
     inner : (N,) float64; Jacobian of the inner shift
     sign : (N,) int8; of the reservoir

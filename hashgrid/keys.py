@@ -80,7 +80,7 @@ class Keys:
 
     @property
     def words(self) -> list[UInts]:
-        """Lower 32 bits of each field, as two's complement."""
+        """Lower 32 bits of each field, (N,) uint32, as two's complement."""
         fields = (self.level, self.x, self.y, self.z, self.facing)
         return [(f.astype(np.int64) & 0xFFFFFFFF).astype(np.uint32) for f in fields]
 

@@ -40,7 +40,7 @@ class Pair:
 
     @property
     def variance(self) -> Colors | None:
-        """Of A - B, as far as it is known."""
+        """Of A - B, (H, W, 3) float64, as far as it is known."""
         if self.variance_a is None or self.variance_b is None:
             return self.variance_b if self.variance_a is None else self.variance_a
         return self.variance_a + self.variance_b

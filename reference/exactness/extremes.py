@@ -99,7 +99,6 @@ class Extreme:
 
     Attributes
     ----------
-    name : str; as in tables
     drives : mapping of str to callable
         The values that go there, by their names in `PLAIN`.
     """

@@ -21,7 +21,6 @@ class Kernel:
 
     Attributes
     ----------
-    name : str; as in tables
     of_contract : str; pass of the contract whose policy this is, or ''
     draw : callable
         From `Draws` to inputs in float64, which are then rounded to the type.

@@ -38,7 +38,7 @@ and those before a cosine count κ times, κ = Σ |n_i v_i| / |n·v|."""
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Geometry:
-    """Visible points and a sample point, N rows of float64."""
+    """Visible points and a sample point with its normal, (N, 3) float64."""
 
     x_from: Vec3s
     x_to: Vec3s

@@ -52,7 +52,7 @@ class Camera:
 
     @property
     def axes(self) -> tuple[Vec3s, Vec3s, Vec3s]:
-        """Unit vectors to the right, upwards and forwards."""
+        """Unit vectors (3,) to the right, upwards and forwards."""
         position, target, up = (
             np.asarray(v, float) for v in (self.position, self.target, self.up)
         )

@@ -20,10 +20,6 @@ class Scene:
     Attributes
     ----------
     name : str; for messages and file headers
-    spheres : tuple of Sphere; analytic spheres
-    points : tuple of PointLight; point lights
-    spots : tuple of SpotLight; spot lights
-    suns : tuple of DirectionalLight; directional lights
     environment : Environment or None
         What rays see that leave the scene; ``None`` is black.
     notes : tuple of str; what a loader dropped or replaced, a sentence each

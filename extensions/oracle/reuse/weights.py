@@ -132,7 +132,7 @@ def of_kept(slots: list[Bounded], kept: Indices) -> Bounded:
 
     Parameters
     ----------
-    slots : list of (N,) Bounded; of each slot
+    slots : list of (N,) Bounded
     kept : (N,) int
     """
     found = slots[0]

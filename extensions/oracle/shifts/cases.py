@@ -34,8 +34,7 @@ class Place:
 
     Attributes
     ----------
-    scene : str; of `extensions.oracle.shifts.stage.BLOCKS`
-    kind : str; of `KINDS`
+    scene, kind : str; of `extensions.oracle.shifts.stage.BLOCKS`, and of `KINDS`
     frame : int; of the random numbers
     right, down : int, pixels; to which pixels paths are shifted
     """

@@ -40,7 +40,6 @@ class Diagnosis:
 
     Attributes
     ----------
-    pass_name : str; which pass
     matches : tuple of Hypothesis
         Those that reproduce every answer of the pass, to rounding; several where the
         cases do not tell them apart, none where it is no known mistake.

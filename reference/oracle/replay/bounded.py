@@ -113,13 +113,13 @@ class Bounded:
 
     @property
     def surely_positive(self) -> Masks:
-        """Whether every number within the bound is above 0."""
+        """Whether every number within the bound is above 0, (N,) bool."""
         sure: Masks = self.value > self.error
         return sure
 
     @property
     def surely_not_positive(self) -> Masks:
-        """Whether none is."""
+        """Whether none is, (N,) bool."""
         sure: Masks = self.value <= -self.error
         return sure
 

@@ -31,7 +31,6 @@ class Slot:
 
     Attributes
     ----------
-    y : Point; its sample
     p_hat, w, M : Bounded; (N,): target at the receiver, weight and confidence
     u : Bounded; (N,), decides on it
     domain : Domain or None; ``None`` for what stands at the receiver itself

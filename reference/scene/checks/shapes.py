@@ -56,7 +56,7 @@ def check_faces(where: str, mesh: Mesh) -> None:
 
     Parameters
     ----------
-    mesh : Mesh; with vertices
+    mesh : Mesh; its vertices checked
 
     Raises
     ------

@@ -29,7 +29,7 @@ class Words:
 
     @property
     def lines(self) -> Indices:
-        """Line of each word."""
+        """Line of each word, (W,) int."""
         return np.repeat(np.arange(len(self.counts)), self.counts)
 
 
@@ -38,7 +38,7 @@ def words_of(text: Bytes) -> Words:
 
     Parameters
     ----------
-    text : (B,) uint8; Lines that each end in a line feed
+    text : (B,) uint8; lines that each end in a line feed
     """
     blank = (text == 32) | ((text >= 9) & (text <= 13))
     starts = np.flatnonzero(~blank & np.append(True, blank[:-1]))

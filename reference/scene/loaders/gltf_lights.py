@@ -16,14 +16,7 @@ from reference.scene.loaders.ledger import Ledger
 
 @dataclass(slots=True)
 class Lights:
-    """Lights of a scene, as they are found.
-
-    Attributes
-    ----------
-    points : list of PointLight; point lights
-    spots : list of SpotLight; spot lights
-    suns : list of DirectionalLight; directional lights
-    """
+    """Lights of a scene, as they are found."""
 
     points: list[PointLight] = field(default_factory=list)
     spots: list[SpotLight] = field(default_factory=list)

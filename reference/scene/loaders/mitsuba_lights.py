@@ -23,15 +23,7 @@ from reference.scene.loaders.pictures import read_picture
 
 @dataclass(slots=True)
 class Lights:
-    """Lights of one file that are not shapes.
-
-    Attributes
-    ----------
-    points : list of PointLight; point lights
-    spots : list of SpotLight; spot lights
-    suns : list of DirectionalLight; directional lights
-    environment : Environment or None; what surrounds the scene
-    """
+    """Lights of one file that are not shapes."""
 
     points: list[PointLight] = field(default_factory=list)
     spots: list[SpotLight] = field(default_factory=list)

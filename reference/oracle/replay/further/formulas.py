@@ -97,15 +97,11 @@ def roulette_tile(x: Indices, y: Indices, width: int) -> Indices:
 
 
 def tail_weight(probability: Bounded) -> Bounded:
-    """Weight of a tail that goes on: 1 / probability.
+    """Weight (1,) of a tail that goes on: 1 / probability.
 
     Parameters
     ----------
     probability : Bounded; (1,)
-
-    Returns
-    -------
-    Bounded; (1,)
     """
     return constant(1.0, probability) / probability
 
