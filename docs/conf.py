@@ -1,11 +1,16 @@
 """Sphinx settings: ``sphinx-build -W -b html docs docs/_build/html``."""
 
+import ast
+import dataclasses
+import inspect
 import re
 import shutil
 import subprocess
 import sys
 from importlib.metadata import version as installed_version
 from pathlib import Path
+from textwrap import dedent
+from typing import Any
 
 from docutils import nodes
 from docutils.parsers.rst.states import Inliner
@@ -39,8 +44,8 @@ templates_path = ["_templates"]
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 
-# A module's page is made from its docstrings.  Shapes and units stand in them, so the
-# signatures stay short.  Pages of modules that are gone must not stay behind.
+# A module's page is made from its docstrings, and from signatures as the source spells
+# them (`as_written`).  Pages of modules that are gone must not stay behind.
 autosummary_generate = True
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"
@@ -88,9 +93,42 @@ def inspect_two_runs(app: Sphinx) -> None:
         (EXTRA / f"{kind}.exr").unlink()
 
 
+def parsed(thing: Any) -> ast.stmt:
+    """Definition of a class or function."""
+    return ast.parse(dedent(inspect.getsource(thing))).body[0]
+
+
+def as_written(
+    _: Sphinx, what: str, __: str, thing: Any, ___: Any, *signature: str | None
+) -> tuple[str | None, ...]:
+    """Signature with types as in the source: ``Vec3s``, not what it stands for."""
+    try:
+        if what == "class" and dataclasses.is_dataclass(thing):
+            names = [field.name for field in dataclasses.fields(thing) if field.init]
+            bases = filter(dataclasses.is_dataclass, reversed(thing.__mro__))
+            fields = {
+                ast.unparse(field.target): ast.unparse(field)
+                for definition in map(parsed, bases)
+                for field in definition.body
+                if isinstance(field, ast.AnnAssign)
+            }
+            return f"({', '.join(fields[name] for name in names)})", None
+        function = parsed(thing.__init__ if what == "class" else thing)
+    except (OSError, TypeError):
+        return signature  # it is not written in Python
+    if not isinstance(function, ast.FunctionDef):
+        return signature
+    arguments = function.args.args
+    if arguments and arguments[0].arg in ("self", "cls"):
+        del arguments[0]
+    returns = function.returns and ast.unparse(function.returns)
+    return f"({ast.unparse(function.args)})", returns if what != "class" else None
+
+
 def setup(app: Sphinx) -> None:
     """Join the build."""
     app.connect("builder-inited", inspect_two_runs)
+    app.connect("autodoc-process-signature", as_written)
 
 
 def keep_bar(
