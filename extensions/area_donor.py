@@ -122,6 +122,7 @@ class AreaDonor:
 
         Parameters
         ----------
+        samples : AreaPaths; K rows, at the receivers
         at : (A,) int; which of them, none without a donor
 
         Returns
@@ -140,6 +141,7 @@ def kept_in_place(
     Parameters
     ----------
     world_from, world_to : World; of the two cameras; nothing else has moved
+    seen : SurfacePoints; N points that the first sees
 
     Returns
     -------

@@ -37,6 +37,7 @@ def render_area_frames(
     world : World; the scene in frame 0
     bounces : int; bounces of indirect light, 1 to 30
     seed : int; runs of different seeds are independent
+    schedule : Schedule; bands and threads; no influence on the result
 
     Returns
     -------

@@ -31,6 +31,7 @@ def draw_paths(
 
     Parameters
     ----------
+    points : SurfacePoints; N visible points x_1
     bounces : int
         Of indirect light, at least 1: surface points after x_1 that a path may visit.
     number : (N,) int64; keys of the paths

@@ -53,6 +53,7 @@ class PointDonor:
 
         Parameters
         ----------
+        samples : Paths; K rows, at the receivers
         at : (A,) int; which of them, none without a donor
 
         Returns

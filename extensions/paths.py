@@ -85,7 +85,7 @@ class Paths:
 
 
 def no_paths(points: SurfacePoints, number: Indices) -> Paths:
-    """Nulls.
+    """Nulls, N rows without light.
 
     Parameters
     ----------

@@ -48,7 +48,12 @@ class Leaving:
 
 
 def start(points: SurfacePoints) -> Step:
-    """Walks that have not left their visible points."""
+    """Walks that have not left their visible points.
+
+    Parameters
+    ----------
+    points : SurfacePoints; N visible points x_1
+    """
     size = len(points)
     return Step(
         points,

@@ -80,9 +80,11 @@ def resample_past(
 
     Parameters
     ----------
+    before : list of Neighbor; of the last frame
     shares : list of (K,); of the area, one for each of them
     decisions : list of (K,)
         One number in [0, 1) for each of them, and for the new samples at last.
+    settings : PathSettings; weights, and the limit of M
     """
     trust = own.reservoirs.M
     for donor, share in zip(before, shares, strict=True):

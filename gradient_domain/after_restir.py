@@ -34,11 +34,14 @@ def render_after_frames(
 
     [Wang25, section 4.1].
 
+    Reuse knows nothing of differences.
+
     Parameters
     ----------
     world : World; the scene in frame 0
     bounces : int; bounces of indirect light, 1 to 30
     seed : int; runs of different seeds are independent
+    schedule : Schedule; bands and threads; no influence on the result
     """
     return path_frames(_frame, world, settings, bounces, seed, schedule, animation)
 

@@ -39,7 +39,14 @@ def looks(visible: VisiblePoints) -> Looks:
 def across_edges(seen: Looks, pairs: Pairs) -> Masks:
     """Which pairs lie across an edge [Wang25, section 4.3.2].
 
-    Returns (K,) bool; symmetric: the order of the pixels does not matter.
+    Parameters
+    ----------
+    seen : Looks; of the frame, N rows
+    pairs : Pairs; K rows
+
+    Returns
+    -------
+    (K,) bool; symmetric: the order of the pixels does not matter
     """
     return differ(take(seen, pairs.first), take(seen, pairs.second))
 
@@ -49,6 +56,7 @@ def alike(seen: Looks, pairs: Pairs, rows: Indices, others: Indices) -> Masks:
 
     Parameters
     ----------
+    seen : Looks; of the frame, N rows
     rows, others : (K,) int; rows of pairs
     """
     apart = [

@@ -41,6 +41,7 @@ def render_gradient_paths(
     world : World; the scene in frame 0
     bounces : int; bounces of indirect light, 1 to 30
     seed : int; runs of different seeds are independent
+    schedule : Schedule; bands and threads; no influence on the result
     """
     drawing = AreaSettings(shift=settings.shift, temporal=False, spatial=False)
     return path_frames(_frame, world, drawing, bounces, seed, schedule, animation)

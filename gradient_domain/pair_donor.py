@@ -61,6 +61,7 @@ class PairDonor:
 
         Parameters
         ----------
+        samples : PairedPaths; K rows, at the receivers
         at : (A,) int; which of them, none without a donor
 
         Returns

@@ -20,6 +20,7 @@ def draw_around(
     Parameters
     ----------
     rows : (K,) int; those that search
+    radius : int, pixels; half the side of the square
     u : (K,) float64; one number in [0, 1) each
 
     Returns
@@ -53,6 +54,7 @@ def find_alike(
 
     Parameters
     ----------
+    seen : Looks; of the frame, N rows
     across : (P,) bool; which lie across an edge
     rows : (K,) int; those that search; they do
     radius : int, pixels; half the side of the square that is searched

@@ -66,7 +66,12 @@ class Bounces:
         return settings
 
     def draw(self, points: SurfacePoints) -> Tail:
-        """Paths from visible points."""
+        """Paths from visible points.
+
+        Parameters
+        ----------
+        points : SurfacePoints; K visible points x_1
+        """
         shift = self.moment.shift
         uniforms = shift.uniforms(self.number)
         leaving = leave(self.moment.world, start(points), 1, uniforms, points.hit)

@@ -61,6 +61,7 @@ class LightDonor:
 
         Parameters
         ----------
+        samples : LightPoints; K rows, at the receivers
         at : (A,) int; which of them, none without a donor
 
         Returns

@@ -78,8 +78,8 @@ class Vertex:
     def visit(self, walk: Walk) -> Visit:
         """Light that arrives at x_v, and the way to x_(v+1).
 
-        K rows.  Light that x_1 receives straight from a light is not indirect, and left
-        out; its reservoirs are for others.
+        Light that x_1 receives straight from a light is not indirect, and left out; its
+        reservoirs are for others.
         """
         kept: Reservoirs | None = None
         if self.number > 1 or self.settings.visible:

@@ -93,6 +93,7 @@ def reflected(
 
     Parameters
     ----------
+    lights : LightPoints; N points on lights
     chance : 'delta-lobes' or 'balance'
         Which part of the light is left to rays that meet lights by chance: what delta
         lobes reflect, or the share of the balance heuristic against drawing by power.
@@ -141,6 +142,7 @@ def in_sight(
 
     Parameters
     ----------
+    lights : LightPoints; N points on lights
     active : (N,) bool; who asks; nobody for a light that is gone
 
     Returns

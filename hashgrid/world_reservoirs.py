@@ -67,6 +67,7 @@ def render_light_frames(
     world : World; the scene in frame 0
     bounces : int; bounces of indirect light, 1 to 30
     seed : int; runs of different seeds are independent
+    schedule : Schedule; bands and threads; no influence on the result
     animation : Animation, optional
         Validated scenes of all frames; by default the scene stands still.  Camera,
         shapes and lights may move.

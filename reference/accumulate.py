@@ -110,6 +110,7 @@ def accumulate(
     Parameters
     ----------
     moments : Moments; of the samples before
+    stop : int; samples in the end
     """
 
     def advance(before: Moments, until: int) -> Moments:
@@ -124,6 +125,7 @@ def in_batches(advance: Advance, moments: Moments, stop: int) -> Iterator[Moment
     Parameters
     ----------
     moments : Moments; of the samples before
+    stop : int; samples in the end
 
     Yields
     ------

@@ -42,6 +42,7 @@ def save_checkpoint(path: Path, run: Mapping[str, str], state: Checkpoint) -> No
 
     Parameters
     ----------
+    path : Path; replaced in one step
     run : mapping of str to str
         Everything that decides what a sample of a given number is.
     """

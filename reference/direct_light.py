@@ -82,6 +82,7 @@ def sees_light(
 
     Parameters
     ----------
+    light : LightSamples; N points on lights
     active : (N,) bool; who asks
 
     Returns

@@ -86,6 +86,7 @@ def write_png(path: Path, rgb: Floats, exposure: float) -> None:
 
     Parameters
     ----------
+    path : Path; replaced in one step
     rgb : (H, W, 3) float; linear radiance
     exposure : float; factor on it, as in `to_display`
 

@@ -143,5 +143,10 @@ def _compare(found: Vec3s, true: Vec3s) -> tuple[bool, float, float]:
 
 
 def planner_of(everywhere: bool) -> Planner:
-    """Who says what is run."""
+    """Who says what is run.
+
+    Parameters
+    ----------
+    everywhere : bool; run everything, whatever the scene is
+    """
     return everything if everywhere else plan_of

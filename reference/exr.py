@@ -19,6 +19,7 @@ def write_exr(path: Path, image: Image) -> None:
 
     Parameters
     ----------
+    path : Path; replaced in one step
     image : Image
         ``"color"`` becomes the channels R, G, B; a layer of three components
         ``name.R``, ``name.G``, ``name.B``; of one component ``name``.

@@ -35,6 +35,10 @@ def part_beside(target: Path) -> Iterator[tuple[Path, BinaryIO]]:
 
     Raises OSError: it cannot be made.
 
+    Parameters
+    ----------
+    target : Path; in a folder that exists
+
     Yields
     ------
     path, file : Path, binary file; new, and locked while it is open

@@ -152,6 +152,7 @@ def excess(z: Colors, limit: float) -> float:
     Parameters
     ----------
     z : (...) float64; z scores
+    limit : float; in standard deviations
 
     Returns
     -------

@@ -68,6 +68,7 @@ def add_samples(
     moments : Moments; of the samples before
     sample : callable
         Takes a slice of K rows and the number of a sample, gives its (K, 3) values.
+    stop : int; samples in the result
 
     Returns
     -------

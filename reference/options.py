@@ -23,7 +23,7 @@ FALSEHOOD = {"false": False, "no": False, "off": False, "0": False}
 
 
 def with_values(defaults: Settings, assignments: Iterable[str]) -> Settings:
-    """Settings with some of their fields set from text.
+    """Settings with some of their fields set from text, of the same type.
 
     Raises TypeError: the settings are no dataclass.
     Raises UsageError: no such field, or not one of its values; the message lists what

@@ -77,6 +77,7 @@ def reflected_radiance(
 
     Parameters
     ----------
+    points : SurfacePoints; N points x; misses scatter nothing
     bounces : int; surface points that a path may visit after x; 0 is direct light alone
     uniforms : Uniforms
         N rows.  Vertex i after x takes dimension 2i for its direction and 2i + 1 for

@@ -69,7 +69,7 @@ def keep(record: Record, mask: Masks) -> Record:
 
 
 def cut(record: Record, rows: slice) -> Record:
-    """Consecutive rows of a record (or array), without a copy."""
+    """Consecutive rows of a record (or array): views, without a copy."""
     return map_rows(lambda a: a[rows], record)
 
 
@@ -79,6 +79,7 @@ def where(mask: Masks, yes: Record, no: Record) -> Record:
     Parameters
     ----------
     mask : (N,) bool; take ``yes`` where true
+    yes, no : record or array; N rows each, of one type
     """
 
     def choose(a: Any, b: Any) -> Any:
@@ -116,7 +117,7 @@ def scatter(rows: Indices, values: Record, size: int) -> Record:
 
 
 def put(record: Record, rows: Indices, values: Record) -> Record:
-    """Replace some rows of a record (or array).
+    """Replace some rows of a record (or array); a copy, of N rows.
 
     Parameters
     ----------

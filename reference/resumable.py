@@ -43,6 +43,7 @@ def accumulate_resumably(
 
     Parameters
     ----------
+    spp : int; samples in the end
     path : Path
         Of the checkpoint.  It is left in place, complete in the end: whoever has
         written the result may delete it.

@@ -46,6 +46,8 @@ def in_bands(
 ) -> Result:
     """Apply a function of rows to a frame, band by band.
 
+    The rows are bit-identical for every schedule.
+
     Parameters
     ----------
     function : callable

@@ -95,6 +95,10 @@ def same_but_for_the_camera(a: Scene, b: Scene) -> bool:
     """Whether two scenes hold the very same shapes and lights, by identity.
 
     What an animation does not change stays the same object.
+
+    Parameters
+    ----------
+    a, b : Scene; frames of one animation
     """
     ours = (*a.meshes, *a.spheres, *a.lamps, *a.suns, a.environment)
     theirs = (*b.meshes, *b.spheres, *b.lamps, *b.suns, b.environment)

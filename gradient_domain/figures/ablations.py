@@ -46,6 +46,8 @@ SIGNS = {
 def reuse(work: Work, scenes: Sequence[str] | None = None) -> PaperFigure:
     """Error of differences, with pairs around that are edges, any, or none.
 
+    A row a scene and variant.
+
     Parameters
     ----------
     scenes : sequence of str, optional
@@ -63,6 +65,8 @@ def reuse(work: Work, scenes: Sequence[str] | None = None) -> PaperFigure:
 
 def signs(work: Work, scenes: Sequence[str] | None = None) -> PaperFigure:
     """Error of differences, with a reservoir for each sign, or for both.
+
+    A row a scene and variant.
 
     Parameters
     ----------

@@ -33,12 +33,15 @@ VARIANTS = {**METHODS, ALONE: BY_ITSELF}
 
 
 def gradients(work: Work) -> PaperFigure:
-    """Error of differences by path tracing, after ReSTIR, and with it."""
+    """Error of differences by path tracing, after ReSTIR, and with it.
+
+    A row a scene and method.
+    """
     return of_scenes([scene_of(name, work.size) for name in SCENES], work)
 
 
 def of_scenes(scenes: list[Scene], work: Work) -> PaperFigure:
-    """The same of any scenes."""
+    """The same of any scenes; a row a scene and method."""
     rows: list[Row] = []
     grid: list[list[Tile]] = []
     for scene in scenes:
@@ -64,7 +67,13 @@ def of_scenes(scenes: list[Scene], work: Work) -> PaperFigure:
 def times_smaller(rounds: Rounds, name: str, than: str, same_time: bool) -> Interval:
     """How many times smaller the error of differences is.
 
-    Errors of means of frames fall as time grows: times MSE times seconds.
+    Parameters
+    ----------
+    rounds : Rounds; one copy of each
+
+    Returns
+    -------
+    Interval; errors of means of frames fall as time grows: times MSE times seconds
     """
     theirs, mine = (gradient_errors(rounds.estimates[n]) for n in (than, name))
     ratio = rounds.seconds[than] / rounds.seconds[name] if same_time else 1.0

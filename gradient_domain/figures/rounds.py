@@ -109,6 +109,7 @@ def by_rounds(
 
     Parameters
     ----------
+    paths : int; path-traced samples a run
     like : str
         The variant of which one copy runs; of each other one as many as take about its
         time.  Empty for one copy each.

@@ -45,6 +45,7 @@ def relative_gradient_errors(
     ----------
     estimates : list of (N, 9) float64
         Pixels, and differences to the right and down; runs, all unbiased.
+    truth : Moments; path-traced
 
     Returns
     -------
@@ -65,6 +66,7 @@ def image_errors(images: list[Vec3s], truth: Moments) -> tuple[Numbers, Numbers]
     Parameters
     ----------
     images : list of (N, 3) float64; runs
+    truth : Moments; path-traced
 
     Returns
     -------
@@ -121,6 +123,7 @@ def gradient_flips(estimates: list[Scalars], truth: Moments, width: int) -> Numb
     Parameters
     ----------
     estimates : list of (N, 9) float64; runs
+    truth : Moments; path-traced
 
     Returns
     -------

@@ -141,7 +141,7 @@ VARIANTS: dict[str, Callable[[Scalars, Scalars], tuple[Scalars, Numbers]]] = {
 
 
 def toy(work: Work) -> PaperFigure:
-    """Variance of the difference, and which samples are kept for it.
+    """Variance of the difference, and which samples are kept for it; a row a variant.
 
     Parameters
     ----------

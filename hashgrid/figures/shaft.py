@@ -39,7 +39,10 @@ VARIANTS: dict[str, Method] = {
 
 
 def shaft(work: Work) -> PaperFigure:
-    """Error of paths that ask cells, and of screen-space reuse in the same time."""
+    """Error of paths that ask cells, and of screen-space reuse in the same time.
+
+    A row a scene and variant.
+    """
     rows: list[Row] = []
     grid: list[list[Tile]] = []
     contenders = [Contender(name, m, BOUNCES) for name, m in VARIANTS.items()]

@@ -76,6 +76,8 @@ def size_in_shape(camera: Camera, pixels: int, multiple: int = 1) -> Size:
     Parameters
     ----------
     camera : Camera; gives width : height, from 1 : 100 to 100 : 1
+    pixels : int; of the picture, about
+    multiple : int; of which both sides are multiples
     """
     shape = np.clip(camera.width / max(camera.height, 1), 0.01, 100)
     sides = (pixels * shape) ** 0.5, (pixels / shape) ** 0.5

@@ -38,6 +38,8 @@ def new_file(suffix: str = ".exr") -> Callable[[str], Path]:
 def new_folder(text: str) -> Path:
     """Name of a folder that is there, or can be made, and can be written.
 
+    Nothing is made yet.
+
     Raises UsageError: it cannot be made, or not be written, or somebody else's page is
     there.
     """

@@ -35,6 +35,7 @@ def write_pages(
     ----------
     out : Path; folder; made if it is missing
     images : (Image, Image); A and the truth B; displayed at one exposure
+    maps : sequence of ErrorMap; the signed difference first
 
     Raises
     ------

@@ -35,6 +35,7 @@ def write_gallery(
 
     Parameters
     ----------
+    out : Path; folder that exists
     truth : Image; with its standard error; the caller has written ``truth.exr``
     contenders : sequence of (Runs, Score); from left to right
     remarks : sequence of str; how the numbers came about, for the page

@@ -47,6 +47,7 @@ def write_page(
     Parameters
     ----------
     path : Path; in the folder where the pictures are
+    remarks : sequence of str; how the numbers came about
     scores : sequence of Score
         Each with pictures ``NAME.exr``, ``NAME.png`` and a page
         ``NAME/index.html``.

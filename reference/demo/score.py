@@ -35,7 +35,7 @@ class Score:
 
 
 def scores(truth: Moments, paths: Runs, others: list[Runs]) -> list[Score]:
-    """Judge all methods.
+    """Judge all methods, path tracing first.
 
     Parameters
     ----------

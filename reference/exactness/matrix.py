@@ -66,6 +66,7 @@ def judged_cell(kernel: Kernel, extreme: str, inputs: Inputs) -> Cell:
     Parameters
     ----------
     extreme : str; name of where the rows are from
+    inputs : mapping of str to array; all of one type
 
     Returns
     -------

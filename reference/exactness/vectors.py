@@ -6,7 +6,7 @@ Vector = tuple[Exact, Exact, Exact]
 
 
 def inner(a: Vector, b: Vector) -> Exact:
-    """Inner product."""
+    """Inner product, summed from the first component on."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 

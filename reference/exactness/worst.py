@@ -44,7 +44,12 @@ class Worst:
 
 
 def plain(value: Any) -> Plain:
-    """Numbers of a row for JSON, without an error."""
+    """Numbers of a row for JSON, without an error.
+
+    Parameters
+    ----------
+    value : number or (k,) array; of any floating-point type
+    """
     wide = np.asarray(value, np.float64)
     return wide.tolist() if wide.ndim else float(wide)
 

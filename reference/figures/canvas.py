@@ -113,7 +113,12 @@ def draw_tiles(
 
 
 def tidy(axes: "Axes", title: str, x: str, y: str) -> None:
-    """Label axes, and take away what says nothing."""
+    """Label axes, and take away what says nothing.
+
+    Parameters
+    ----------
+    title, x, y : str; above, below and at the left
+    """
     axes.set_title(title, fontsize=9, color=INK)
     axes.set_xlabel(x, fontsize=8, color=INK)
     axes.set_ylabel(y, fontsize=8, color=INK)

@@ -121,6 +121,7 @@ def compete(
     Parameters
     ----------
     contenders : sequence of Contender; each runs `FRAMES` frames a run
+    paths : int; path-traced samples a frame
     """
     batches, path_times = [], []
     frame_times: dict[str, list[float]] = {c.name: [] for c in contenders}

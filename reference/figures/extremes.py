@@ -47,7 +47,7 @@ class Geometry:
 
 
 def extremes(work: Work) -> PaperFigure:
-    """Errors over distance and angle, and far from the origin.
+    """Errors over distance and angle, and far from the origin; a row a type.
 
     Parameters
     ----------

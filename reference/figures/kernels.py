@@ -19,7 +19,7 @@ NAME = "kernels"
 
 
 def kernels_at_extremes(work: Work) -> PaperFigure:
-    """Errors of all kernels beside exact numbers.
+    """Errors of all kernels beside exact numbers; a row a cell.
 
     Parameters
     ----------

@@ -55,7 +55,7 @@ FIGURES: dict[str, Entry] = {entry.name: entry for entry in _ENTRIES}
 
 
 def figure_names() -> list[str]:
-    """Names of all figures."""
+    """Names of all figures, the paper's first.  Nothing is imported."""
     theirs = [name for name in announced_names(GROUP) if name not in FIGURES]
     return [*FIGURES, *theirs]
 

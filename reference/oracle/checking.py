@@ -34,7 +34,7 @@ def judge(
     tell: Callable[[str], None] = _silent,
     executor: Executor | None = None,
 ) -> Verdict:
-    """Judge a backend.
+    """Judge a backend, whatever it does.
 
     Raises UsageError: no such backend or folder, or they are of different precision.
 
@@ -49,6 +49,7 @@ def judge(
     limits : Limits, optional; of time and memory, for a backend in another process
     precision : 'float32' or 'float64'; of a program; an object says its own
     against : Path, optional; golden folder whose cases are judged in place of our own
+    tell : callable; told the title of each step
     executor : Executor, optional
         Other processes, which make most of the whole runs, of a backend that is named
         by a string.

@@ -34,7 +34,10 @@ def write_frames(path: Path, width: int, buffers: Mapping[str, NDArray[Any]]) ->
 def read_frames(
     path: Path, passes: Passes, case: Case
 ) -> dict[str, NDArray[Any]] | Failure:
-    """Read the outputs that a backend has written as parts of one file."""
+    """Read the outputs that a backend has written as parts of one file.
+
+    They are of the types of single precision.
+    """
     try:
         promised = outputs_size(passes, "float32", case)
         contents = read_file(path, MOST_TIMES * promised + MOST_MORE)

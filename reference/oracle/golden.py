@@ -81,7 +81,8 @@ def write_golden(
     The new files are whole, in a hidden folder within this one, before the first old
     one is moved; an error moves all back.
 
-    Files that were kept: results of a backend, from the data that were replaced.
+    Returns the files that were kept: results of a backend, from the data that were
+    replaced.
 
     Raises UsageError: the folder holds something else, or cannot be written.
 

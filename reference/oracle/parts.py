@@ -31,7 +31,7 @@ Frames = Callable[[Precision, frozenset[str]], "list[Probe]"]
 
 
 def no_frames(precision: Precision, names: frozenset[str]) -> "list[Probe]":
-    """Of a part whose probes are soon made; None."""
+    """No probes: those of the part are soon made."""
     return []
 
 

@@ -108,8 +108,6 @@ class Asker:
     def __call__(self, case: Case) -> Buffers:
         """Outputs of a case, of the right form, by the backend or the built-in one.
 
-        Of the backend, or of the built-in one.
-
         Raises NoAnswerError: the backend has the pass, and gives nothing that can be
         judged.
         Raises NothingOfItsOwnError: nothing that was asked so far was the backend's:
@@ -151,6 +149,10 @@ def taken(
     """A step of tests that ask the backend themselves.
 
     Findings of tests in which nothing was the backend's own are left out.
+
+    Parameters
+    ----------
+    relies_on : tuple of str; departures under which these say nothing
     """
     found, unasked = [], []
     for test in tests:

@@ -103,6 +103,7 @@ def resample(
         One uniform number in [0, 1) for each; that of the first decides nothing.
     mis : '1/M', '1/Z', 'balance', 'pairwise' or 'defensive'
         MIS weights.  1/M is biased: it counts those who could not have made the sample.
+    cap : float; limit of M
 
     Returns
     -------
@@ -245,6 +246,7 @@ def target_at(
 
     Parameters
     ----------
+    y : record; K samples at the receivers
     p_hat : (K,); their target there
     asked : (K,) bool; which; 0 elsewhere
 

@@ -64,7 +64,7 @@ def with_camera(animation: Animation, camera_at: Callable[[int], Camera]) -> Ani
 def with_shape(
     animation: Animation, name: str, move_at: Callable[[int], Scalars]
 ) -> Animation:
-    """Move a mesh or a sphere.
+    """Move a mesh or a sphere, with the shape moved.
 
     Parameters
     ----------

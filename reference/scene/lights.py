@@ -15,7 +15,7 @@ class PointLight:
 
     Attributes
     ----------
-    position : (float, float, float), m
+    position : (float, float, float), m; in the world
     intensity : Color, W/sr; irradiance at distance d facing it is ``intensity / d²``
     """
 
@@ -29,7 +29,7 @@ class SpotLight:
 
     Attributes
     ----------
-    position : (float, float, float), m
+    position : (float, float, float), m; in the world
     direction : (float, float, float)
         Unit vector along the axis of the cone, away from the light.
     intensity : Color, W/sr

@@ -42,6 +42,10 @@ class Motion:
 def motion_between(before: Scene, after: Scene) -> Motion | None:
     """Motion of the shapes from one frame to the next.
 
+    Parameters
+    ----------
+    before, after : Scene; two frames of one animation
+
     Returns
     -------
     Motion or None; ``None`` where every shape stays: nothing needs to be carried

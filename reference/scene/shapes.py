@@ -57,7 +57,7 @@ class Sphere:
 
     Attributes
     ----------
-    center : (float, float, float), m
+    center : (float, float, float), m; in the world
     radius : float, m; positive
     material : Material; how both sides scatter
     emission : Texture, W/(m² sr); radiance that leaves the front
@@ -122,6 +122,7 @@ def box(
     ----------
     size : (float, float, float), m; extents along its own axes
     pose : (4, 4) float64; own frame to world
+    inward : bool; the front is the inside
     """
     signs = np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)])
     corners = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4)]

@@ -53,6 +53,7 @@ def directions_above(draw: st.DrawFn, normals: Vec3s, least: float = 0.0) -> Vec
     Parameters
     ----------
     normals : (N, 3) float64; unit vectors
+    least : float; smallest cosine with them
 
     Returns
     -------
@@ -101,6 +102,7 @@ def views_of_a_patch(
     ----------
     eyes : int; how many points look at the patch
     near, far : float, m; smallest and largest distance
+    least : float; smallest cosine at the patch
 
     Returns
     -------

@@ -27,6 +27,7 @@ def curves(scores: Sequence[Score], light: float) -> "Figure":
     Parameters
     ----------
     scores : sequence of Score; at most `LINES`
+    light : float; mean of the truth
 
     Returns
     -------
@@ -77,6 +78,7 @@ def bars(groups: Sequence[tuple[str, Sequence[Score]]], light: float) -> "Figure
     Parameters
     ----------
     groups : sequence of (str, sequence of Score); a knob, and its levels; at least one
+    light : float; mean of the truth
     """
     columns = min(3, len(groups))
     rows = -(-len(groups) // columns)
@@ -107,6 +109,10 @@ def front(scores: Sequence[Score], light: float) -> "Figure":
 
     Names stand at the points that nothing dominates, where there is something to be
     seen of them.
+
+    Parameters
+    ----------
+    light : float; mean of the truth
     """
     picture = blank(11, 5)
     scale = light or 1.0

@@ -21,7 +21,12 @@ def on_front(scores: Sequence[Score]) -> list[bool]:
 
 
 def best_within(scores: Sequence[Score], ms: float) -> Score | None:
-    """Point of the least error that a frame's time allows; None if all take longer."""
+    """Point of the least error that a frame's time allows; None if all take longer.
+
+    Parameters
+    ----------
+    ms : float; a frame may take
+    """
     allowed = [s for s in scores if s.ms.value <= ms]
     return min(allowed, key=lambda s: s.error.mse.value, default=None)
 
@@ -44,6 +49,8 @@ def advice(
 
     Parameters
     ----------
+    scores : sequence of Score; measured; the first is the base
+    light : float; mean of the truth
     percent : float, optional
         Error that is allowed, of the mean; by default that of the base.
     ms : float, optional; time that is allowed; by default that of the base

@@ -26,6 +26,7 @@ def deviations(colors: Scalars, truth: Moments) -> Scalars:
     Parameters
     ----------
     colors : (R, N, 3) float; runs
+    truth : Moments; path-traced
 
     Returns
     -------

@@ -31,6 +31,10 @@ def write_results(out: Path, results: Results, store: Store) -> None:
     """Write ``numbers.json``, ``numbers.csv``, a PNG a figure, and ``index.html``.
 
     Raises UsageError: a file cannot be written.
+
+    Parameters
+    ----------
+    out : Path; folder that exists
     """
     figures = [
         (name, title, words, _png(draw(results, store)))

@@ -70,6 +70,7 @@ def score(
 
     Parameters
     ----------
+    truth : Moments; path-traced
     trials : list of Trial; runs of different seeds, at least 3
     counted : int; frames in the mean of a run
     """

@@ -29,8 +29,8 @@ def judge_path_reuse(
 ) -> Judgement:
     """Judge pass ``path_reuse``.
 
-    N rows.  Where the backend's choice is one that rounding allows, the weight that
-    goes with it is asked for.
+    Where the backend's choice is one that rounding allows, the weight that goes with it
+    is asked for.
     """
     rounding, part = rounding_of(precision), reusing(rules)
     t = tables_of(case, part, rounding)

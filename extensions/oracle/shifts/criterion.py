@@ -104,7 +104,7 @@ def judge_joinable(
 ) -> Judgement:
     """Judge pass ``joinable``.
 
-    N rows.  Who is at a threshold, to rounding, may be on either side of it.
+    Who is at a threshold, to rounding, may be on either side of it.
     """
     rounding, given = rounding_of(precision), case.inputs
     alpha_from, alpha_to, distance = (

@@ -28,7 +28,12 @@ def told(array: NDArray[Any], rounding: Rounding) -> Bounded:
 
 
 def perceptual(alpha: Bounded) -> Bounded:
-    """Perceptual roughness √alpha, (N,)."""
+    """Perceptual roughness √alpha, (N,).
+
+    Parameters
+    ----------
+    alpha : Bounded; (N,): GGX width
+    """
     return square_root(alpha)
 
 
@@ -56,7 +61,12 @@ def spread_between(
 
 
 def share(mine: Bounded, other: Bounded) -> Bounded:
-    """Balance heuristic (N,), 1 where one's own density is 0."""
+    """Balance heuristic (N,), 1 where one's own density is 0.
+
+    Parameters
+    ----------
+    mine, other : Bounded; (N,): densities of both techniques
+    """
     none = mine.value == 0
     return choose(none, constant(1.0, mine), mine / (mine + other))
 

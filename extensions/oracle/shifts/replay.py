@@ -54,7 +54,7 @@ def judge_shift(
 ) -> Judgement:
     """Judge pass ``shift``.
 
-    N rows.  Where rounding leaves open whether there is a path, the backend says.
+    Where rounding leaves open whether there is a path, the backend says.
     """
     rounding, part = rounding_of(precision), shifting(rules)
     kinds = kinds_of(case, part)

@@ -114,6 +114,7 @@ def frame_of(
     Parameters
     ----------
     size : int; pixels of a side of the image
+    seed, frame : int; of the random numbers
     """
     world, points = room(scene, size)
     numbers = Numbers(size * size, seed)

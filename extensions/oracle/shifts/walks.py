@@ -38,6 +38,7 @@ def walked(
 
     Parameters
     ----------
+    points : SurfacePoints; N points x_1
     slots : int; V
     """
     steps, leavings = [start(points)], []

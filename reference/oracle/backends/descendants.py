@@ -18,7 +18,12 @@ ROUNDS = 100  # of ending what goes on to start others
 
 
 def marked(mark: str) -> list[int]:
-    """Running processes that inherited a mark; none if the system does not tell."""
+    """Running processes that inherited a mark; none if the system does not tell.
+
+    Parameters
+    ----------
+    mark : str; a variable of their environment
+    """
     wanted, found = f"{mark}=".encode(), []
     with suppress(OSError):
         for name in os.listdir(PROCESSES):
@@ -31,7 +36,12 @@ def marked(mark: str) -> list[int]:
 
 
 def end_marked(mark: str) -> int:
-    """End all processes that have inherited a mark."""
+    """End all processes that have inherited a mark.
+
+    Parameters
+    ----------
+    mark : str; a variable of their environment
+    """
     ended: set[int] = set()
     for _ in range(ROUNDS):
         found = marked(mark)

@@ -15,7 +15,7 @@ ATTRIBUTE = "BACKEND"
 
 
 def backend_names() -> list[str]:
-    """Names of built-in and announced backends."""
+    """Names of built-in and announced backends.  Nothing is imported."""
     return [*BUILT_IN, *sorted(point.name for point in entry_points(group=GROUP))]
 
 

@@ -130,8 +130,8 @@ def run_program(
 ) -> Failure | Unasked | None:
     """Run a program to its end.
 
-    What went wrong, as the end of a sentence; ``None`` if nothing did.  The program is
-    waited for, not those that it leaves behind, nor their ends of its pipes.
+    Returns what went wrong, as the end of a sentence; ``None`` if nothing did.  The
+    program is waited for, not those that it leaves behind, nor their ends of its pipes.
 
     Raises UsageError: there is no such program, or no room for it.
 

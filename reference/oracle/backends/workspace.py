@@ -52,7 +52,7 @@ class Workspace:
 
     @contextmanager
     def batch(self) -> Iterator[Path]:
-        """A folder for some calls."""
+        """New folder for some calls, removed in the end."""
         self._batches += 1
         folder = self.folder / str(self._batches)
         try:
@@ -70,6 +70,10 @@ class Workspace:
         """Refuse to go on if the disk is full, which is no fault of a backend.
 
         Raises UsageError: they cannot be written here either.
+
+        Parameters
+        ----------
+        count : int; bytes that it was to write
         """
         probe = self.folder / "probe"
         try:
@@ -87,7 +91,10 @@ class Workspace:
                 probe.unlink(missing_ok=True)
 
     def close(self) -> int:
-        """End all processes, and remove the folder."""
+        """End all processes, and remove the folder.
+
+        Returns how many processes were still running.
+        """
         with self._stack:
             self._ended += end_marked(self._mark)
         assert self._guardian.stdin is not None

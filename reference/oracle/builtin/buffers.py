@@ -62,7 +62,12 @@ def samples_of(buffers: Arrays, prefix: str = "") -> Samples:
 def receivers_of(
     buffers: Arrays, kind: Any, mis: Any, cap: float, known: Sequence[Known] = ()
 ) -> Receivers:
-    """Pixels among buffers."""
+    """Pixels among buffers.
+
+    Parameters
+    ----------
+    cap : float; limit of M
+    """
     points = surface_of(
         buffers["visible_position"], buffers["visible_normal"], buffers["albedo"]
     )

@@ -89,7 +89,12 @@ Passes = Mapping[str, Pass]
 
 
 def real(name: str, meaning: str, *columns: int | str) -> Field:
-    """Buffer of reals."""
+    """Buffer of reals.
+
+    Parameters
+    ----------
+    *columns : int or str; shape of a row
+    """
     return Field(name, columns, "real", meaning)
 
 
@@ -99,10 +104,20 @@ def vector(name: str, meaning: str) -> Field:
 
 
 def index(name: str, meaning: str, *columns: int | str) -> Field:
-    """Buffer of row numbers."""
+    """Buffer of row numbers.
+
+    Parameters
+    ----------
+    *columns : int or str; shape of a row
+    """
     return Field(name, columns, "index", meaning)
 
 
 def bits(name: str, meaning: str, *columns: int | str) -> Field:
-    """Buffer of 32-bit words."""
+    """Buffer of 32-bit words.
+
+    Parameters
+    ----------
+    *columns : int or str; shape of a row
+    """
     return Field(name, columns, "bits", meaning)

@@ -30,7 +30,7 @@ HYPOTHESES: tuple[Hypothesis, ...] = (
 
 
 def known_mistakes() -> tuple[Hypothesis, ...]:
-    """Hypotheses of all parts of the contract."""
+    """Hypotheses of all parts of the contract, those of the core first."""
     return (*HYPOTHESES, *(h for part in parts() for h in part.hypotheses))
 
 

@@ -14,7 +14,7 @@ JacobianFormula = Callable[[Receiver, Receiver, Point], Bounded]
 
 
 def clamped(least: float, most: float) -> JacobianFormula:
-    """Jacobian of Equation 11 between two limits; a formula as that of Equation 11."""
+    """Formula of the Jacobian, Equation 11, clamped between two limits."""
 
     def limited(x_from: Receiver, x_to: Receiver, y: Point) -> Bounded:
         J = jacobian(x_from, x_to, y)
@@ -26,9 +26,7 @@ def clamped(least: float, most: float) -> JacobianFormula:
 
 
 def rejected(least: float, most: float) -> JacobianFormula:
-    """Jacobian of Equation 11, or 0 outside of two limits.
-
-    A formula as that of Equation 11.
+    """Formula of the Jacobian, Equation 11, or 0 outside of two limits.
 
     Parameters
     ----------

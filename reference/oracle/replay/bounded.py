@@ -139,6 +139,10 @@ def constant(value: float, like: Bounded) -> Bounded:
     """A number that a backend writes as a literal, rounded once.
 
     A small whole number is not rounded.
+
+    Parameters
+    ----------
+    like : Bounded; gives shape and rounding
     """
     values = np.full(like.value.shape, float(value))
     whole = float(value).is_integer() and abs(value) < 2**11

@@ -75,7 +75,13 @@ def preference(u: Bounded, w_before: Bounded, w: Bounded) -> Bounded:
 def fresh_confidence(w: Bounded) -> Bounded:
     """Confidence of a new sample: 1, for nulls too.
 
-    Returns Bounded; (N,).
+    Parameters
+    ----------
+    w : Bounded; (N,), its weight
+
+    Returns
+    -------
+    Bounded; (N,)
     """
     return constant(1.0, w)
 
@@ -115,5 +121,6 @@ def shaded(f: Bounded, W: Bounded) -> Bounded:
     Parameters
     ----------
     f : Bounded; (N, 3)
+    W : Bounded; (N,)
     """
     return f * W[:, None]

@@ -39,7 +39,7 @@ def lit_at(x: Receiver, y: Point) -> Bounded:
 
 
 def on_both_sides(x: Receiver, y: Point, value: Bounded) -> Bounded:
-    """A value where the sample is above the horizon and lit, else 0.
+    """A value where the sample is above the horizon and lit, else 0, of the same shape.
 
     Parameters
     ----------

@@ -107,6 +107,7 @@ def beside(name: str, found: NDArray[Any], expected: Bounded) -> Compared:
 
     Parameters
     ----------
+    expected : Bounded; of the same shape
     found : (N, ...) array; by the backend
     """
     return Compared(name, found, expected.value, expected.error)

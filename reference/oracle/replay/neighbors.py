@@ -31,6 +31,8 @@ def similarity(
     Parameters
     ----------
     normal_a, normal_b : Bounded; (N, 3) unit normals
+    depth_a, depth_b : Bounded; (N,), m
+    least_cosine : float; of the largest angle
     max_depth : float; relative difference
     rules : Rules; what the difference is relative to
 
@@ -77,7 +79,7 @@ def judge_neighbors(
 ) -> Judgement:
     """Judge pass ``neighbors``.
 
-    N rows.  The radius goes on from the backend's own success or failure.
+    The radius goes on from the backend's own success or failure.
     """
     rounding, s = rounding_of(precision), case.settings
     found = outputs["neighbors"]

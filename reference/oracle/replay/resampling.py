@@ -24,6 +24,7 @@ def judge_resampling(
     ----------
     outputs : mapping of str to array; reservoirs of N rows, by the backend
     slots : list of Slot; in the order of the stream
+    counted : bool; the numbers that decide are random
 
     Returns
     -------

@@ -63,7 +63,12 @@ class Closing:
 
 
 def nothing(like: Bounded) -> Bounded:
-    """Zeros, without error."""
+    """Zeros, without error.
+
+    Parameters
+    ----------
+    like : Bounded; gives shape and rounding
+    """
     none = np.zeros_like(like.value)
     return Bounded(none, none, like.rounding)
 

@@ -37,6 +37,7 @@ def times(a: Bounded, factor: Bounded) -> Bounded:
     Parameters
     ----------
     a : Bounded; (N, 3)
+    factor : Bounded; (N,)
     """
     return a * factor[:, None]
 
@@ -61,6 +62,7 @@ def where_positive(test: Bounded, x: Bounded) -> Bounded:
 
     Parameters
     ----------
+    test : Bounded; (N,)
     x : Bounded; (N,) or (N, 3)
 
     Returns

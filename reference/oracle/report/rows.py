@@ -35,11 +35,11 @@ def worst_case(answer: Answer) -> dict[str, Any]:
 
 
 def as_number(value: Any) -> Any:
-    """A number, or nested lists of them.
+    """A number, or nested lists of them; ``None`` in place of what JSON does not know.
 
-    Returns
-    -------
-    int, float, bool, list or None; ``None`` in place of what JSON does not know
+    Parameters
+    ----------
+    value : number or array; of any type
     """
     plain = np.asarray(value).tolist()
     return [as_number(x) for x in plain] if isinstance(plain, list) else _finite(plain)

@@ -46,6 +46,7 @@ def worst_rows(judgement: Judgement, most: int) -> Indices:
 
     Parameters
     ----------
+    judgement : Judgement; of N rows
     most : int; no more rows than that
 
     Returns

@@ -63,7 +63,7 @@ def unit_vectors(rng: np.random.Generator, rows: int) -> Vec3s:
 
 
 def gbuffer_cases(rng: np.random.Generator) -> Iterator[Parts]:
-    """Triangles in front of pixels."""
+    """Triangles in front of pixels: ordinary ones, then the extremes."""
     pixel = np.arange(ROWS)
     # A tenth behind the camera.
     reach = 2.0 ** rng.uniform(-2, 6, ROWS) * np.where(rng.random(ROWS) < 0.1, -1, 1)
@@ -95,7 +95,7 @@ def gbuffer_cases(rng: np.random.Generator) -> Iterator[Parts]:
 
 
 def reproject_cases(rng: np.random.Generator) -> Iterator[Parts]:
-    """Points of this frame, and what the last one saw."""
+    """Points of this frame and what the last one saw: ordinary ones, then extremes."""
     depth = 10.0 ** rng.uniform(-1, 2, ROWS)
     normal = unit_vectors(rng, ROWS)
     depth_before = depth * (rng.random(ROWS) < 0.95)

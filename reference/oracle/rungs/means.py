@@ -108,6 +108,7 @@ def mean_over_runs(
         From a seed to the replicates of its batch and of those after it, where others
         make them; the first batch is made here, so that a backend which does not
         answer is known before.
+    target : float; certified bound at which to stop
     alpha : float; probability of a false alarm, over all times and statistics together
     first_seed : int; of the first batch; batches are numbered on
     """

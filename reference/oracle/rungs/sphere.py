@@ -73,14 +73,19 @@ class Sphere:
 
 
 def points_inside(rows: int, seed: int) -> Vec3s:
-    """Points of the unit sphere, (N, 3) float64; independent and uniform."""
+    """Points of the unit sphere, (N, 3) float64; independent and uniform.
+
+    Parameters
+    ----------
+    seed : int; of the random numbers
+    """
     v = np.random.default_rng(seed).normal(size=(rows, 3))
     unit: Vec3s = v / np.linalg.norm(v, axis=1)[:, None]
     return unit
 
 
 def ring(rows: int, count: int, frame: int) -> Indices:
-    """Neighbours on a ring, others in each frame, (N, K) int; None is the row itself.
+    """Neighbours on a ring, others in each frame, (N, K) int; none is the row itself.
 
     Parameters
     ----------

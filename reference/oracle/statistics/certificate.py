@@ -24,6 +24,7 @@ class Certificate:
     ----------
     biases : (columns,) float64; b of the candidates, rising
     ceiling : float; B / μ − 1, the largest bias that the bound leaves
+    bets : Bets; a column a candidate
     peak_brighter, peak_darker : (columns,) float64
         The largest log K⁺ and log K⁻ so far: what was rejected once stays rejected.
     """

@@ -31,6 +31,7 @@ def student_deviations(deviations: float, samples: int) -> float:
 
     Parameters
     ----------
+    deviations : float; k, where the error is known
     samples : int; n ≥ 2, from which mean and error were estimated
 
     Returns
@@ -43,8 +44,9 @@ def student_deviations(deviations: float, samples: int) -> float:
 def outside_probability(deviations: float, truths: int) -> float:
     """Probability that one of m truths lies outside its interval, min(1, 2 m Φ(−k)).
 
-    It takes the estimates for normal, which the means of many samples of light are
-    only nearly: this is the one part of the statement that is not proved.
+    It is to be added to α.  It takes the estimates for normal, which the means of many
+    samples of light are only nearly: this is the one part of the statement that is not
+    proved.
 
     Parameters
     ----------

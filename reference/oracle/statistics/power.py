@@ -13,6 +13,7 @@ def replicates_needed(
     ----------
     variation : float; CV, the standard deviation of a replicate over its mean
     bias : float; b, relative
+    alpha : float; α of all tests together
     tests : int; m
     power : float; P, the probability that it is shown
 
@@ -33,6 +34,7 @@ def smallest_detectable(
     Parameters
     ----------
     replicates : int; n
+    alpha : float; α of all tests together
     tests : int; m
     power : float; P
 
@@ -56,6 +58,7 @@ def bets_needed(
     ----------
     bias : float; b, relative, with its sign
     headroom : float; B / μ, the bound over the truth
+    alpha : float; α of all tests together
     tests : int; m
 
     Returns

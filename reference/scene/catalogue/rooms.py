@@ -21,6 +21,7 @@ def pose(yaw_degrees: float, position: Color) -> Scalars:
 
     Parameters
     ----------
+    yaw_degrees : float; counter-clockwise seen from above (+y)
     position : (float, float, float), m; where the origin of the own frame goes
 
     Returns

@@ -24,7 +24,7 @@ class Ball:
     outward: bool
 
     def holds(self, x: Vec3s) -> bool:
-        """Whether a point is inside.
+        """Whether a point is inside; False on the surface.
 
         Parameters
         ----------
@@ -33,7 +33,7 @@ class Ball:
         return bool(np.linalg.norm(x - self.center) < self.radius)
 
     def excludes_point(self, x: Vec3s) -> bool:
-        """Whether a point is outside.
+        """Whether a point is outside; True on the surface.
 
         Parameters
         ----------

@@ -52,6 +52,7 @@ def check_reflectance(where: str, texture: Texture) -> None:
 
     Parameters
     ----------
+    where : str; the shape that has it
     texture : Texture; a colour, a bitmap or a checker
     """
     check_texture(where, "reflectance", texture, 1.0)

@@ -50,6 +50,7 @@ def framing_camera(meshes: Sequence[Mesh], spheres: Sequence[Sphere]) -> Camera:
     Parameters
     ----------
     meshes : sequence of Mesh; in the world (their poses are the identity)
+    spheres : sequence of Sphere; in the world
 
     Returns
     -------
@@ -87,7 +88,13 @@ def camera_or_framing(
     spheres: Sequence[Sphere],
     ledger: Ledger,
 ) -> Camera:
-    """Camera of the file, or else one that frames the scene, noted."""
+    """Camera of the file, or else one that frames the scene, noted.
+
+    Parameters
+    ----------
+    meshes : sequence of Mesh; in the world
+    spheres : sequence of Sphere; in the world
+    """
     if camera is not None:
         return camera
     ledger.note(

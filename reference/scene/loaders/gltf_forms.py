@@ -173,6 +173,8 @@ def shown(value: Any) -> str:
 def printable(text: str) -> str:
     """A text of the file, of which nothing can reach a terminal but letters.
 
+    Escapes stand in place of the rest.
+
     Parameters
     ----------
     text : str; may hold control characters and halves of pairs

@@ -24,9 +24,13 @@ WHITE = (1.0, 1.0, 1.0)
 
 
 def read_material(entry: Entry) -> Material:
-    """Material of a file; one-sided unless it says ``"twosided": true``.
+    """Material of a file, one-sided unless it says ``"twosided": true``.
 
     Raises UsageError: the type or a key is not understood, unless lenient.
+
+    Parameters
+    ----------
+    entry : Entry; an object with a "type"
     """
     kind = entry.get("type")
     if not isinstance(kind, str) or kind not in KNOWN:

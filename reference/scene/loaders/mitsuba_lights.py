@@ -32,7 +32,12 @@ class Lights:
 
 
 def add_light(lights: Lights, node: Node, textures: Textures) -> None:
-    """Add what an emitter outside the shapes stands for."""
+    """Add what an emitter outside the shapes stands for.
+
+    Parameters
+    ----------
+    lights : Lights; grows
+    """
     ledger = textures.ledger
     # An area emitter outside the shapes shines from those alone that refer to it.
     if node.kind == "area" or not node.is_modelled(ledger):

@@ -32,7 +32,7 @@ def read_mesh(
     textured: bool,
     ledger: Ledger,
 ) -> Mesh:
-    """Triangles of a shape, without its look.
+    """Triangles of a shape, without its look, in the world.
 
     Parameters
     ----------

@@ -153,7 +153,7 @@ def _plain_look(node: Node, look: Look, ledger: Ledger) -> Look:
 
 
 def build_shape(plan: Plan, materials: Materials) -> Mesh | Sphere:
-    """The shape of a plan, with its triangles."""
+    """The shape of a plan, with its triangles, in the world."""
     ledger = materials.ledger
     if plan.node.kind == "sphere":
         return _sphere(plan, ledger)

@@ -119,7 +119,14 @@ class Textures:
     def placement(self, textures: Sequence[Pattern], where: str) -> Scalars | None:
         """What becomes of the texture coordinates of a shape.
 
-        Returns (2, 3) float64 or None; ``None`` where they stay as they are.
+        Parameters
+        ----------
+        textures : sequence of Pattern; all those of the shape
+        where : str; the shape, for messages
+
+        Returns
+        -------
+        (2, 3) float64 or None; ``None`` where they stay as they are
         """
         turns = [self.turned.get(id(texture)) for texture in textures]
         first = turns[0] if turns else None

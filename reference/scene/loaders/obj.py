@@ -69,7 +69,7 @@ class ObjText:
     smooth: tuple[tuple[int, str], ...]
 
     def where(self, line: int) -> str:
-        """Place of a line, for messages.
+        """Place of a line, for messages, as an editor counts.
 
         Parameters
         ----------

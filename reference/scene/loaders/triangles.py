@@ -35,9 +35,16 @@ def check_indices(mesh: Mesh, ledger: Ledger) -> None:
 def turn_faces_to_normals(mesh: Mesh) -> Mesh:
     """Let each face look the way that its vertex normals point.
 
-    Faces whose normal has a negative product with the sum of its vertex normals are
-    turned over.  Renderers tell the sides apart by the shading normal, so a lamp that
-    is wound the other way round still shines where they have it shine.
+    Parameters
+    ----------
+    mesh : Mesh; in the world
+
+    Returns
+    -------
+    Mesh
+        Faces whose normal has a negative product with the sum of its vertex normals
+        are turned over.  Renderers tell the sides apart by the shading normal, so a
+        lamp that is wound the other way round still shines where they have it shine.
     """
     if mesh.normals is None:
         return mesh

@@ -101,6 +101,7 @@ def sample(table: MaterialTable, points: SurfacePoints, u: Draw) -> Vec3s:
 
     Parameters
     ----------
+    points : SurfacePoints; N points on rough coats
     u : four (N,) float64
         Lane 0 picks the lobe, and what is left of it, 1 and 2 the direction.
     """
@@ -120,6 +121,7 @@ def sample_smooth(
 
     Parameters
     ----------
+    points : SurfacePoints; N points on smooth coats
     u : four (N,) float64; lane 0 picks the lobe, 1 and 2 the direction
 
     Returns
@@ -141,7 +143,13 @@ def sample_smooth(
 def reflect_in_coat(table: MaterialTable, points: SurfacePoints) -> tuple[Vec3s, Vec3s]:
     """Mirror direction of a smooth coat and the share that it reflects.
 
-    Returns (N, 3), (N, 3) float64; unit directions; Fresnel term, 0 on black backs.
+    Parameters
+    ----------
+    points : SurfacePoints; N points on smooth coats
+
+    Returns
+    -------
+    (N, 3), (N, 3) float64; unit directions; Fresnel term, 0 on black backs
     """
     m = points.material
     wi = reflect(points.wo, points.shading)

@@ -17,6 +17,7 @@ def reflectance(table: MaterialTable, points: SurfacePoints, cos: Scalars) -> Ve
 
     Parameters
     ----------
+    points : SurfacePoints; N points on conductors
     cos : (N,) float64; cosine of the light with the (microfacet) normal, 0 to 1
 
     Returns
@@ -44,7 +45,7 @@ def scattering(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Vec3s:
 
     Returns
     -------
-    (N, 3) float64, 1/sr; 0 below the surface. [Walter07, Eq. 20]
+    (N, 3) float64, 1/sr; 0 below the surface [Walter07, Eq. 20]
     """
     h = normalize(points.wo + wi)
     cos_o = np.maximum(dot(points.shading, points.wo), 0.0)

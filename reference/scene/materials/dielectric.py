@@ -13,7 +13,13 @@ from reference.scene.surface import SurfacePoints
 def relative_index(table: MaterialTable, points: SurfacePoints) -> Scalars:
     """Index of refraction behind surfaces, as their viewers see them, over that before.
 
-    Returns (N,) float64; the inverse on backs.
+    Parameters
+    ----------
+    points : SurfacePoints; N points on dielectrics
+
+    Returns
+    -------
+    (N,) float64; the inverse on backs
     """
     ior = table.ior[points.material]
     return np.where(points.front, ior, 1.0 / ior)
@@ -26,6 +32,7 @@ def sample(
 
     Parameters
     ----------
+    points : SurfacePoints; N points on dielectrics
     u : four (N,) float64; lane 0 decides
 
     Returns

@@ -62,6 +62,7 @@ def scattering(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Vec3s:
 
     Parameters
     ----------
+    points : SurfacePoints; N points on rough dielectrics
     wi : (N, 3) float64; unit directions to the light, to either side
 
     Returns
@@ -83,6 +84,7 @@ def pdf(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Scalars:
 
     Parameters
     ----------
+    points : SurfacePoints; N points on rough dielectrics
     wi : (N, 3) float64; unit directions to the light, to either side
     """
     p = _passage(table, points, wi)
@@ -97,6 +99,7 @@ def sample(
 
     Parameters
     ----------
+    points : SurfacePoints; N points on rough dielectrics
     u : four (N,) float64
         Lanes 0 to 2 choose the microfacet, and what is left of lane 0 decides.
 

@@ -100,7 +100,12 @@ def where_not_negative(slack: Bounded) -> Choice:
 
 
 def where_none_negative(slack: Bounded) -> Choice:
-    """Yes where none of a row's numbers is below 0, (N,): one certain no is enough."""
+    """Yes where none of a row's numbers is below 0, (N,): one certain no is enough.
+
+    Parameters
+    ----------
+    slack : Bounded; (N,) or (N, K)
+    """
     each = where_not_negative(slack)
     rows = (len(each.own), -1)
     own, certain = each.own.reshape(rows), each.certain.reshape(rows)
@@ -127,7 +132,7 @@ def bounded_somehow(x: Bounded) -> Bounded:
 
 
 def moved(x: Bounded, by: float) -> Bounded:
-    """Numbers and a literal added to them.
+    """Numbers and a literal added to them, of the same shape.
 
     Parameters
     ----------

@@ -66,8 +66,8 @@ def judge_unpack(
 ) -> Judgement:
     """Judge pass ``unpack``.
 
-    N rows.  All but the normals is exact; a float32 below the smallest normal number
-    may be flushed to 0.
+    All but the normals is exact; a float32 below the smallest normal number may be
+    flushed to 0.
     """
     part, rounding = further(rules), rounding_of(precision)
     codes = _records(case.inputs["words"], part)

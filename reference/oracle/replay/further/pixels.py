@@ -36,8 +36,8 @@ def judge_roulette(
 ) -> Judgement:
     """Judge pass ``roulette``.
 
-    N rows.  The random numbers are exact; a probability that float32 does not hold may
-    be rounded to either side of one, and its reciprocal is rounded.
+    The random numbers are exact; a probability that float32 does not hold may be
+    rounded to either side of one, and its reciprocal is rounded.
     """
     s, part, rounding = case.settings, further(rules), rounding_of(precision)
     width = int(s["width"])

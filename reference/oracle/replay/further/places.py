@@ -16,6 +16,11 @@ from reference.oracle.replay.rules import Rules
 def rows_at(x: Bounded, y: Bounded, eye: Eye, border: str) -> list[Indices]:
     """Rows at places of the image.
 
+    Parameters
+    ----------
+    x, y : Bounded; (N,), pixels
+    border : str; what becomes of places outside
+
     Returns
     -------
     list of (N,) int
@@ -53,6 +58,8 @@ def may_hold(row: Indices, x: Bounded, y: Bounded, eye: Eye, border: str) -> Mas
     Parameters
     ----------
     row : (N,) int; pixels
+    x, y : Bounded; (N,), pixels
+    border : str; what becomes of places outside
     """
     width, height = int(eye.width.value[0]), int(eye.height.value[0])
     line, column = np.divmod(row, width)

@@ -23,7 +23,7 @@ def judge_validation(
 ) -> Judgement:
     """Judge pass ``validation``.
 
-    N rows.  The same radiance is the same in any order of operations.
+    The same radiance is the same in any order of operations.
     """
     rounding, part, given = rounding_of(precision), further(rules), case.inputs
     then, now = given["radiance_then"], given["radiance_now"]
@@ -49,7 +49,7 @@ def judge_boiling(
 ) -> Judgement:
     """Judge pass ``boiling``.
 
-    N rows.  Whoever is within the bounds of the limit may stay or go.
+    Whoever is within the bounds of the limit may stay or go.
     """
     rounding, part, given = rounding_of(precision), further(rules), case.inputs
     brightness = part.luminance(exact(given["radiance"], rounding))

@@ -31,8 +31,8 @@ def judge_gbuffer(
 ) -> Judgement:
     """Judge pass ``gbuffer``.
 
-    N rows.  Whether the ray meets the triangle is open within the bounds of the signs
-    of its sides; the other buffers are judged as the backend decided.
+    Whether the ray meets the triangle is open within the bounds of the signs of its
+    sides; the other buffers are judged as the backend decided.
     """
     rounding, part = rounding_of(precision), further(rules)
     eye = eye_of(case.settings, rounding, part)
@@ -81,8 +81,8 @@ def judge_reproject(
 ) -> Judgement:
     """Judge pass ``reproject``.
 
-    N rows.  A place near the border of two pixels may be in either, and a point that is
-    barely similar may be similar or not.
+    A place near the border of two pixels may be in either, and a point that is barely
+    similar may be similar or not.
     """
     rounding, part = rounding_of(precision), further(rules)
     eye = eye_of(case.settings, rounding, part)
