@@ -131,7 +131,7 @@ FILLER = re.compile(
 )
 TERSE = re.compile(
     r"positive|not negative|finite|inclusive|linear|sorted|validated|unbiased|"
-    r"independent|seconds|bytes|in the world|\w",
+    r"independent|seconds|bytes|grows|in the world|\w",
     re.IGNORECASE,
 )
 """What says something in a word or two."""
