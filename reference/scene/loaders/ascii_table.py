@@ -29,7 +29,7 @@ class Words:
 
     @property
     def lines(self) -> Indices:
-        """Line of each word, (W,) int."""
+        """Line of each word, (N,) int."""
         return np.repeat(np.arange(len(self.counts)), self.counts)
 
 
