@@ -66,13 +66,11 @@ def with_values(defaults: Settings, assignments: Iterable[str]) -> Settings:
 def known(settings: Any) -> str:
     """All settings with what they may be, for a message.
 
+    It reads ``"a=1|2, b=NUMBER"``; "none" if there are none.
+
     Parameters
     ----------
     settings : dataclass instance; as `with_values` takes it
-
-    Returns
-    -------
-    str; ``"a=1|2, b=NUMBER"``; "none" if there are none
     """
     kind: type = type(settings)
     hints = _hints(kind)

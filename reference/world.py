@@ -74,15 +74,13 @@ def build_world(
 def next_world(before: World, scene: Scene) -> World:
     """The world of the next frame; what has not changed is not made again.
 
+    Returns ``before`` itself where the scene is the same object; a world of the same
+    geometry and lights where only the camera differs.  Rays are counted on in one
+    counter.
+
     Parameters
     ----------
     scene : Scene; of another frame of the same animation
-
-    Returns
-    -------
-    World
-        ``before`` itself where the scene is the same object; with the same geometry and
-        lights where only the camera differs.  Rays are counted on in one counter.
     """
     if scene is before.scene:
         return before

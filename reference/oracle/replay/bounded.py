@@ -39,11 +39,8 @@ class Rounding:
 def rounding_of(precision: Precision) -> Rounding:
     """Rounding of IEEE arithmetic, in any sensible order, subnormals kept or not.
 
-    Returns
-    -------
-    Rounding
-        `ORDERS` half units in the last place; twice that in float64, in which the
-        replay itself calculates.
+    The unit is `ORDERS` half units in the last place; twice that in float64, in which
+    the replay itself calculates.
     """
     info = np.finfo(precision)
     own = 2.0 if precision == "float64" else 1.0

@@ -55,13 +55,10 @@ def moving_camera(scene: Scene) -> Animation:
 def moving_block(scene: Scene) -> Animation:
     """The short block slides past the tall one and turns about itself.
 
-    Returns
-    -------
-    Animation
-        0.7 m to the left and 0.2 m to the front in half a period, and back: at most
-        0.036 m and 3 degrees a frame.  About its axis it needs 0.425 m; from there the
-        wall is never nearer than 0.65 m, and the axis of the tall block, which needs as
-        much, 0.86 m.
+    0.7 m to the left and 0.2 m to the front in half a period, and back: at most 0.036 m
+    and 3 degrees a frame.  About its axis it needs 0.425 m; from there the wall is
+    never nearer than 0.65 m, and the axis of the tall block, which needs as much, 0.86
+    m.
     """
     center = _center(scene, "short block")
 
@@ -113,9 +110,7 @@ def sunlight_turns(scene: Scene) -> Animation:
 def sunlit_room() -> Scene:
     """A room that the sun lights through a window, and nothing else.
 
-    Returns
-    -------
-    Scene; 4 x 4 m and 2.5 m high; the window, 1 x 1.2 m, is in the wall on the left
+    4 x 4 m and 2.5 m high; the window, 1 x 1.2 m, is in the wall on the left.
     """
     wall, floor = Lambertian((0.75, 0.73, 0.7)), Lambertian((0.5, 0.45, 0.4))
     wood = Lambertian((0.45, 0.25, 0.12))
