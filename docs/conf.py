@@ -93,9 +93,28 @@ def inspect_two_runs(app: Sphinx) -> None:
         (EXTRA / f"{kind}.exr").unlink()
 
 
-def parsed(thing: Any) -> ast.stmt:
-    """Definition of a class or function."""
-    return ast.parse(dedent(inspect.getsource(thing))).body[0]
+class Named(ast.NodeTransformer):
+    """Names the project's classes by their modules: several may share a name."""
+
+    def __init__(self, thing: Any) -> None:
+        self._known = vars(sys.modules[thing.__module__])
+
+    def parsed(self, thing: Any) -> Any:
+        """Definition of a class or function, in whose types names are full."""
+        definition = ast.parse(dedent(inspect.getsource(thing))).body[0]
+        for node in ast.walk(definition):
+            for part in ("annotation", "returns"):
+                if isinstance(hint := getattr(node, part, None), ast.expr):
+                    setattr(node, part, self.visit(hint))
+        return definition
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        """``~package.module.Name``, of which the last part is shown."""
+        found = self._known.get(node.id)
+        if not isinstance(found, type) or found.__module__ == "builtins":
+            return node
+        full = f"{found.__module__}.{found.__qualname__}"
+        return ast.UnaryOp(ast.Invert(), ast.Name(full))
 
 
 def as_written(
@@ -108,13 +127,13 @@ def as_written(
             bases = filter(dataclasses.is_dataclass, reversed(thing.__mro__))
             fields = {
                 ast.unparse(field.target): ast.unparse(field)
-                for definition in map(parsed, bases)
-                for field in definition.body
+                for base in bases
+                for field in Named(base).parsed(base).body
                 if isinstance(field, ast.AnnAssign)
             }
             return f"({', '.join(fields[name] for name in names)})", None
-        function = parsed(thing.__init__ if what == "class" else thing)
-    except (OSError, TypeError):
+        function = Named(thing).parsed(thing.__init__ if what == "class" else thing)
+    except (AttributeError, KeyError, OSError, TypeError):
         return signature  # it is not written in Python
     if not isinstance(function, ast.FunctionDef):
         return signature
