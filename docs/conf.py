@@ -1,6 +1,7 @@
 """Sphinx settings: ``sphinx-build -W -b html docs docs/_build/html``."""
 
 import ast
+import builtins
 import dataclasses
 import inspect
 import re
@@ -94,26 +95,30 @@ def inspect_two_runs(app: Sphinx) -> None:
 
 
 class Named(ast.NodeTransformer):
-    """Names the project's classes by their modules: several may share a name."""
+    """Names types by their modules, for several may share a name."""
 
     def __init__(self, thing: Any) -> None:
-        self._known = vars(sys.modules[thing.__module__])
+        self._module = sys.modules[thing.__module__]
 
     def parsed(self, thing: Any) -> Any:
         """Definition of a class or function, in whose types names are full."""
         definition = ast.parse(dedent(inspect.getsource(thing))).body[0]
         for node in ast.walk(definition):
             for part in ("annotation", "returns"):
-                if isinstance(hint := getattr(node, part, None), ast.expr):
+                hint = getattr(node, part, None)
+                if isinstance(hint, ast.Constant) and isinstance(hint.value, str):
+                    hint = ast.parse(hint.value, mode="eval").body
+                if hint is not None:
                     setattr(node, part, self.visit(hint))
         return definition
 
     def visit_Name(self, node: ast.Name) -> ast.expr:
         """``~package.module.Name``, of which the last part is shown."""
-        found = self._known.get(node.id)
-        if not isinstance(found, type) or found.__module__ == "builtins":
+        if hasattr(builtins, node.id):
             return node
-        full = f"{found.__module__}.{found.__qualname__}"
+        found = getattr(self._module, node.id, None)
+        home = found if isinstance(found, type) else self._module
+        full = f"{getattr(home, '__module__', home.__name__)}.{node.id}"
         return ast.UnaryOp(ast.Invert(), ast.Name(full))
 
 
