@@ -36,8 +36,7 @@ class PathSettings(Search):
 
     Attributes
     ----------
-    shift : 'reconnection', 'replay' or 'hybrid'
-        How paths are shifted between pixels.
+    shift : 'reconnection', 'replay' or 'hybrid'; how paths are shifted between pixels
     mis : '1/M', '1/Z', 'balance', 'pairwise' or 'defensive'
         MIS weights; the first is biased.
     temporal, spatial : bool

@@ -338,7 +338,7 @@ class Shift:
         paths: Paths,
         rows: Indices,
     ) -> tuple[Vec3s, Scalars]:
-        """Shift paths to other visible points.
+        """Shift paths to other visible points [Lin22, section 7.2].
 
         Parameters
         ----------

@@ -38,6 +38,8 @@ def windows(
 ) -> list[Window]:
     """Where the areas of pixels were a frame ago.
 
+    [Zhang24].  What the centres see decides, never a sample.
+
     Parameters
     ----------
     pixel : (K,) int
@@ -48,10 +50,6 @@ def windows(
     list of Window
         The four pixels around, whose parts of the area are disjoint; the pixel itself
         where nothing has moved.
-
-    Notes
-    -----
-    [Zhang24].  What the centres see decides, never a sample.
     """
     if last.world is frame.world:
         none = np.zeros(len(pixel))

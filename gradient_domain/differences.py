@@ -13,10 +13,8 @@ class Differences:
 
     Attributes
     ----------
-    x : (N, C)
-        Right neighbour less pixel; 0 in the last column, which has none.
-    y : (N, C)
-        Lower neighbour less pixel; 0 in the last row.
+    x : (N, C); right neighbour less pixel; 0 in the last column, which has none
+    y : (N, C); lower neighbour less pixel; 0 in the last row
     """
 
     x: Scalars
@@ -24,23 +22,13 @@ class Differences:
 
 
 def differences(rows: Scalars, width: int) -> Differences:
-    """Forward differences D_x I and D_y I of a frame.
+    """Forward differences D_x I and D_y I of a frame, N rows.
+
+    [Wang25, Eq. 1], of pixels that are known.
 
     Parameters
     ----------
-    rows : (N, C) float
-        The frame.
-    width : int, pixels
-        Of a row.
-
-    Returns
-    -------
-    Differences
-        N rows.
-
-    Notes
-    -----
-    [Wang25, Eq. 1], of pixels that are known.
+    rows : (N, C) float; the frame
     """
     image = rows.reshape(-1, width, rows.shape[1])
     x, y = np.zeros_like(image), np.zeros_like(image)
@@ -52,17 +40,9 @@ def differences(rows: Scalars, width: int) -> Differences:
 def spread_back(d: Differences, width: int) -> Scalars:
     """Adjoint D_xᵀ d_x + D_yᵀ d_y: what differences say of each pixel.
 
-    Parameters
-    ----------
-    d : Differences
-        N rows.
-    width : int, pixels
-        Of a row.
-
     Returns
     -------
-    (N, C) float
-        Minus the divergence; differences to pixels outside do not count.
+    (N, C) float; minus the divergence; differences to pixels outside do not count
     """
     x, y = (a.reshape(-1, width, a.shape[1]) for a in (d.x, d.y))
     total = np.zeros_like(x)

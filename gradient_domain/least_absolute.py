@@ -20,14 +20,9 @@ def least_absolute(
 
     Parameters
     ----------
-    primal : (N, C) float64
-        Pixels P.
-    d : Differences
-        N rows.
-    width : int, pixels
-        Of a row.
-    alpha : float
-        Positive.
+    primal : (N, C) float64; pixels P
+    d : Differences; N rows
+    alpha : float; positive
 
     Returns
     -------

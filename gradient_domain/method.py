@@ -60,15 +60,12 @@ def developed(job: Job, estimates: Scalars) -> Vec3s:
 
     Parameters
     ----------
-    job : Job
-        Whose settings name the norm.
-    estimates : (N, 9) float64
-        As of `GradientFrame`.
+    job : Job; whose settings name the norm
+    estimates : (N, 9) float64; as of `GradientFrame`
 
     Returns
     -------
-    (N, 3) float64, W/(m² sr)
-        Indirect light.
+    (N, 3) float64, W/(m² sr); indirect light
     """
     primal, x, y = np.split(estimates, 3, axis=1)
     width = job.world.camera.width

@@ -28,12 +28,9 @@ class Pairs:
 
     Attributes
     ----------
-    first, second : (P,) int
-        i and j, rows of the image.
-    axis : (P,) int8
-        `Axis`.
-    dx, dy : (P,) float64, pixels
-        From i to j.
+    first, second : (P,) int; i and j, rows of the image
+    axis : (P,) int8; `Axis`
+    dx, dy : (P,) float64, pixels; from i to j
     """
 
     first: Indices
@@ -50,16 +47,8 @@ class Pairs:
 def pixel_pairs(width: int, height: int) -> Pairs:
     """All pairs of an image.
 
-    Parameters
-    ----------
-    width, height : int, pixels
-        Of the image.
-
-    Returns
-    -------
-    Pairs
-        H (W − 1) horizontal ones, then (H − 1) W vertical ones, each in the order of
-        their first pixels: none leads out of the image.
+    H (W − 1) horizontal ones, then (H − 1) W vertical ones, each in the order of their
+    first pixels: none leads out of the image.
     """
     rows = np.arange(width * height).reshape(height, width)
     first = rows[:, :-1].ravel(), rows[:-1].ravel()
@@ -76,17 +65,12 @@ def pair_at(axis: Indices, x: Indices, y: Indices, width: int, height: int) -> I
 
     Parameters
     ----------
-    axis : (K,) int
-        `Axis`.
-    x, y : (K,) int
-        Column and line, also outside of the image.
-    width, height : int, pixels
-        Of the image.
+    axis : (K,) int; `Axis`
+    x, y : (K,) int; column and line, also outside of the image
 
     Returns
     -------
-    (K,) int
-        Row among `pixel_pairs`, or ``NONE`` where the pair leads out of the image.
+    (K,) int; row among `pixel_pairs`, or ``NONE`` where the pair leads out of the image
     """
     across = axis == Axis.X
     columns, lines = np.where(across, width - 1, width), np.where(across, 0, 1)
@@ -100,17 +84,12 @@ def as_differences(pairs: Pairs, delta: Vec3s, pixels: int) -> Differences:
 
     Parameters
     ----------
-    pairs : Pairs
-        All of the image.
-    delta : (P, 3) float64
-        Δ_ij = F_i − F_j of each.
-    pixels : int
-        N.
+    delta : (P, 3) float64; Δ_ij = F_i − F_j of each
+    pixels : int; N
 
     Returns
     -------
-    Differences
-        N rows of F_j − F_i: the paper's Δ is minus the forward difference.
+    Differences; N rows of F_j − F_i: the paper's Δ is minus the forward difference
     """
     parts = []
     for axis in Axis:

@@ -15,16 +15,16 @@ def least_squares(
 ) -> Scalars:
     """Image I that minimizes |α (I − P)|² + |D_x I − d_x|² + |D_y I − d_y|².
 
+    [Lehtinen13, section 3]; [Kettunen15].  The normal equations
+    (α² + D_xᵀ D_x + D_yᵀ D_y) I = α² P + D_xᵀ d_x + D_yᵀ d_y are diagonal under the
+    cosine transform of type 2, whose even continuation at the borders is that of
+    differences that do not lead out of the image.
+
     Parameters
     ----------
-    primal : (N, C) float64
-        Pixels P.
-    d : Differences
-        N rows.
-    width : int, pixels
-        Of a row.
-    alpha : float
-        Positive.
+    primal : (N, C) float64; pixels P
+    d : Differences; N rows
+    alpha : float; positive
 
     Returns
     -------
@@ -37,13 +37,6 @@ def least_squares(
     ValueError
         A pixel or a difference is not finite, or a difference leads out of the image:
         the message says which.
-
-    Notes
-    -----
-    [Lehtinen13, section 3]; [Kettunen15].  The normal equations
-    (α² + D_xᵀ D_x + D_yᵀ D_y) I = α² P + D_xᵀ d_x + D_yᵀ d_y are diagonal under the
-    cosine transform of type 2, whose even continuation at the borders is that of
-    differences that do not lead out of the image.
     """
     check(primal, d, width)
     right = alpha * alpha * primal + spread_back(d, width)
@@ -51,21 +44,12 @@ def least_squares(
 
 
 def screened(right: Scalars, width: int, screen: float) -> Scalars:
-    """Solve (s + D_xᵀ D_x + D_yᵀ D_y) I = R exactly.
+    """Solve (s + D_xᵀ D_x + D_yᵀ D_y) I = R exactly, (N, C) float64; I.
 
     Parameters
     ----------
-    right : (N, C) float64
-        R.
-    width : int, pixels
-        Of a row.
-    screen : float
-        s, positive.
-
-    Returns
-    -------
-    (N, C) float64
-        I.
+    right : (N, C) float64; R
+    screen : float; s, positive
     """
     image = right.reshape(-1, width, right.shape[1])
     height = len(image)
@@ -82,12 +66,7 @@ def check(primal: Scalars, d: Differences, width: int) -> None:
 
     Parameters
     ----------
-    primal : (N, C) float64
-        Pixels.
-    d : Differences
-        N rows.
-    width : int, pixels
-        Of a row.
+    primal : (N, C) float64; pixels
 
     Raises
     ------

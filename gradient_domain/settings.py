@@ -26,8 +26,7 @@ class GradientPathSettings:
     ----------
     shift : 'reconnection', 'replay' or 'hybrid'
         How paths are shifted between the pixels of a pair.
-    reconstruction : 'l2' or 'l1'
-        Norm of what is left of the differences; L1 is biased.
+    reconstruction : 'l2' or 'l1'; norm of what is left of the differences; L1 is biased
     image : 'last' or 'mean'
         Of pixels and differences, before the image is reconstructed.
     """
@@ -43,8 +42,7 @@ class AfterSettings(AreaSettings):
 
     Attributes
     ----------
-    reconstruction : 'l2' or 'l1'
-        Norm of what is left of the differences; L1 is biased.
+    reconstruction : 'l2' or 'l1'; norm of what is left of the differences; L1 is biased
     """
 
     neighbors: int = 2

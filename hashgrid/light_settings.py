@@ -23,8 +23,7 @@ class LightSettings:
 
     Attributes
     ----------
-    candidates : int
-        Points on lights that each vertex draws by power.
+    candidates : int; points on lights that each vertex draws by power
     mis : '1/M', '1/Z', 'balance', 'pairwise' or 'defensive'
         MIS weights of the neighbours; the first is biased, and the article's.
     cells : int

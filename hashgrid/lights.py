@@ -37,10 +37,8 @@ class LightPoints:
 
     Attributes
     ----------
-    light : (N,) int64
-        Row of the list of lights, or ``GONE``.
-    s, t : (N,) float64
-        Place on the light, in the unit square.
+    light : (N,) int64; row of the list of lights, or ``GONE``
+    s, t : (N,) float64; place on the light, in the unit square
     cell : (N,) int64
         Slot of the cell in which the sample was taken over last, plus 1; 0 if never.
     value : (N, 3) float64, W/(m² sr)

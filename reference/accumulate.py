@@ -34,16 +34,10 @@ class PathSamples:
 
     Attributes
     ----------
-    world : World
-        The scene.
-    light : 'indirect', 'direct' or 'full'
-        Which paths count.
-    bounces : int
-        Bounces of indirect light, 0 to 30.
-    seed : int
-        Samples of different seeds are independent.
-    stream : Stream
-        Who draws; samples of different streams are independent too.
+    light : 'indirect', 'direct' or 'full'; which paths count
+    bounces : int; bounces of indirect light, 0 to 30
+    seed : int; samples of different seeds are independent
+    stream : Stream; who draws; samples of different streams are independent too
     centers : SurfacePoints or None
         First hits through the pixel centres, shared by all samples; ``None`` where
         each sample draws its own point of the pixel.
@@ -62,19 +56,11 @@ class PathSamples:
         return self.world.camera.width * self.world.camera.height
 
     def radiance(self, rows: slice, number: int) -> Vec3s:
-        """One sample of some pixels.
+        """One sample of some pixels, (K, 3) float64, W/(m² sr); unbiased.
 
         Parameters
         ----------
-        rows : slice
-            K pixels.
-        number : int
-            Of the sample, from 0.
-
-        Returns
-        -------
-        (K, 3) float64, W/(m² sr)
-            Unbiased.
+        number : int; of the sample, from 0
         """
         pixel = np.arange(rows.start, rows.stop, dtype=np.uint32)
         if self.centers is None:
@@ -101,25 +87,9 @@ def path_samples(
 
     Parameters
     ----------
-    world : World
-        The scene.
-    schedule : Schedule
-        Bands and threads.
-    light : 'indirect', 'direct' or 'full'
-        Which paths count.
-    bounces : int
-        Bounces of indirect light, 0 to 30.
-    seed : int
-        Of the run.
+    bounces : int; bounces of indirect light, 0 to 30
     pixel : 'center' or 'box'
         Camera rays through the centres of the pixels, or anywhere in them.
-    stream : Stream
-        Who draws.
-
-    Returns
-    -------
-    PathSamples
-        Ready to be drawn.
     """
     centers = None
     if pixel == "center":
@@ -139,19 +109,8 @@ def accumulate(
 
     Parameters
     ----------
-    samples : PathSamples
-        What to add.
-    moments : Moments
-        Of the samples before.
-    stop : int
-        Samples in the end.
-    schedule : Schedule
-        Bands and threads.
-
-    Returns
-    -------
-    iterator of Moments
-        See `in_batches`.
+    moments : Moments; of the samples before
+    stop : int; samples in the end
     """
 
     def advance(before: Moments, until: int) -> Moments:
@@ -189,12 +148,8 @@ def in_batches(advance: Advance, moments: Moments, stop: int) -> Iterator[Moment
 
     Parameters
     ----------
-    advance : callable
-        Adds samples.
-    moments : Moments
-        Of the samples before.
-    stop : int
-        Samples in the end.
+    moments : Moments; of the samples before
+    stop : int; samples in the end
 
     Yields
     ------

@@ -22,34 +22,17 @@ Indices = NDArray[np.integer[Any]]
 
 
 def vectors(x: Scalars, y: Scalars, z: Scalars) -> Vec3s:
-    """Vectors from their components.
+    """Vectors from their components, (N, 3); in Fortran order.
 
     Parameters
     ----------
-    x, y, z : (N,)
-        Any dtype.
-
-    Returns
-    -------
-    (N, 3)
-        In Fortran order.
+    x, y, z : (N,); any dtype
     """
     return np.moveaxis(np.stack([x, y, z]), 0, -1)
 
 
 def zero_vectors(rows: int) -> Vec3s:
-    """Zero vectors, to be filled.
-
-    Parameters
-    ----------
-    rows : int
-        How many.
-
-    Returns
-    -------
-    (N, 3) float64
-        In Fortran order.
-    """
+    """Zero vectors, to be filled, (N, 3) float64; in Fortran order."""
     return np.zeros((rows, 3), order="F")
 
 
@@ -58,8 +41,7 @@ def dot(a: Vec3s, b: Vec3s) -> Scalars:
 
     Parameters
     ----------
-    a, b : (N, 3)
-        Any dtype; one of them may be a single vector ``(3,)``.
+    a, b : (N, 3); any dtype; one of them may be a single vector ``(3,)``
 
     Returns
     -------
@@ -74,17 +56,11 @@ def dot(a: Vec3s, b: Vec3s) -> Scalars:
 
 
 def cross(a: Vec3s, b: Vec3s) -> Vec3s:
-    """Vector product a × b of each row.
+    """Vector product a × b of each row, (N, 3); right-handed.
 
     Parameters
     ----------
-    a, b : (N, 3)
-        Any dtype.
-
-    Returns
-    -------
-    (N, 3)
-        Right-handed.
+    a, b : (N, 3); any dtype
     """
     return vectors(
         a[..., 1] * b[..., 2] - a[..., 2] * b[..., 1],
@@ -98,8 +74,7 @@ def sqrt(x: Scalars) -> Scalars:
 
     Parameters
     ----------
-    x : (N,)
-        Non-negative; any dtype.
+    x : (N,); non-negative; any dtype
 
     Returns
     -------
@@ -128,17 +103,11 @@ def _sqrt_of_object(x: Any) -> Any:
 
 
 def length(a: Vec3s) -> Scalars:
-    """Euclidean length |a| of each row.
+    """Euclidean length |a| of each row, (N,); 0 for the zero vector.
 
     Parameters
     ----------
-    a : (N, 3)
-        Any dtype.
-
-    Returns
-    -------
-    (N,)
-        0 for the zero vector.
+    a : (N, 3); any dtype
     """
     return sqrt(dot(a, a))
 
@@ -148,13 +117,11 @@ def divide_or_zero(numerator: Scalars, denominator: Scalars) -> Scalars:
 
     Parameters
     ----------
-    numerator, denominator : (N,) or (N, 3)
-        Any dtype, broadcast against each other.
+    numerator, denominator : (N,) or (N, 3); any dtype, broadcast against each other
 
     Returns
     -------
-    (N,) or (N, 3)
-        Exactly 0 where the denominator is 0, whatever the numerator.
+    (N,) or (N, 3); exactly 0 where the denominator is 0, whatever the numerator
     """
     shape = np.broadcast_shapes(numerator.shape, denominator.shape)
     dtype = np.result_type(numerator, denominator)
@@ -171,8 +138,7 @@ def saturate(x: Scalars) -> Scalars:
 
     Parameters
     ----------
-    x : (N,)
-        Non-negative, infinite or NaN.
+    x : (N,); non-negative, infinite or NaN
 
     Returns
     -------
@@ -192,13 +158,11 @@ def plus(a: Scalars, b: Scalars) -> Scalars:
 
     Parameters
     ----------
-    a, b : (N,)
-        Finite, not negative; any dtype.
+    a, b : (N,); finite, not negative; any dtype
 
     Returns
     -------
-    (N,)
-        a + b.
+    (N,); a + b
     """
     with np.errstate(over="ignore"):
         return saturate(a + b)
@@ -209,13 +173,11 @@ def triangle_normal(u: Vec3s, v: Vec3s) -> Vec3s:
 
     Parameters
     ----------
-    u, v : (N, 3) float, m
-        Edges from one corner.
+    u, v : (N, 3) float, m; edges from one corner
 
     Returns
     -------
-    (N, 3) float
-        0 where there is no area, or its square leaves the range of the dtype.
+    (N, 3) float; 0 where there is no area, or its square leaves the range of the dtype
     """
     with np.errstate(over="ignore", invalid="ignore"):
         n = normalize(cross(u, v))
@@ -224,16 +186,10 @@ def triangle_normal(u: Vec3s, v: Vec3s) -> Vec3s:
 
 
 def normalize(a: Vec3s) -> Vec3s:
-    """Unit vector a / |a| of each row.
+    """Unit vector a / |a| of each row, (N, 3); the zero vector stays the zero vector.
 
     Parameters
     ----------
-    a : (N, 3)
-        Any dtype.
-
-    Returns
-    -------
-    (N, 3)
-        The zero vector stays the zero vector.
+    a : (N, 3); any dtype
     """
     return divide_or_zero(a, length(a)[..., None])

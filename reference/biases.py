@@ -12,19 +12,12 @@ from reference.settings import Settings
 def biases(settings: Settings, scene: Scene, changes: Changes) -> tuple[str, ...]:
     """Biases of ReSTIR GI, by name.
 
+    Empty where the expectation of every frame is the truth.
+
     Parameters
     ----------
-    settings : Settings
-        Of the algorithm.
-    scene : Scene
-        Validated; which terms it wants decides which biases can show.
-    changes : 'nothing', 'camera' or 'scene'
-        What may differ between frames.
-
-    Returns
-    -------
-    tuple of str
-        Empty where the expectation of every frame is the truth.
+    scene : Scene; validated; which terms it wants decides which biases can show
+    changes : 'nothing', 'camera' or 'scene'; what may differ between frames
     """
     needs = {r.name: r.why for r in requirements(scene)}
     moves = changes != "nothing"

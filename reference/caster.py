@@ -29,12 +29,9 @@ class RayCaster:
 
     Parameters
     ----------
-    geometry : Geometry
-        The scene.
     before : RayCaster, optional
         Of another frame of the same animation, in whose counter rays are counted on.
-    occlusion : bool
-        Whether anything may stand between two points of the surfaces.
+    occlusion : bool; whether anything may stand between two points of the surfaces
 
     Attributes
     ----------
@@ -67,15 +64,12 @@ class RayCaster:
 
         Parameters
         ----------
-        origin : (N, 3) float64, m
-            Anywhere but on a surface.
-        direction : (N, 3) float64
-            Unit vectors.
+        origin : (N, 3) float64, m; anywhere but on a surface
+        direction : (N, 3) float64; unit vectors
 
         Returns
         -------
-        Hits
-            Primitive -1 and distance inf where nothing is hit.
+        Hits; primitive -1 and distance inf where nothing is hit
         """
         everyone = np.ones(len(origin), bool)
         self._count("primary", everyone)
@@ -97,19 +91,13 @@ class RayCaster:
 
         Parameters
         ----------
-        points : SurfacePoints
-            N points.
         direction : (N, 3) float64
             Unit vectors; below the surface the ray starts behind it.
-        active : (N,) bool
-            Which rays are traced.
-        kind : str
-            What the rays are counted as.
+        active : (N,) bool; which rays are traced
 
         Returns
         -------
-        Hits
-            Primitive -1 and distance inf where nothing is hit.
+        Hits; primitive -1 and distance inf where nothing is hit
         """
         self._count(kind, active)
         origin = leaving(self._geometry, points, direction)
@@ -132,16 +120,10 @@ class RayCaster:
 
         Parameters
         ----------
-        points : SurfacePoints or Viewpoints
-            N points.
-        x_to : (N, 3) float64, m
-            Points looked at, on their surfaces.
+        x_to : (N, 3) float64, m; points looked at, on their surfaces
         n_to : (N, 3) float64
             Unit normals there, on the side looked at, or 0 for points in free space.
-        active : (N,) bool
-            Who looks.
-        kind : str
-            What the rays are counted as.
+        active : (N,) bool; who looks
 
         Returns
         -------
@@ -177,19 +159,12 @@ class RayCaster:
 
         Parameters
         ----------
-        points : SurfacePoints or Viewpoints
-            N points.
-        direction : (N, 3) float64
-            Unit vectors.
-        active : (N,) bool
-            Which rays are traced.
-        kind : str
-            What the rays are counted as.
+        direction : (N, 3) float64; unit vectors
+        active : (N,) bool; which rays are traced
 
         Returns
         -------
-        (N,) bool
-            Nothing lies in that direction.
+        (N,) bool; nothing lies in that direction
         """
         self._count(kind, active)
         along = direction * self._geometry.extent

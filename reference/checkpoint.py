@@ -25,12 +25,9 @@ class Checkpoint:
 
     Attributes
     ----------
-    moments : Moments
-        Of all samples so far.
-    seconds : float
-        Spent on them.
-    rays : mapping of str to int
-        Traced for them, by kind.
+    moments : Moments; of all samples so far
+    seconds : float; spent on them
+    rays : mapping of str to int; traced for them, by kind
     """
 
     moments: Moments
@@ -41,19 +38,13 @@ class Checkpoint:
 def save_checkpoint(path: Path, run: Mapping[str, str], state: Checkpoint) -> None:
     """Write a checkpoint.
 
+    Raises UsageError: the file cannot be written; see `write_file`.
+
     Parameters
     ----------
-    path : Path
-        Replaced in one step.
+    path : Path; replaced in one step
     run : mapping of str to str
         Everything that decides what a sample of a given number is.
-    state : Checkpoint
-        What to keep.
-
-    Raises
-    ------
-    UsageError
-        The file cannot be written; see `write_file`.
     """
     words = {
         "run": dict(run),
@@ -72,24 +63,14 @@ def save_checkpoint(path: Path, run: Mapping[str, str], state: Checkpoint) -> No
 
 
 def load_checkpoint(path: Path, run: Mapping[str, str]) -> Checkpoint | None:
-    """Read the checkpoint of a run.
+    """Read the checkpoint of a run; None if there is no such file.
+
+    Raises UsageError: unreadable or damaged, or of another run: the message says what
+    differs.
 
     Parameters
     ----------
-    path : Path
-        Where `save_checkpoint` wrote.
-    run : mapping of str to str
-        As it was saved.
-
-    Returns
-    -------
-    Checkpoint or None
-        None if there is no such file.
-
-    Raises
-    ------
-    UsageError
-        Unreadable or damaged, or of another run: the message says what differs.
+    path : Path; where `save_checkpoint` wrote
     """
     if not path.exists():
         return None
@@ -111,15 +92,11 @@ def load_checkpoint(path: Path, run: Mapping[str, str]) -> Checkpoint | None:
 def what_differs(there: Mapping[str, str], wanted: Mapping[str, str]) -> str:
     """Where a run that was kept is not the one that is wanted.
 
+    Empty where they are the same.
+
     Parameters
     ----------
-    there, wanted : mapping of str to str
-        Everything that decides what a run is.
-
-    Returns
-    -------
-    str
-        Empty where they are the same.
+    there, wanted : mapping of str to str; everything that decides what a run is
     """
     return "; ".join(
         f"{key} {there.get(key)}, not {wanted.get(key)}"

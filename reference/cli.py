@@ -42,15 +42,7 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Refuse the arguments.
 
-        Parameters
-        ----------
-        message : str
-            What is wrong.
-
-        Raises
-        ------
-        UsageError
-            Always.
+        Raises UsageError.
         """
         raise UsageError(f"{message} (see {self.prog} --help)")
 
@@ -80,13 +72,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     Parameters
     ----------
-    argv : sequence of str, optional
-        Arguments; those of the process if left out.
-
-    Returns
-    -------
-    int
-        Exit code.
+    argv : sequence of str, optional; arguments; those of the process if left out
     """
     try:
         return _run(sys.argv[1:] if argv is None else argv)
@@ -114,15 +100,12 @@ def main(argv: Sequence[str] | None = None) -> int:
 def build_parser(filled: Iterable[str] = COMMANDS) -> argparse.ArgumentParser:
     """Parser of the command line.
 
+    Each of these commands has set ``run``, a function of the parsed arguments.
+
     Parameters
     ----------
     filled : iterable of str
         Commands whose arguments it knows; only their modules are imported.
-
-    Returns
-    -------
-    argparse.ArgumentParser
-        Each of these commands has set ``run``, a function of the parsed arguments.
     """
     parser = Parser(
         prog="restir",

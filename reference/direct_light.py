@@ -29,14 +29,12 @@ class ChosenLight:
 
     Attributes
     ----------
-    wi : (N, 3) float64
-        Unit directions to them.
+    wi : (N, 3) float64; unit directions to them
     weight : (N, 3) float64
         Radiance over the density of the choice, whether or not it is seen.
     pdf : (N,) float64, 1/sr
         Density of the choice; 0 where only this strategy finds the light.
-    seen : (N,) bool
-        Nothing lies between; false where nothing would be reflected.
+    seen : (N,) bool; nothing lies between; false where nothing would be reflected
     value : (N, 3) float64, W/(m² sr)
         Reflected towards the viewer, times the MIS weight of light sampling;
         0 where it is not seen.
@@ -74,6 +72,11 @@ def choose_light(
     -----
     Balance heuristic [Veach95, Eq. 8].  A light that no ray can hit, and a
     surface whose lobes are all narrower than any light, keep their whole weight.
+
+    Parameters
+    ----------
+    u : four (N,) float64; lane 0 chooses the light, 1 and 2 the point on it
+    active : (N,) bool, optional; who asks; by default everyone
     """
     if world.emitters is None or len(points) == 0:
         none, size = zero_vectors(len(points)), len(points)
@@ -97,19 +100,12 @@ def sees_light(
 
     Parameters
     ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        N points.
-    light : LightSamples
-        N points on lights.
-    active : (N,) bool
-        Who asks.
+    light : LightSamples; N points on lights
+    active : (N,) bool; who asks
 
     Returns
     -------
-    (N,) bool
-        False for those who do not ask.
+    (N,) bool; False for those who do not ask
     """
     near, far = active & ~light.distant, active & light.distant
     seen = world.caster.visible(points, light.x_to, light.n_to, near, "shadow")
@@ -125,12 +121,7 @@ def next_event(world: World, points: SurfacePoints, u: Draw) -> Vec3s:
 
     Parameters
     ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        N points.
-    u : four (N,) float64
-        Lane 0 chooses the light, 1 and 2 the point on it.
+    u : four (N,) float64; lane 0 chooses the light, 1 and 2 the point on it
 
     Returns
     -------
@@ -144,17 +135,6 @@ def emitter_hits(
     world: World, points: SurfacePoints, bsdf: BsdfSamples, hits: Hits
 ) -> tuple[Indices, Vec3s, Scalars]:
     """Lights that rays drawn from the material met.
-
-    Parameters
-    ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        N points that the rays left.
-    bsdf : BsdfSamples
-        How the rays were drawn.
-    hits : Hits
-        What they met.
 
     Returns
     -------
@@ -177,17 +157,6 @@ def weighted_emitter_hits(
     world: World, points: SurfacePoints, bsdf: BsdfSamples, hits: Hits
 ) -> tuple[Indices, Vec3s]:
     """Light that rays drawn from the material met, weighted against next-event.
-
-    Parameters
-    ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        N points that the rays left.
-    bsdf : BsdfSamples
-        How the rays were drawn.
-    hits : Hits
-        What they met.
 
     Returns
     -------

@@ -17,41 +17,32 @@ MARKER = (255, 0, 255)  # magenta: no radiance looks like this by chance
 def encode_srgb(linear: Floats) -> Floats:
     """Values a screen expects for linear light in [0, 1].
 
+    Two lines of IEC 61966-2-1, written out so that a PNG need not wait a second for
+    colour-science; the tests compare the two.
+
     Parameters
     ----------
-    linear : (...) float
-        Shares of full white.
+    linear : (...) float; shares of full white
 
     Returns
     -------
     (...) float
         1.055 c^(1/2.4) − 0.055, and 12.92 c up to c = 0.0031308, where the power would
         be too steep.
-
-    Notes
-    -----
-    Two lines of IEC 61966-2-1, written out so that a PNG need not wait a second for
-    colour-science; the tests compare the two.
     """
     power = 1.055 * np.maximum(linear, 0.0031308) ** (1 / 2.4) - 0.055
     return np.where(linear <= 0.0031308, 12.92 * linear, power)
 
 
 def auto_exposure(rgb: Floats) -> float:
-    """Factor that brings the 95th percentile of luminance to 0.8.
+    """Factor that brings the 95th percentile of luminance to 0.8; 1 for a black image.
 
     A percentile, because the maximum is a lamp or a firefly; of the lit pixels,
     because a scene may be black but for a gap.
 
     Parameters
     ----------
-    rgb : (H, W, 3) float
-        Linear radiance; pixels that are not finite do not count.
-
-    Returns
-    -------
-    float
-        1 for a black image.
+    rgb : (H, W, 3) float; linear radiance; pixels that are not finite do not count
     """
     y = luminance(rgb[np.isfinite(rgb).all(axis=-1)].astype(np.float64))
     lit = y[y > 0]
@@ -63,15 +54,12 @@ def to_display(rgb: Floats, exposure: float) -> Bytes:
 
     Parameters
     ----------
-    rgb : (H, W, 3) float
-        Linear radiance.
-    exposure : float
-        Factor on it; 1 leaves it as it is.
+    rgb : (H, W, 3) float; linear radiance
+    exposure : float; factor on it; 1 leaves it as it is
 
     Returns
     -------
-    (H, W, 3) uint8
-        Magenta where the radiance is not finite.
+    (H, W, 3) uint8; magenta where the radiance is not finite
     """
     finite = np.isfinite(rgb).all(axis=-1, keepdims=True)
     exposed = np.where(finite, rgb, 0.0).astype(np.float64) * exposure
@@ -84,13 +72,7 @@ def encode_png(pixels: Bytes) -> bytes:
 
     Parameters
     ----------
-    pixels : (H, W, 3) uint8
-        As a screen takes them.
-
-    Returns
-    -------
-    bytes
-        Contents of the file.
+    pixels : (H, W, 3) uint8; as a screen takes them
     """
     from PIL import Image as Pillow
 
@@ -104,12 +86,9 @@ def write_png(path: Path, rgb: Floats, exposure: float) -> None:
 
     Parameters
     ----------
-    path : Path
-        Replaced in one step.
-    rgb : (H, W, 3) float
-        Linear radiance.
-    exposure : float
-        Factor on it, as in `to_display`.
+    path : Path; replaced in one step
+    rgb : (H, W, 3) float; linear radiance
+    exposure : float; factor on it, as in `to_display`
 
     Raises
     ------

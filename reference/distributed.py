@@ -33,16 +33,9 @@ class Request:
 
     Attributes
     ----------
-    named : Named
-        The scene.
-    light : 'indirect', 'direct' or 'full'
-        Which paths count.
-    bounces : int
-        Bounces of indirect light.
-    seed : int
-        Of the run.
-    pixel : 'center' or 'box'
-        Where camera rays go.
+    light : 'indirect', 'direct' or 'full'; which paths count
+    bounces : int; bounces of indirect light
+    pixel : 'center' or 'box'; where camera rays go
     """
 
     named: Named
@@ -58,14 +51,10 @@ class Share:
 
     Attributes
     ----------
-    request : Request
-        Whose samples.
-    start, stop : int
-        Rows of the frame.
-    moments : Moments
-        Of these rows, so far.
-    until : int
-        Samples in the end.
+    request : Request; whose samples
+    start, stop : int; rows of the frame
+    moments : Moments; of these rows, so far
+    until : int; samples in the end
     """
 
     request: Request
@@ -80,15 +69,7 @@ def sampled_by(executor: Executor, named: Named) -> Callable[[Job], SampleSource
 
     Parameters
     ----------
-    executor : Executor
-        See `reference.workers`.
-    named : Named
-        The scene of the job, at its frame.
-
-    Returns
-    -------
-    callable
-        For `reference.truth.accumulate_truth`.
+    named : Named; the scene of the job, at its frame
     """
 
     def source(job: Job) -> SampleSource:
@@ -119,15 +100,7 @@ def sampled_by(executor: Executor, named: Named) -> Callable[[Job], SampleSource
 def add_share(share: Share) -> tuple[Moments, Counter[str]]:
     """Add samples to some rows: what a worker does.
 
-    Parameters
-    ----------
-    share : Share
-        Rows and their moments.
-
-    Returns
-    -------
-    Moments, Counter of str
-        Of these rows, and the rays that were traced, by kind.
+    Returns the moments of these rows, and the rays that were traced, by kind.
     """
     samples = _opened(share.request)
     before = Counter(samples.world.caster.counts)

@@ -29,14 +29,11 @@ class Effect:
 
     Attributes
     ----------
-    part : str
-        Of `Plan`, or `ALL`.
-    identical : bool
-        Every bit of every frame is as with everything.
+    part : str; of `Plan`, or `ALL`
+    identical : bool; every bit of every frame is as with everything
     largest : float
         Largest deviation of a pixel, relative to the mean light of its frame.
-    deviation : float
-        Of the mean of a frame, relative; the largest of all frames.
+    deviation : float; of the mean of a frame, relative; the largest of all frames
     ratios : tuple of float
         Time of each frame, over that of the same frame with everything.
     """
@@ -60,15 +57,7 @@ class Effect:
 def prepared_for_all(animation: Animation) -> Animation:
     """The same scenes, as if anything might change in them.
 
-    Parameters
-    ----------
-    animation : Animation
-        Of any kind.
-
-    Returns
-    -------
-    Animation
-        Samples then keep what finds their radiance again.
+    Samples then keep what finds their radiance again.
     """
     return Animation(animation, "scene")
 
@@ -76,15 +65,11 @@ def prepared_for_all(animation: Animation) -> Animation:
 def left_out(animation: Animation) -> list[str]:
     """Parts that a scene does not require, in its first frame.
 
+    Names of fields of `Plan`; motion where something moves is required.
+
     Parameters
     ----------
-    animation : Animation
-        Validated.
-
-    Returns
-    -------
-    list of str
-        Names of fields of `Plan`; motion where something moves is required.
+    animation : Animation; validated
     """
     plan = plan_of(animation(0))
     names = [name for name in parts() if not getattr(plan, name)]
@@ -98,21 +83,13 @@ def effects(
 ) -> list[Effect]:
     """Leave out each part by itself, and all of them, and compare with everything.
 
+    One a part that is left out, and one for all of them if they are several.
+
     Parameters
     ----------
-    animation : Animation
-        Validated.
-    bounces : int
-        Of indirect light.
-    frames : int
-        Of unbiased ReSTIR GI, rendered by turns.
-    tick : callable
-        Told how many frames are done, of how many.
-
-    Returns
-    -------
-    list of Effect
-        One a part that is left out, and one for all of them if they are several.
+    animation : Animation; validated
+    frames : int; of unbiased ReSTIR GI, rendered by turns
+    tick : callable; told how many frames are done, of how many
     """
     names = left_out(animation)
     if not names:
@@ -166,12 +143,6 @@ def planner_of(everywhere: bool) -> Planner:
 
     Parameters
     ----------
-    everywhere : bool
-        Run everything, whatever the scene is.
-
-    Returns
-    -------
-    callable
-        Scene to plan.
+    everywhere : bool; run everything, whatever the scene is
     """
     return everything if everywhere else plan_of

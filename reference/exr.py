@@ -19,8 +19,7 @@ def write_exr(path: Path, image: Image) -> None:
 
     Parameters
     ----------
-    path : Path
-        Replaced in one step.
+    path : Path; replaced in one step
     image : Image
         ``"color"`` becomes the channels R, G, B; a layer of three components
         ``name.R``, ``name.G``, ``name.B``; of one component ``name``.
@@ -44,8 +43,7 @@ def read_exr(path: Path, layer: str | None = None) -> Image:
 
     Parameters
     ----------
-    path : Path
-        Scan lines or tiles, half or float, one part or several of one size.
+    path : Path; scan lines or tiles, half or float, one part or several of one size
     layer : str, optional
         Which of several pictures is the colour; see `layers_of_channels`.
 

@@ -20,8 +20,7 @@ def channels_of_layers(layers: Mapping[str, NDArray[Any]]) -> Channels:
 
     Parameters
     ----------
-    layers : mapping of str to (H, W, C) float32
-        C = 1 or 3.
+    layers : mapping of str to (H, W, C) float32; C = 1 or 3
 
     Returns
     -------
@@ -52,12 +51,10 @@ def layers_of_channels(
 ) -> Layers:
     """Group the channels into layers: the inverse of `channels_of_layers`.
 
+    Raises UsageError: none of these; the message names the layers.
+
     Parameters
     ----------
-    channels : dict of str to (H, W) float32
-        As they stand in the file.
-    path : Path
-        For the error message.
     layer : str, optional
         Name of the layer that becomes ``"color"``, in full (``ViewLayer.Combined``) or
         its end (``Combined``) where no other layer ends so; ``color`` is R, G, B.  A
@@ -69,11 +66,6 @@ def layers_of_channels(
         ``"color"`` is ``layer``; or else R, G, B; or else the only layer that has an
         R, G and B; or else luminance Y, as grey.  ``"standard_error"`` is that of
         R, G, B, and left out beside another colour.
-
-    Raises
-    ------
-    UsageError
-        None of these; the message names the layers.
     """
     found = _color_channels(channels)
     color = found if layer is None else _asked_for(channels, layer, path)

@@ -21,24 +21,14 @@ REC709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 def decode(path: Path, contents: bytes, most_pixels: int = MOST_PIXELS) -> list[Any]:
     """Parts of a file that holds flat full frames of one size.
 
+    At least one, with headers and single channels.
+
+    Raises UsageError: not OpenEXR, truncated, corrupt, of absurd size, or no such
+    frames.
+
     Parameters
     ----------
-    path : Path
-        For the error message.
-    contents : bytes
-        Of the file.
-    most_pixels : int
-        That a part may have.
-
-    Returns
-    -------
-    list of OpenEXR.Part
-        At least one, with headers and single channels.
-
-    Raises
-    ------
-    UsageError
-        Not OpenEXR, truncated, corrupt, of absurd size, or no such frames.
+    most_pixels : int; that a part may have
     """
     if not contents.startswith(MAGIC):
         state = "not an OpenEXR file" if contents else "empty"

@@ -13,29 +13,17 @@ MOST_BYTES = 2**32
 
 
 def read_file(path: Path, most: int = MOST_BYTES) -> bytes:
-    """Contents of a file.
+    """All that a file held when it was opened.
+
+    The file is opened without waiting and asked what it is only then, so that neither a
+    pipe can hold the reader up nor a device be put in the place of a file in between.
+
+    Raises UsageError: it is missing, a folder, a device or a pipe, too large, or may
+    not be read.
 
     Parameters
     ----------
-    path : Path
-        A readable regular file.
-    most : int
-        Bytes that it may have.
-
-    Returns
-    -------
-    bytes
-        All that it held when it was opened.
-
-    Raises
-    ------
-    UsageError
-        It is missing, a folder, a device or a pipe, too large, or may not be read.
-
-    Notes
-    -----
-    The file is opened without waiting and asked what it is only then, so that neither a
-    pipe can hold the reader up nor a device be put in the place of a file in between.
+    most : int; bytes that it may have
     """
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
@@ -67,23 +55,16 @@ def read_file(path: Path, most: int = MOST_BYTES) -> bytes:
 def write_file(path: Path, contents: bytes) -> None:
     """Replace a file in one step: after an error or a crash it is the old one still.
 
-    Parameters
-    ----------
-    path : Path
-        New, or a regular file, or a link to one; its folder exists.
-    contents : bytes
-        All of the new file.
-
-    Raises
-    ------
-    UsageError
-        No such folder, no permission, no room, or the path is not a regular file.
-
-    Notes
-    -----
     The bytes go to a hidden file beside the target (a rename is one step only within
     a file system) and reach the disk before the rename does: without ``fsync`` a
     power cut may leave the new name on an empty file.
+
+    Raises UsageError: no such folder, no permission, no room, or the path is not a
+    regular file.
+
+    Parameters
+    ----------
+    path : Path; new, or a regular file, or a link to one; its folder exists
     """
     try:
         target = Path(os.path.realpath(path))  # the rename would cut a link
@@ -108,15 +89,7 @@ def _write_and_rename(target: Path, contents: bytes) -> None:
 def make_folder(path: Path) -> None:
     """Make a folder, and those above it, if they do not exist.
 
-    Parameters
-    ----------
-    path : Path
-        Of the folder.
-
-    Raises
-    ------
-    UsageError
-        It cannot be made.
+    Raises UsageError: it cannot be made.
     """
     try:
         path.mkdir(parents=True, exist_ok=True)

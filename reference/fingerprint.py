@@ -10,6 +10,8 @@ import numpy as np
 def fingerprint(value: Any) -> str:
     """Digest of a value: equal values, equal digest, in any process.
 
+    Raises TypeError: something else is in it, whose value would be a matter of opinion.
+
     Parameters
     ----------
     value : dataclass, array, tuple, list, str, number or None
@@ -17,13 +19,7 @@ def fingerprint(value: Any) -> str:
 
     Returns
     -------
-    str
-        64 hexadecimal digits.
-
-    Raises
-    ------
-    TypeError
-        Something else is in it, whose value would be a matter of opinion.
+    str; 64 hexadecimal digits
     """
     digest = sha256()
     _feed(digest, value)

@@ -18,19 +18,21 @@ def flip_ldr(a: Bytes, b: Bytes) -> tuple[NDArray[np.float32], float]:
 
     Parameters
     ----------
-    a, b : (H, W, 3) uint8
-        Image and truth, as `to_display` makes them.
+    a, b : (H, W, 3) uint8; image and truth, as `to_display` makes them
 
     Returns
     -------
-    (H, W) float32, float
-        Error in [0, 1], and its mean.
+    (H, W) float32, float; error in [0, 1], and its mean
     """
     return _evaluate(a.astype(np.float32) / 255, b.astype(np.float32) / 255, "LDR", {})
 
 
 def flip_hdr(a: Floats, b: Floats) -> tuple[NDArray[np.float32], float]:
     """HDR-FLIP: the largest error over all exposures that suit the truth.
+
+    [Andersson21].  The exposures are given, not left to the library: for a truth that
+    is mostly black its own choice runs over 20 stops too far, and for one that is all
+    black it ends the *process*, with no exception.
 
     Parameters
     ----------
@@ -39,14 +41,7 @@ def flip_hdr(a: Floats, b: Floats) -> tuple[NDArray[np.float32], float]:
 
     Returns
     -------
-    (H, W) float32, float
-        Error in [0, 1], and its mean.
-
-    Notes
-    -----
-    [Andersson21].  The exposures are given, not left to the library: for a truth that
-    is mostly black its own choice runs over 20 stops too far, and for one that is all
-    black it ends the *process*, with no exception.
+    (H, W) float32, float; error in [0, 1], and its mean
     """
     lit = np.maximum(b, 0), np.maximum(a, 0)
     exposures = _exposures(lit[0] if lit[0].any() else lit[1])

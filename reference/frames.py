@@ -8,20 +8,16 @@ from reference.arrays import Scalars, Vec3s, dot, vectors
 def normal_frames(n: Vec3s) -> tuple[Vec3s, Vec3s]:
     """Two tangents that make a right-handed orthonormal frame with each unit normal.
 
+    [Duff17, Listing 3]: continuous but for the sign flip at n_z = 0, no branch that
+    loses precision at the pole.
+
     Parameters
     ----------
-    n : (N, 3) float
-        Unit vectors.
+    n : (N, 3) float; unit vectors
 
     Returns
     -------
-    (N, 3), (N, 3) float
-        Tangent and bitangent.
-
-    Notes
-    -----
-    [Duff17, Listing 3]: continuous but for the sign flip at n_z = 0, no branch that
-    loses precision at the pole.
+    (N, 3), (N, 3) float; tangent and bitangent
     """
     x, y, z = n[:, 0], n[:, 1], n[:, 2]
     sign = np.copysign(1.0, z)
@@ -37,15 +33,12 @@ def to_world(local: Vec3s, n: Vec3s) -> Vec3s:
 
     Parameters
     ----------
-    local : (N, 3) float
-        Components along tangent, bitangent and normal.
-    n : (N, 3) float
-        Unit normals.
+    local : (N, 3) float; components along tangent, bitangent and normal
+    n : (N, 3) float; unit normals
 
     Returns
     -------
-    (N, 3) float
-        Same length as ``local``.
+    (N, 3) float; same length as ``local``
     """
     tangent, bitangent = normal_frames(n)
     x, y, z = local[:, 0:1], local[:, 1:2], local[:, 2:3]
@@ -58,14 +51,11 @@ def turn(a: Vec3s, matrix: Scalars) -> Vec3s:
 
     Parameters
     ----------
-    a : (N, 3)
-        Any dtype.
-    matrix : (3, 3)
-        Applied from the left.
+    a : (N, 3); any dtype
+    matrix : (3, 3); applied from the left
 
     Returns
     -------
-    (N, 3)
-        By column sums: a matrix product may round differently in another band.
+    (N, 3); by column sums: a matrix product may round differently in another band
     """
     return vectors(dot(a, matrix[0]), dot(a, matrix[1]), dot(a, matrix[2]))

@@ -21,8 +21,7 @@ class Image:
     layers : mapping of str to (H, W, C) float32
         ``"color"`` is the picture, C = 3, linear Rec. 709 radiance.  Further layers
         have C = 1 or 3; ``"standard_error"`` is that of ``"color"``.
-    metadata : mapping of str to str
-        Scene, method, settings, seed, version.
+    metadata : mapping of str to str; scene, method, settings, seed, version
     """
 
     layers: Mapping[str, Floats]
@@ -62,13 +61,11 @@ def to_image(rows: Floats, width: int, height: int) -> NDArray[np.float32]:
     rows : (N,) or (N, C) float
         Any precision; beyond the range of float32 it becomes infinite, for
         comparisons to report.
-    width, height : int
-        Pixels, N = width · height.
+    width, height : int; pixels, N = width · height
 
     Returns
     -------
-    (height, width, C) float32
-        C = 1 for scalars.
+    (height, width, C) float32; C = 1 for scalars
 
     Raises
     ------
@@ -86,13 +83,11 @@ def to_rows(layer: Floats) -> Floats:
 
     Parameters
     ----------
-    layer : (H, W, C) float
-        Of an image.
+    layer : (H, W, C) float; of an image
 
     Returns
     -------
-    (H·W, C) float
-        Scalars too keep their axis, C = 1.
+    (H·W, C) float; scalars too keep their axis, C = 1
     """
     return layer.reshape(-1, layer.shape[2])
 
@@ -100,10 +95,7 @@ def to_rows(layer: Floats) -> Floats:
 def luminance_weights() -> tuple[float, float, float]:
     """Share of R, G and B in luminance Y: the middle row of RGB to XYZ, Rec. 709.
 
-    Returns
-    -------
-    float, float, float
-        Their sum is 1.
+    Their sum is 1.
     """
     # Those of colour-science, which a test compares: importing it takes a second.
     return 0.2126, 0.7152, 0.0722
@@ -114,12 +106,10 @@ def luminance(rgb: Floats) -> Floats:
 
     Parameters
     ----------
-    rgb : (..., 3) float
-        Linear radiance.
+    rgb : (..., 3) float; linear radiance
 
     Returns
     -------
-    (...) float64
-        NaN and infinities as they follow.
+    (...) float64; NaN and infinities as they follow
     """
     return dot(rgb, np.array(luminance_weights()))

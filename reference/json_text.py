@@ -8,22 +8,13 @@ from typing import Any
 
 
 def json_text(results: Mapping[str, Any]) -> str:
-    """Text of one object; numbers that are not finite become null.
+    """Text of one object and a newline; numbers that are not finite become null.
+
+    Raises TypeError: JSON has no form for a value.
 
     Parameters
     ----------
-    results : mapping
-        Of texts, numbers, arrays and paths, nested at will.
-
-    Returns
-    -------
-    str
-        With the end of its last line.
-
-    Raises
-    ------
-    TypeError
-        JSON has no form for a value.
+    results : mapping; of texts, numbers, arrays and paths, nested at will
     """
     return json.dumps(_plain(results), indent=2, allow_nan=False) + "\n"
 

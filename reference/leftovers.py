@@ -33,20 +33,15 @@ LOCK = "restir.lock"
 def part_beside(target: Path) -> Iterator[tuple[Path, BinaryIO]]:
     """A hidden file beside another one, removed in the end if it is still there.
 
+    Raises OSError: it cannot be made.
+
     Parameters
     ----------
-    target : Path
-        In a folder that exists.
+    target : Path; in a folder that exists
 
     Yields
     ------
-    path, file : Path, binary file
-        New, and locked while it is open.
-
-    Raises
-    ------
-    OSError
-        It cannot be made.
+    path, file : Path, binary file; new, and locked while it is open
     """
     sweep(target.parent)
     while True:
@@ -66,22 +61,12 @@ def part_beside(target: Path) -> Iterator[tuple[Path, BinaryIO]]:
 def scratch_folder(kind: str, place: Path | None = None) -> Iterator[Path]:
     """A folder for as long as it is wanted.
 
+    Raises UsageError: it cannot be made.
+
     Parameters
     ----------
-    kind : str
-        What for: a word of `SCRATCH`.
-    place : Path, optional
-        Where; by default the system's folder for temporary files.
-
-    Yields
-    ------
-    Path
-        New, and locked.
-
-    Raises
-    ------
-    UsageError
-        It cannot be made.
+    kind : str; what for: a word of `SCRATCH`
+    place : Path, optional; where; by default the system's folder for temporary files
     """
     hidden = "." if place is not None else ""
     try:
@@ -114,8 +99,7 @@ def sweep(folder: Path) -> None:
 
     Parameters
     ----------
-    folder : Path
-        Where such things may be.
+    folder : Path; where such things may be
     """
     if fcntl is None:
         return

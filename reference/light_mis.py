@@ -48,8 +48,7 @@ def bsdf_sampling_weight(
 
     Returns
     -------
-    (N,) float64
-        1 for delta lobes.
+    (N,) float64; 1 for delta lobes
     """
     return np.where(delta, 1.0, balance(pdf_bsdf, pdf_light))
 
@@ -65,8 +64,7 @@ def balance(mine: Scalars, other: Scalars) -> Scalars:
 
     Returns
     -------
-    (N,) float
-        0 to 1.  The two weights of one sample sum to 1.
+    (N,) float; 0 to 1; the two weights of one sample sum to 1
     """
     weight: Scalars = np.where(mine > 0, divide_or_zero(mine, plus(mine, other)), 1.0)
     return weight

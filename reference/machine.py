@@ -11,10 +11,7 @@ from reference.version import project_version
 def machine() -> dict[str, str | int | None]:
     """What the times belong to.
 
-    Returns
-    -------
-    dict
-        Processor, number of them, operating system, and versions.
+    Processor, number of them, operating system, and versions.
     """
     return {
         "processor": platform.processor() or platform.machine(),

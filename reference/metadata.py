@@ -20,17 +20,12 @@ def metadata(
 
     Parameters
     ----------
-    scene : Scene
-        Of which ``job.world`` was built.
-    method : Method
-        How; its name, and what biases its picture.
+    scene : Scene; of which ``job.world`` was built
+    method : Method; how; its name, and what biases its picture
     job : Job
         What was rendered; all settings are told, also those left at their defaults,
         and the frame of an animated scene at which the picture begins.
-    rays : mapping of str to int
-        Traced, by kind.
-    seconds : float, s
-        Wall time of the rendering.
+    seconds : float, s; wall time of the rendering
 
     Returns
     -------
@@ -66,18 +61,7 @@ def metadata(
 
 
 def header(words: Words) -> dict[str, str]:
-    """The same as text, which is what a file holds.
-
-    Parameters
-    ----------
-    words : mapping
-        Of `metadata`.
-
-    Returns
-    -------
-    dict of str to str
-        For `reference.images.Image`.
-    """
+    """The same as text, which is what a file holds."""
     return {key: text_of(value) for key, value in words.items()}
 
 

@@ -20,8 +20,7 @@ def mse(a: Colors, b: Colors, variance: Colors | float = 0.0) -> float:
 
     Parameters
     ----------
-    a, b : (..., 3) float64
-        Image and truth.
+    a, b : (..., 3) float64; image and truth
     variance : (..., 3) float64, or 0
         v, the variance of the truth itself: its standard error squared.
 
@@ -35,17 +34,11 @@ def mse(a: Colors, b: Colors, variance: Colors | float = 0.0) -> float:
 
 
 def rmse(a: Colors, b: Colors) -> float:
-    """Root mean squared error √(Σ (A − B)² / n).
+    """Root mean squared error √(Σ (A − B)² / n), in the unit of radiance.
 
     Parameters
     ----------
-    a, b : (..., 3) float64
-        Image and truth.
-
-    Returns
-    -------
-    float
-        In the unit of radiance.
+    a, b : (..., 3) float64; image and truth
     """
     return float(np.sqrt(mse(a, b)))
 
@@ -55,15 +48,12 @@ def rel_mse(a: Colors, b: Colors, variance: Colors | float = 0.0) -> float:
 
     Parameters
     ----------
-    a, b : (..., 3) float64
-        Image and truth.
-    variance : (..., 3) float64, or 0
-        v, as in `mse`.
+    a, b : (..., 3) float64; image and truth
+    variance : (..., 3) float64, or 0; v, as in `mse`
 
     Returns
     -------
-    float
-        Dark and bright pixels count alike, down to a radiance of √ε = 0.1.
+    float; dark and bright pixels count alike, down to a radiance of √ε = 0.1
     """
     return float(np.mean(((a - b) ** 2 - variance) / (b**2 + EPSILON)))
 
@@ -73,45 +63,31 @@ def mape(a: Colors, b: Colors) -> float:
 
     Parameters
     ----------
-    a, b : (..., 3) float64
-        Image and truth.
+    a, b : (..., 3) float64; image and truth
 
     Returns
     -------
-    float
-        A share: 0.1 is 10 %.
+    float; a share: 0.1 is 10 %
     """
     return float(np.mean(np.abs(a - b) / (np.abs(b) + EPSILON)))
 
 
 def smape(a: Colors, b: Colors) -> float:
-    """Symmetric form of `mape`, Σ 2 |A − B| / (|A| + |B| + ε) / n.
+    """Symmetric form of `mape`, Σ 2 |A − B| / (|A| + |B| + ε) / n; a share, below 2.
 
     Parameters
     ----------
-    a, b : (..., 3) float64
-        Image and truth, in either order.
-
-    Returns
-    -------
-    float
-        A share, below 2.
+    a, b : (..., 3) float64; image and truth, in either order
     """
     return float(np.mean(2 * np.abs(a - b) / (np.abs(a) + np.abs(b) + EPSILON)))
 
 
 def channel_means(a: Colors) -> tuple[float, float, float]:
-    """Mean of each channel, 3 Σ A / n.
+    """Mean of each channel, 3 Σ A / n, of R, of G and of B.
 
     Parameters
     ----------
-    a : (..., 3) float64
-        Image.
-
-    Returns
-    -------
-    (float, float, float)
-        Of R, of G and of B.
+    a : (..., 3) float64; image
     """
     red, green, blue = np.mean(a.reshape(-1, 3), axis=0)
     return float(red), float(green), float(blue)
@@ -122,8 +98,7 @@ def relative_bias(a: Colors, b: Colors) -> float:
 
     Parameters
     ----------
-    a, b : (..., 3) float64
-        Image and truth.
+    a, b : (..., 3) float64; image and truth
 
     Returns
     -------
@@ -140,23 +115,19 @@ def relative_bias(a: Colors, b: Colors) -> float:
 def z_scores(a: Colors, b: Colors, variance: Colors) -> Colors:
     """Difference in standard deviations, (A − B) / √v, channel by channel.
 
+    Not of the luminance: the channels of a pixel share their paths, and the standard
+    error of a sum needs the covariances, which nobody stores.
+
     Parameters
     ----------
-    a, b : (..., 3) float64
-        Image and truth.
+    a, b : (..., 3) float64; image and truth
     variance : (..., 3) float64
         v = SE_A² + SE_B².  With only one of the two the noise of the other is taken
         for bias, and z is too large.
 
     Returns
     -------
-    (..., 3) float64
-        Where v = 0: 0 if A = B, else ±∞.
-
-    Notes
-    -----
-    Not of the luminance: the channels of a pixel share their paths, and the standard
-    error of a sum needs the covariances, which nobody stores.
+    (..., 3) float64; where v = 0: 0 if A = B, else ±∞
     """
     difference = a - b
     z = divide_or_zero(difference, np.sqrt(variance))
@@ -166,17 +137,11 @@ def z_scores(a: Colors, b: Colors, variance: Colors) -> Colors:
 
 
 def rms(z: Colors) -> float:
-    """Root mean square √(Σ z² / n).
+    """Root mean square √(Σ z² / n); 1 without bias, if the standard errors are honest.
 
     Parameters
     ----------
-    z : (...) float64
-        z scores.
-
-    Returns
-    -------
-    float
-        1 without bias, if the standard errors are honest.
+    z : (...) float64; z scores
     """
     return float(np.sqrt(np.mean(z**2)))
 
@@ -186,14 +151,11 @@ def excess(z: Colors, limit: float) -> float:
 
     Parameters
     ----------
-    z : (...) float64
-        z scores.
-    limit : float
-        In standard deviations.
+    z : (...) float64; z scores
+    limit : float; in standard deviations
 
     Returns
     -------
-    float
-        0.0027 at 3 without bias, if the errors are normal as well.
+    float; 0.0027 at 3 without bias, if the errors are normal as well
     """
     return float(np.mean(np.abs(z) > limit))

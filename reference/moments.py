@@ -15,12 +15,9 @@ class Moments:
 
     Attributes
     ----------
-    count : int
-        n.
-    mean : (N, 3) float64
-        Their mean.
-    squares : (N, 3) float64
-        Sum of squared deviations from it.
+    count : int; n
+    mean : (N, 3) float64; their mean
+    squares : (N, 3) float64; sum of squared deviations from it
     """
 
     count: int
@@ -64,13 +61,7 @@ def no_samples(rows: int) -> Moments:
 
     Parameters
     ----------
-    rows : int
-        N.
-
-    Returns
-    -------
-    Moments
-        Zeros.
+    rows : int; N
     """
     return Moments(0, np.zeros((rows, 3)), np.zeros((rows, 3)))
 
@@ -81,28 +72,20 @@ def add_samples(
     stop: int,
     schedule: Schedule,
 ) -> Moments:
-    """Moments after samples ``moments.count`` to ``stop`` − 1 were added.
+    """Moments after samples ``moments.count`` to ``stop`` − 1 were added [Welford62].
 
     Parameters
     ----------
-    moments : Moments
-        Of the samples before.
+    moments : Moments; of the samples before
     sample : callable
         Takes a slice of K rows and the number of a sample, gives its (K, 3) values.
-    stop : int
-        Samples in the result.
-    schedule : Schedule
-        Bands and threads.
+    stop : int; samples in the result
 
     Returns
     -------
     Moments
         One sample is added after the other, in order: bit-identical however the
         samples are cut into calls and the rows into bands.
-
-    Notes
-    -----
-    [Welford62].
     """
 
     def advance(rows: slice) -> _Part:

@@ -36,15 +36,7 @@ def first_hits(world: World, x: Scalars, y: Scalars) -> SurfacePoints:
 
     Parameters
     ----------
-    world : World
-        The scene.
-    x, y : (N,) float64, pixels
-        Points of the image.
-
-    Returns
-    -------
-    SurfacePoints
-        N rows.
+    x, y : (N,) float64, pixels; points of the image
     """
     origin, direction = camera_rays(world.camera, x, y)
     hits = world.caster.from_camera(origin, direction)
@@ -54,29 +46,16 @@ def first_hits(world: World, x: Scalars, y: Scalars) -> SurfacePoints:
 def follow(
     world: World, points: SurfacePoints, direction: Vec3s, active: Masks, kind: str
 ) -> SurfacePoints:
-    """What rays that leave surface points meet first.
+    """What rays that leave surface points meet first [Ouyang21, Eq. 2].
 
     Parameters
     ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        N points.
-    direction : (N, 3) float64
-        Unit vectors.
-    active : (N,) bool
-        Which rays are traced.
-    kind : str
-        What the rays are counted as.
+    direction : (N, 3) float64; unit vectors
+    active : (N,) bool; which rays are traced
 
     Returns
     -------
-    SurfacePoints
-        N rows; misses where no ray was traced.
-
-    Notes
-    -----
-    [Ouyang21, Eq. 2].
+    SurfacePoints; N rows; misses where no ray was traced
     """
     hits = world.caster.from_surface(points, direction, active, kind)
     return surface_points(world.geometry, hits, points.position, direction)
@@ -94,35 +73,26 @@ def reflected_radiance(
 ) -> Vec3s:
     """Radiance that surface points scatter towards their viewers, one path each.
 
+    [Ouyang21, Eq. 3].
+
     Parameters
     ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        N points x; misses scatter nothing.
-    bounces : int
-        Surface points that a path may visit after x; 0 is direct light alone.
+    points : SurfacePoints; N points x; misses scatter nothing
+    bounces : int; surface points that a path may visit after x; 0 is direct light alone
     uniforms : Uniforms
         N rows.  Vertex i after x takes dimension 2i for its direction and 2i + 1 for
         its light.
-    skip_direct : bool
-        Leave out light that reaches x straight from a light.
+    skip_direct : bool; leave out light that reaches x straight from a light
     first : BsdfSamples or None
         Directions in which the paths leave x, where the caller has chosen them.
     tail : (N,) float64 or None
         Russian roulette: weight of all that lies beyond vertex ``tail_begins``, 0 where
         the path ends there; ``None`` for 1.
-    tail_begins : int
-        The last vertex that every path reaches.
+    tail_begins : int; the last vertex that every path reaches
 
     Returns
     -------
-    (N, 3) float64, W/(m² sr)
-        Without emission of x itself.
-
-    Notes
-    -----
-    [Ouyang21, Eq. 3].
+    (N, 3) float64, W/(m² sr); without emission of x itself
     """
     radiance = zero_vectors(len(points))
     walk = _Walk(
@@ -202,27 +172,15 @@ def camera_radiance(
 ) -> Vec3s:
     """One path-traced sample of the radiance that reaches the camera.
 
+    The rendering equation [Kajiya86, Eq. 1; Ouyang21, Eq. 1].
+
     Parameters
     ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        N first hits.
-    light : 'indirect', 'direct' or 'full'
-        Which paths count.
-    bounces : int
-        Bounces of indirect light, 0 to 30.
-    uniforms : Uniforms
-        N rows.
+    bounces : int; bounces of indirect light, 0 to 30
 
     Returns
     -------
-    (N, 3) float64, W/(m² sr)
-        Unbiased.
-
-    Notes
-    -----
-    The rendering equation [Kajiya86, Eq. 1; Ouyang21, Eq. 1].
+    (N, 3) float64, W/(m² sr); unbiased
     """
     if light == "indirect":
         if bounces == 0:

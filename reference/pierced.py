@@ -19,19 +19,14 @@ from reference.scene.origins import STEP
 class PiercedTriangles:
     """Triangles of a scene, some of which have holes.
 
-    Parameters
-    ----------
-    geometry : Geometry
-        The scene, with masks.
-    count : callable
-        Told how many rays go on behind a hole, each time.
-
-    Notes
-    -----
     A ray goes on a ``STEP`` behind a hole.  So masked surfaces that are closer together
     than that count as one, and the search ends: each turn takes every ray further by a
     ``STEP``, which float32 resolves, and no triangle reaches beyond the scene.  Other
     surfaces are never stepped over, wherever they touch a masked one.
+
+    Parameters
+    ----------
+    count : callable; told how many rays go on behind a hole, each time
     """
 
     def __init__(self, geometry: Geometry, count: Callable[[int], None]) -> None:
@@ -41,21 +36,14 @@ class PiercedTriangles:
         self._masked = Triangles(geometry, np.flatnonzero(geometry.mask >= 0))
 
     def first_hits(self, origin: Vec3s, direction: Vec3s, reach: Scalars) -> Hits:
-        """First triangle along rays; see `Triangles.first_hits`.
+        """First triangle along rays, never in a hole; see `Triangles.first_hits`.
 
         Parameters
         ----------
-        origin : (N, 3) float64, m
-            Where the rays start.
-        direction : (N, 3) float64
-            Unit vectors.
+        origin : (N, 3) float64, m; where the rays start
+        direction : (N, 3) float64; unit vectors
         reach : (N,) float64, half extents
             How far; ``NOT_TRACED`` for rays that are left out.
-
-        Returns
-        -------
-        Hits
-            Never in a hole.
         """
         whole = self._whole.first_hits(origin, direction, reach)
         until = np.minimum(reach, whole.distance / self._geometry.extent)
@@ -73,17 +61,14 @@ class PiercedTriangles:
 
         Parameters
         ----------
-        origin : (N, 3) float64, m
-            Where the segments start.
-        along : (N, 3) float64, m
-            Direction d, of any length.
+        origin : (N, 3) float64, m; where the segments start
+        along : (N, 3) float64, m; direction d, of any length
         reach : (N,) float64
             Where they end, t; ``NOT_TRACED`` for segments that are left out.
 
         Returns
         -------
-        (N,) bool
-            True through holes.
+        (N,) bool; True through holes
         """
         free = self._whole.free(origin, along, reach)
         size = length(along)

@@ -11,16 +11,8 @@ Kind = TypeVar("Kind")
 def plugin_names(group: str) -> list[str]:
     """Names that packages register in a group.
 
-    Parameters
-    ----------
-    group : str
-        Of entry points.
-
-    Returns
-    -------
-    list of str
-        In alphabetical order.  Nothing is imported, so that a broken package disturbs
-        nobody who does not ask for what it brings.
+    Nothing is imported, so that a broken package disturbs nobody who does not ask for
+    what it brings.
     """
     return sorted({point.name for point in entry_points(group=group)})
 

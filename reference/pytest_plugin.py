@@ -23,7 +23,9 @@ class Oracle:
     def check(
         self, backend: Any, budget: float = 60.0, statistics: bool = False
     ) -> Verdict:
-        """Judge a backend, and fail the test if it is wrong.
+        """Judge a backend, and fail the test if it is wrong; else return the verdict.
+
+        Raises UsageError: there is no such backend.
 
         Parameters
         ----------
@@ -34,16 +36,6 @@ class Oracle:
             No step begins after that; what is left out does not fail the test.
         statistics : bool
             Whole runs too: it takes some ten seconds, and certifies the mean.
-
-        Returns
-        -------
-        Verdict
-            Of a backend that is not known to be wrong.
-
-        Raises
-        ------
-        UsageError
-            There is no such backend.
         """
         # Imported here: a test run that never asks should not wait for Embree.
         from reference.oracle.checking import judge, told
@@ -57,11 +49,5 @@ class Oracle:
 
 @pytest.fixture(scope="session")
 def restir_oracle() -> Oracle:
-    """The oracle: ``restir_oracle.check(backend)`` fails a test whose backend is wrong.
-
-    Returns
-    -------
-    Oracle
-        Without state.
-    """
+    """The oracle: ``restir_oracle.check(backend)`` fails if the backend is wrong."""
     return Oracle()

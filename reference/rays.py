@@ -28,10 +28,7 @@ class Triangles:
 
     Parameters
     ----------
-    geometry : Geometry
-        The scene.
-    rows : (K,) int, optional
-        Those that are handed over; by default all.
+    rows : (K,) int, optional; those that are handed over; by default all
     """
 
     def __init__(self, geometry: Geometry, rows: Indices | None = None) -> None:
@@ -47,17 +44,14 @@ class Triangles:
 
         Parameters
         ----------
-        origin : (N, 3) float64, m
-            Where the rays start.
-        direction : (N, 3) float64
-            Unit vectors.
+        origin : (N, 3) float64, m; where the rays start
+        direction : (N, 3) float64; unit vectors
         reach : (N,) float64, half extents
             How far; ``NOT_TRACED`` for rays that are left out.
 
         Returns
         -------
-        Hits
-            Primitive -1 and distance inf where nothing is hit, or no ray was traced.
+        Hits; primitive -1 and distance inf where nothing is hit, or no ray was traced
         """
         size = len(origin)
         if self._embree is None or size == 0:
@@ -84,17 +78,14 @@ class Triangles:
 
         Parameters
         ----------
-        origin : (N, 3) float64, m
-            Where the segments start.
-        along : (N, 3) float64, m
-            Direction d, of any length.
+        origin : (N, 3) float64, m; where the segments start
+        along : (N, 3) float64, m; direction d, of any length
         reach : (N,) float64
             Where they end, t; ``NOT_TRACED`` for segments that are left out.
 
         Returns
         -------
-        (N,) bool
-            False where nothing was traced.
+        (N,) bool; False where nothing was traced
         """
         if self._embree is None or len(origin) == 0:
             return np.asarray(reach != NOT_TRACED)

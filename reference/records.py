@@ -19,15 +19,9 @@ def map_rows(function: Callable[..., Any], *records: Record) -> Record:
 
     Parameters
     ----------
-    function : callable
-        Takes as many arrays as there are records and returns an array.
+    function : callable; takes as many arrays as there are records and returns an array
     *records : record or array
         All of one type.  Nested records are descended into; ``None`` stays ``None``.
-
-    Returns
-    -------
-    record or array
-        Of the same type.
     """
     first: Any = records[0]
     mapped: Any = None
@@ -49,15 +43,8 @@ def take(record: Record, rows: Indices) -> Record:
 
     Parameters
     ----------
-    record : record or array
-        N rows.
-    rows : (K,) int
-        Which rows, in which order.
-
-    Returns
-    -------
-    record or array
-        K rows.
+    record : record or array; N rows
+    rows : (K,) int; which rows, in which order
     """
     return map_rows(lambda a: _take(a, rows), record)
 
@@ -72,34 +59,17 @@ def keep(record: Record, mask: Masks) -> Record:
 
     Parameters
     ----------
-    record : record or array
-        N rows.
-    mask : (N,) bool
-        Which rows.
+    mask : (N,) bool; which rows
 
     Returns
     -------
-    record or array
-        The record itself, not a copy, where the mask is true throughout.
+    record or array; the record itself, not a copy, where the mask is true throughout
     """
     return record if mask.all() else take(record, np.flatnonzero(mask))
 
 
 def cut(record: Record, rows: slice) -> Record:
-    """Consecutive rows of a record (or array), without a copy.
-
-    Parameters
-    ----------
-    record : record or array
-        N rows.
-    rows : slice
-        Which rows.
-
-    Returns
-    -------
-    record or array
-        Views of the arrays.
-    """
+    """Consecutive rows of a record (or array): views, without a copy."""
     return map_rows(lambda a: a[rows], record)
 
 
@@ -118,15 +88,8 @@ def where(mask: Masks, yes: Record, no: Record) -> Record:
 
     Parameters
     ----------
-    mask : (N,) bool
-        Take ``yes`` where true.
-    yes, no : record or array
-        N rows each, of one type.
-
-    Returns
-    -------
-    record or array
-        N rows.
+    mask : (N,) bool; take ``yes`` where true
+    yes, no : record or array; N rows each, of one type
     """
 
     def choose(a: Any, b: Any) -> Any:
@@ -162,17 +125,11 @@ def pick(slot: Indices, records: Sequence[Record]) -> Record:
 
 
 def concatenate(records: list[Record]) -> Record:
-    """Join records (or arrays) end to end.
+    """Join records (or arrays) end to end: all rows, in the order given.
 
     Parameters
     ----------
-    records : list of record or array
-        At least one, all of one type.
-
-    Returns
-    -------
-    record or array
-        All rows, in the order given.
+    records : list of record or array; at least one, all of one type
     """
     if len(records) == 1:
         return records[0]
@@ -184,17 +141,7 @@ def scatter(rows: Indices, values: Record, size: int) -> Record:
 
     Parameters
     ----------
-    rows : (K,) int
-        Where each row goes; no index twice.
-    values : record or array
-        K rows.
-    size : int
-        Rows of the result.
-
-    Returns
-    -------
-    record or array
-        ``size`` rows.
+    rows : (K,) int; where each row goes; no index twice
     """
 
     def put(a: Any) -> Any:
@@ -206,21 +153,13 @@ def scatter(rows: Indices, values: Record, size: int) -> Record:
 
 
 def put(record: Record, rows: Indices, values: Record) -> Record:
-    """Replace some rows of a record (or array).
+    """Replace some rows of a record (or array); a copy, of N rows.
 
     Parameters
     ----------
-    record : record or array
-        N rows.
-    rows : (K,) int
-        Which; no index twice.
-    values : record or array
-        K rows.
-
-    Returns
-    -------
-    record or array
-        A copy, of N rows.
+    record : record or array; N rows
+    rows : (K,) int; which; no index twice
+    values : record or array; K rows
     """
 
     def replaced(a: Any, b: Any) -> Any:
@@ -234,15 +173,7 @@ def put(record: Record, rows: Indices, values: Record) -> Record:
 def nbytes(record: Any) -> int:
     """Memory that the arrays of a record take.
 
-    Parameters
-    ----------
-    record : record, array, mapping, sequence, or anything without arrays
-        Descended into.
-
-    Returns
-    -------
-    int
-        Bytes; an array that is met twice counts once.
+    Bytes; an array that is met twice counts once.
     """
     seen: dict[int, int] = {}
     _weigh(record, seen)
@@ -262,18 +193,5 @@ def _weigh(thing: Any, seen: dict[int, int]) -> None:
 
 
 def fields_but(record: Any, *names: str) -> list[Any]:
-    """Values of the fields of a record, but for some.
-
-    Parameters
-    ----------
-    record : dataclass instance
-        Any.
-    *names : str
-        Left out.
-
-    Returns
-    -------
-    list
-        In the order of the fields.
-    """
+    """Values of the fields of a record, but for some, in the order of the fields."""
     return [getattr(record, f.name) for f in fields(record) if f.name not in names]

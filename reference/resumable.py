@@ -19,10 +19,8 @@ class SampleSource:
 
     Attributes
     ----------
-    rows : int
-        Pixels of the frame.
-    advance : callable
-        Adds samples.
+    rows : int; pixels of the frame
+    advance : callable; adds samples
     rays : callable
         Tells how many rays were traced so far, by kind: before the first sample those
         that all samples share.
@@ -54,10 +52,8 @@ def accumulate_resumably(
         written the result may delete it.
     run : mapping of str to str
         Everything that decides what a sample of a given number is.
-    every : float, s
-        Time between two checkpoints: what a kill may cost.
-    tick : callable
-        Told the number of samples so far.
+    every : float, s; time between two checkpoints: what a kill may cost
+    tick : callable; told the number of samples so far
 
     Returns
     -------

@@ -43,20 +43,16 @@ class Stream(IntEnum):
 def pcg4d(x: UInts, y: UInts, z: UInts, w: UInts) -> tuple[UInts, UInts, UInts, UInts]:
     """Hash four 32-bit words into four: the PCG4D permutation.
 
+    [Jarzynski20, Listing 5]: one linear congruential step of each word, two rounds of
+    multiply-add between the words, an xor-shift between the rounds.
+
     Parameters
     ----------
-    x, y, z, w : (N,) uint32
-        The key; broadcast against each other.
+    x, y, z, w : (N,) uint32; the key; broadcast against each other
 
     Returns
     -------
-    four (N,) uint32
-        Arithmetic is modulo 2^32.
-
-    Notes
-    -----
-    [Jarzynski20, Listing 5]: one linear congruential step of each word, two rounds of
-    multiply-add between the words, an xor-shift between the rounds.
+    four (N,) uint32; arithmetic is modulo 2^32
     """
     step, increment = np.uint32(1664525), np.uint32(1013904223)
     # Arrays of one word, unlike scalars, wrap around without a warning.
@@ -76,8 +72,7 @@ def to_unit_interval(bits: UInts) -> Scalars:
 
     Parameters
     ----------
-    bits : (N,) uint32
-        Random words.
+    bits : (N,) uint32; random words
 
     Returns
     -------
@@ -106,16 +101,12 @@ class KeyedUniforms:
 
     Attributes
     ----------
-    pixel : (N,) uint32
-        y · width + x.
+    pixel : (N,) uint32; y · width + x
     frame : int or (N,) int
         Of all rows, or of each.  Non-negative, below 2^27: PCG4D mixes its words by
         products, whose high bits never reach the low ones, so that frames which differ
         in the highest bits alone have dependent streams.
-    seed : int
-        The same holds of it.
-    stream : Stream
-        Who draws.
+    seed : int; the same holds of it
     """
 
     pixel: UInts
@@ -124,17 +115,11 @@ class KeyedUniforms:
     stream: Stream
 
     def draw(self, dimension: int) -> Draw:
-        """Four uniforms a row.
+        """Four uniforms a row, four (N,) float64; in [0, 1).
 
         Parameters
         ----------
-        dimension : int
-            0 to 63; each decision has its own.
-
-        Returns
-        -------
-        four (N,) float64
-            In [0, 1).
+        dimension : int; 0 to 63; each decision has its own
 
         Raises
         ------
@@ -158,13 +143,7 @@ class KeyedUniforms:
 
         Parameters
         ----------
-        rows : (K,) int
-            Which rows.
-
-        Returns
-        -------
-        KeyedUniforms
-            K rows.
+        rows : (K,) int; which rows
         """
         frame = self.frame if isinstance(self.frame, int) else self.frame[rows]
         return KeyedUniforms(self.pixel[rows], frame, self.seed, self.stream)
@@ -176,24 +155,17 @@ class TabledUniforms:
 
     Attributes
     ----------
-    table : (D, 4, N) float
-        Dimension, lane, row.  Any dtype.
+    table : (D, 4, N) float; dimension, lane, row; any dtype
     """
 
     table: Scalars
 
     def draw(self, dimension: int) -> Draw:
-        """Four uniforms a row.
+        """Four uniforms a row, four (N,); as they stand in the table.
 
         Parameters
         ----------
-        dimension : int
-            0 to D - 1.
-
-        Returns
-        -------
-        four (N,)
-            As they stand in the table.
+        dimension : int; 0 to D - 1
         """
         x, y, z, w = self.table[dimension]
         return x, y, z, w
@@ -203,12 +175,6 @@ class TabledUniforms:
 
         Parameters
         ----------
-        rows : (K,) int
-            Which rows.
-
-        Returns
-        -------
-        TabledUniforms
-            K rows.
+        rows : (K,) int; which rows
         """
         return TabledUniforms(self.table[:, :, rows])

@@ -10,10 +10,8 @@ def left_of(u: Scalars, probability: Scalars) -> Scalars:
 
     Parameters
     ----------
-    u : (N,) float
-        In [0, 1): u < p chose.
-    probability : (N,) float
-        p, from 0 to 1.
+    u : (N,) float; in [0, 1): u < p chose
+    probability : (N,) float; p, from 0 to 1
 
     Returns
     -------
@@ -28,17 +26,11 @@ def left_of(u: Scalars, probability: Scalars) -> Scalars:
 
 
 def sample_uniform_hemisphere(u1: Scalars, u2: Scalars) -> Vec3s:
-    """Directions about +z with density 1 / 2π.
+    """Directions about +z with density 1 / 2π, (N, 3) float; unit vectors, cos θ = u1.
 
     Parameters
     ----------
-    u1, u2 : (N,) float
-        In [0, 1).
-
-    Returns
-    -------
-    (N, 3) float
-        Unit vectors, cos θ = u1.
+    u1, u2 : (N,) float; in [0, 1)
     """
     return _about_z(u1, np.sqrt(np.maximum(0.0, 1.0 - u1 * u1)), u2)
 
@@ -48,8 +40,7 @@ def pdf_uniform_hemisphere(cos_theta: Scalars) -> Scalars:
 
     Parameters
     ----------
-    cos_theta : (N,) float
-        Cosine with the axis.
+    cos_theta : (N,) float; cosine with the axis
 
     Returns
     -------
@@ -64,13 +55,11 @@ def invert_uniform_hemisphere(direction: Vec3s) -> tuple[Scalars, Scalars]:
 
     Parameters
     ----------
-    direction : (N, 3) float
-        Unit vectors with z >= 0.
+    direction : (N, 3) float; unit vectors with z >= 0
 
     Returns
     -------
-    (N,), (N,) float
-        In [0, 1).
+    (N,), (N,) float; in [0, 1)
     """
     return direction[:, 2], _azimuth(direction)
 
@@ -80,13 +69,11 @@ def sample_cosine_hemisphere(u1: Scalars, u2: Scalars) -> Vec3s:
 
     Parameters
     ----------
-    u1, u2 : (N,) float
-        In [0, 1).
+    u1, u2 : (N,) float; in [0, 1)
 
     Returns
     -------
-    (N, 3) float
-        Unit vectors, cos² θ = 1 - u1, never 0: so that 1 / pdf <= π 2¹².
+    (N, 3) float; unit vectors, cos² θ = 1 - u1, never 0: so that 1 / pdf <= π 2¹²
     """
     return _about_z(np.sqrt(1.0 - u1), np.sqrt(u1), u2)
 
@@ -96,13 +83,11 @@ def pdf_cosine_hemisphere(cos_theta: Scalars) -> Scalars:
 
     Parameters
     ----------
-    cos_theta : (N,) float
-        Cosine with the axis.
+    cos_theta : (N,) float; cosine with the axis
 
     Returns
     -------
-    (N,) float, 1/sr
-        0 where cos θ <= 0.
+    (N,) float, 1/sr; 0 where cos θ <= 0
     """
     return np.maximum(cos_theta, 0.0) / np.pi
 
@@ -112,29 +97,21 @@ def invert_cosine_hemisphere(direction: Vec3s) -> tuple[Scalars, Scalars]:
 
     Parameters
     ----------
-    direction : (N, 3) float
-        Unit vectors with z > 0.
+    direction : (N, 3) float; unit vectors with z > 0
 
     Returns
     -------
-    (N,), (N,) float
-        In [0, 1).
+    (N,), (N,) float; in [0, 1)
     """
     return direction[:, 0] ** 2 + direction[:, 1] ** 2, _azimuth(direction)
 
 
 def sample_uniform_sphere(u1: Scalars, u2: Scalars) -> Vec3s:
-    """Directions with density 1 / 4π.
+    """Directions with density 1 / 4π, (N, 3) float; unit vectors, z = 1 - 2 u1.
 
     Parameters
     ----------
-    u1, u2 : (N,) float
-        In [0, 1).
-
-    Returns
-    -------
-    (N, 3) float
-        Unit vectors, z = 1 - 2 u1.
+    u1, u2 : (N,) float; in [0, 1)
     """
     z = 1.0 - 2.0 * u1
     return _about_z(z, 2.0 * np.sqrt(u1 * (1.0 - u1)), u2)
@@ -145,13 +122,11 @@ def invert_uniform_sphere(direction: Vec3s) -> tuple[Scalars, Scalars]:
 
     Parameters
     ----------
-    direction : (N, 3) float
-        Unit vectors.
+    direction : (N, 3) float; unit vectors
 
     Returns
     -------
-    (N,), (N,) float
-        In [0, 1).
+    (N,), (N,) float; in [0, 1)
     """
     return (1.0 - direction[:, 2]) / 2.0, _azimuth(direction)
 
@@ -161,13 +136,11 @@ def sample_triangle(u1: Scalars, u2: Scalars) -> tuple[Scalars, Scalars]:
 
     Parameters
     ----------
-    u1, u2 : (N,) float
-        In [0, 1).
+    u1, u2 : (N,) float; in [0, 1)
 
     Returns
     -------
-    (N,), (N,) float
-        Weights of the second and third vertex; both >= 0, sum at most 1.
+    (N,), (N,) float; weights of the second and third vertex; both >= 0, sum at most 1
     """
     root = np.sqrt(u1)
     return root * (1.0 - u2), root * u2
@@ -178,13 +151,11 @@ def invert_triangle(b1: Scalars, b2: Scalars) -> tuple[Scalars, Scalars]:
 
     Parameters
     ----------
-    b1, b2 : (N,) float
-        Weights of the second and third vertex.
+    b1, b2 : (N,) float; weights of the second and third vertex
 
     Returns
     -------
-    (N,), (N,) float
-        In [0, 1); u2 = 0 at the first vertex, where all u2 meet.
+    (N,), (N,) float; in [0, 1); u2 = 0 at the first vertex, where all u2 meet
     """
     return (b1 + b2) ** 2, divide_or_zero(b2, b1 + b2)
 

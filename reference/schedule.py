@@ -23,8 +23,7 @@ class Schedule:
         Rows handled at once.  More rows share the cost of each call, fewer stay in the
         cache; between 8192 and 32768 it makes no difference to one thread, while two
         want long calls, in which they do not wait for the interpreter lock.
-    threads : int
-        Bands handled at the same time.
+    threads : int; bands handled at the same time
     """
 
     band: int = 32768
@@ -32,19 +31,11 @@ class Schedule:
 
 
 def bands(rows: int, size: int) -> Iterator[slice]:
-    """Cut rows into bands.
+    """Cut rows into bands, in order, without gap or overlap.
 
     Parameters
     ----------
-    rows : int
-        Rows of the frame.
-    size : int
-        Rows of a band; the last may have fewer.
-
-    Yields
-    ------
-    slice
-        In order, without gap or overlap.
+    size : int; rows of a band; the last may have fewer
     """
     for start in range(0, rows, size):
         yield slice(start, min(start + size, rows))
@@ -55,20 +46,13 @@ def in_bands(
 ) -> Result:
     """Apply a function of rows to a frame, band by band.
 
+    The rows are bit-identical for every schedule.
+
     Parameters
     ----------
-    schedule : Schedule
-        Bands and threads.
-    rows : int
-        Rows of the frame.
     function : callable
         Takes a slice of K row numbers and returns a record (or array) of K rows, each
         of which depends on its own row number alone.
-
-    Returns
-    -------
-    record or array
-        All rows; bit-identical for every schedule.
     """
     cuts = list(bands(rows, schedule.band)) or [slice(0, 0)]
     if len(cuts) == 1:

@@ -45,7 +45,11 @@ FALSEHOOD = {"false": False, "no": False, "off": False, "0": False}
 
 
 def with_values(defaults: Settings, assignments: Iterable[str]) -> Settings:
-    """Settings with some of their fields set from text.
+    """Settings with some of their fields set from text, of the same type.
+
+    Raises TypeError: the settings are no dataclass.
+    Raises UsageError: no such field, or not one of its values; the message lists what
+    is known.
 
     Parameters
     ----------
@@ -54,18 +58,6 @@ def with_values(defaults: Settings, assignments: Iterable[str]) -> Settings:
         raise ValueError on values that are out of range.
     assignments : iterable of str
         Each ``KEY=VALUE``; of two with one key the last one counts.
-
-    Returns
-    -------
-    dataclass instance
-        Of the same type.
-
-    Raises
-    ------
-    TypeError
-        The settings are no dataclass.
-    UsageError
-        No such field, or not one of its values; the message lists what is known.
     """
     if not is_dataclass(defaults) or isinstance(defaults, type):
         raise TypeError(f"settings must be a dataclass instance, not {defaults!r}")
@@ -96,15 +88,11 @@ def with_values(defaults: Settings, assignments: Iterable[str]) -> Settings:
 def known(settings: Any) -> str:
     """All settings with what they may be, for a message.
 
+    It reads ``"a=1|2, b=NUMBER"``; "none" if there are none.
+
     Parameters
     ----------
-    settings : dataclass instance
-        As `with_values` takes it.
-
-    Returns
-    -------
-    str
-        ``"a=1|2, b=NUMBER"``; "none" if there are none.
+    settings : dataclass instance; as `with_values` takes it
     """
     kind: type = type(settings)
     hints = _hints(kind)
@@ -113,33 +101,14 @@ def known(settings: Any) -> str:
 
 
 def as_text(settings: Any) -> dict[str, str]:
-    """Every setting as text, as `with_values` would read it.
-
-    Parameters
-    ----------
-    settings : dataclass instance
-        Any.
-
-    Returns
-    -------
-    dict of str to str
-        In the order of the fields.
-    """
+    """Every setting as text that `with_values` can read, in the order of the fields."""
     return {key: text_of(value) for key, value in asdict(settings).items()}
 
 
 def text_of(value: Any) -> str:
     """One value as text, as `with_values` would read it.
 
-    Parameters
-    ----------
-    value : str, int, float or bool
-        Of a setting.
-
-    Returns
-    -------
-    str
-        "true" and "false" for what is either.
+    "true" and "false" for what is either.
     """
     return str(value).lower() if isinstance(value, bool) else str(value)
 

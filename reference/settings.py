@@ -24,14 +24,10 @@ class Search:
 
     Attributes
     ----------
-    radius : float
-        Of the disk, in widths of the image.
-    min_radius : float, pixels
-        Least radius.
-    max_angle : float, degrees
-        Between the normals of similar points.
-    max_depth : float
-        Relative difference of their depths.
+    radius : float; of the disk, in widths of the image
+    min_radius : float, pixels; least radius
+    max_angle : float, degrees; between the normals of similar points
+    max_depth : float; relative difference of their depths
     """
 
     radius: float = 0.1
@@ -46,10 +42,8 @@ class Settings(Search):
 
     Attributes
     ----------
-    source : 'uniform', 'cosine' or 'bsdf'
-        Density of initial directions (section 4.1).
-    target : 'scattered' or 'outgoing'
-        Equation 9 or 10.
+    source : 'uniform', 'cosine' or 'bsdf'; density of initial directions (section 4.1)
+    target : 'scattered' or 'outgoing'; Equation 9 or 10
     mis : '1/Z', 'balance', 'pairwise', 'defensive' or '1/M'
         How reused samples are weighted; 1/M is biased.
     visibility : 'all', 'chosen' or 'none'
@@ -58,21 +52,15 @@ class Settings(Search):
     glossy_samples : 'path-traced' or 'as-lambertian'
         Sample points that are not Lambertian: their light is added as this frame's
         path found it, or reused as if it left in all directions, which is biased.
-    temporal, spatial : bool
-        Whether each reuse takes place.
-    temporal_cap, spatial_cap : float
-        Limits of M (section 5).
+    temporal, spatial : bool; whether each reuse takes place
+    temporal_cap, spatial_cap : float; limits of M (section 5)
     iterations_few, iterations_many : int
         Neighbours tried by pixels whose spatial M is at least half of its limit, and
         by all others.
-    radius : float
-        Of the search, as a share of the image's width.
-    min_radius : float, pixels
-        To which it may shrink.
-    max_angle : float, degrees
-        Between the normals of pixels that share samples.
-    max_depth : float
-        Relative difference of their depths, |a - b| / max(a, b).
+    radius : float; of the search, as a share of the image's width
+    min_radius : float, pixels; to which it may shrink
+    max_angle : float, degrees; between the normals of pixels that share samples
+    max_depth : float; relative difference of their depths, |a - b| / max(a, b)
     motion : 'shifted' or 'as-stored'
         Reservoirs of a last frame that looked different: shifted into this one, with
         Jacobian, visibility and Z, or taken as they stand, as in the paper, which is
@@ -81,8 +69,7 @@ class Settings(Search):
         Samples are traced again in every n-th frame of a scene that changes (section
         4.3), and reservoirs emptied whose sample is not what it was, which is biased;
         0 for never.
-    validation_tolerance : float
-        Relative change of luminance that a sample survives.
+    validation_tolerance : float; relative change of luminance that a sample survives
     boost_below : float
         Pixels whose spatial M is below it reuse the spatial reservoirs of their
         neighbours, too (Figure 10); 0 for never.
@@ -98,8 +85,7 @@ class Settings(Search):
     jacobian : 'multiplied', 'left-out' or 'divided'
         What becomes of Equation 11; divided as in Algorithm 4.  Only the first is
         unbiased.
-    jacobian_limit : float
-        Of max(J, 1/J), at least 1; inf for none.
+    jacobian_limit : float; of max(J, 1/J), at least 1; inf for none
     beyond_limit : 'reject-mirrored', 'reject' or 'clamp'
         What becomes of shifts beyond it: refused here and in the weights of others,
         refused here alone, or J clamped; the latter two are biased.
@@ -109,10 +95,8 @@ class Settings(Search):
     boiling_filter : float
         Strength of a filter that empties temporal reservoirs which outshine their
         tile, 0 to 1; biased.
-    permutation : bool
-        Histories are read from a shuffled place nearby.
-    fallback_search : bool
-        Where reprojection fails, some places nearby are tried.
+    permutation : bool; histories are read from a shuffled place nearby
+    fallback_search : bool; where reprojection fails, some places nearby are tried
     final_visibility : 'in-weight', 'traced' or 'reused'
         A last ray for the sample that is shown: none, since hidden samples have no
         weight; one a frame; or only where the sample did not come from the pixel's own

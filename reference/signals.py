@@ -12,10 +12,7 @@ class Interrupted(KeyboardInterrupt):
 
     Parameters
     ----------
-    message : str
-        One line.
-    terminated : bool
-        By SIGTERM, not by Ctrl-C.
+    terminated : bool; by SIGTERM, not by Ctrl-C
     """
 
     def __init__(self, message: str = "", terminated: bool = False) -> None:
@@ -25,13 +22,7 @@ class Interrupted(KeyboardInterrupt):
 
 @contextmanager
 def terminable() -> Iterator[None]:
-    """Let SIGTERM end a run as Ctrl-C does, so that its state is kept.
-
-    Yields
-    ------
-    None
-        Nothing.
-    """
+    """Let SIGTERM end a run as Ctrl-C does, so that its state is kept."""
 
     def stop(number: int, frame: FrameType | None) -> None:
         raise Interrupted("terminated; nothing half-written is left", terminated=True)

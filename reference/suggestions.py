@@ -11,19 +11,8 @@ def unknown(kind: str, word: str, names: Iterable[str], known: str = "") -> str:
 
     Parameters
     ----------
-    kind : str
-        Of what it should name: "scene".
-    word : str
-        As it was given.
-    names : iterable of str
-        Those that there are.
-    known : str
-        What to list in their place, where more than the names is to be said.
-
-    Returns
-    -------
-    str
-        One line, for an error.
+    kind : str; of what it should name: "scene"
+    known : str; what to list in their place, where more than the names is to be said
 
     Examples
     --------

@@ -12,8 +12,7 @@ def sample_table(cumulative: Scalars, u: Scalars) -> tuple[Indices, Scalars]:
     ----------
     cumulative : (K,) float
         Running sum of weights, the last one 1 (see :func:`cumulate`).
-    u : (N,) float
-        In [0, 1).
+    u : (N,) float; in [0, 1)
 
     Returns
     -------
@@ -34,8 +33,7 @@ def guide_of(cumulative: Scalars) -> Indices:
 
     Parameters
     ----------
-    cumulative : (K,) float
-        Running sum of weights, the last one 1.
+    cumulative : (K,) float; running sum of weights, the last one 1
 
     Returns
     -------
@@ -52,23 +50,17 @@ def guide_of(cumulative: Scalars) -> Indices:
 def index_in_table(cumulative: Scalars, guide: Indices, u: Scalars) -> Indices:
     """Index drawn in proportion to the weights of a table, in constant time.
 
+    The method of guide tables: a step in the mean, where bisection takes log₂ K.
+
     Parameters
     ----------
-    cumulative : (K,) float
-        Running sum of weights, the last one 1.
-    guide : (G,) int
-        Of it.
-    u : (N,) float
-        In [0, 1).
+    cumulative : (K,) float; running sum of weights, the last one 1
+    guide : (G,) int; of it
+    u : (N,) float; in [0, 1)
 
     Returns
     -------
-    (N,) int
-        That of :func:`sample_table`.
-
-    Notes
-    -----
-    The method of guide tables: a step in the mean, where bisection takes log₂ K.
+    (N,) int; that of :func:`sample_table`
     """
     index = guide[(u * len(guide)).astype(np.int64)]
     short = np.flatnonzero(cumulative[index] <= u)
@@ -83,13 +75,11 @@ def cumulate(weights: Scalars) -> Scalars:
 
     Parameters
     ----------
-    weights : (K,) float
-        Non-negative, not all 0.
+    weights : (K,) float; non-negative, not all 0
 
     Returns
     -------
-    (K,) float
-        Non-decreasing; from the last positive weight on it is 1.
+    (K,) float; non-decreasing; from the last positive weight on it is 1
 
     Raises
     ------

@@ -15,13 +15,7 @@ def visible(text: str, keep: str = "") -> str:
     ----------
     text : str
         May hold the name of a file, of a scene, or what a program of others wrote.
-    keep : str
-        Characters that stay: line breaks, in a table.
-
-    Returns
-    -------
-    str
-        The same text where all of it can be printed.
+    keep : str; characters that stay: line breaks, in a table
 
     Examples
     --------
@@ -37,17 +31,8 @@ def visible(text: str, keep: str = "") -> str:
 def told_errors() -> Iterator[None]:
     """Write to stdout, also what is still in the buffer, or say why not.
 
-    Yields
-    ------
-    None
-        Nothing.
-
-    Raises
-    ------
-    UsageError
-        The disk is full, or the like.
-    BrokenPipeError
-        Nobody reads.
+    Raises UsageError: the disk is full, or the like.
+    Raises BrokenPipeError: nobody reads.
     """
     try:
         try:

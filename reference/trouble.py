@@ -38,15 +38,7 @@ NO_THREADS = (
 def trouble(error: BaseException) -> str | None:
     """What is the matter with the machine, and what helps.
 
-    Parameters
-    ----------
-    error : BaseException
-        Any.
-
-    Returns
-    -------
-    str or None
-        One line, or ``None``: the error is of another kind.
+    One line, or ``None``: the error is of another kind.
     """
     if isinstance(error, MemoryError):
         return MEMORY
@@ -67,10 +59,7 @@ def trouble(error: BaseException) -> str | None:
 def refuse_narrow_limits() -> None:
     """Raise where libraries could not even be loaded.
 
-    Raises
-    ------
-    UsageError
-        The shell or the container leaves less than `LEAST`.
+    Raises UsageError: the shell or the container leaves less than `LEAST`.
     """
     for option, limit in memory_limits().items():
         if limit < LEAST:
@@ -83,10 +72,7 @@ def refuse_narrow_limits() -> None:
 def memory_limits() -> dict[str, int]:
     """Limits of this process, by their letters in the shell.
 
-    Returns
-    -------
-    dict of str to int
-        Bytes; empty where there are none, or nobody knows.
+    Bytes; empty where there are none, or nobody knows.
     """
     found = {}
     with suppress(ImportError):

@@ -17,18 +17,7 @@ from reference.version import project_version
 
 
 def checkpoint_beside(out: Path) -> Path:
-    """Where the checkpoint of a picture lies.
-
-    Parameters
-    ----------
-    out : Path
-        The picture.
-
-    Returns
-    -------
-    Path
-        In the same folder.
-    """
+    """Where the checkpoint of a picture lies."""
     return out.with_name(out.name + ".checkpoint")
 
 
@@ -59,8 +48,7 @@ def accumulate_truth(
 
     Returns
     -------
-    Checkpoint
-        With ``job.counts["spp"]`` samples.
+    Checkpoint; with ``job.counts["spp"]`` samples
     """
     spp = job.counts["spp"]
     return accumulate_resumably(
@@ -92,17 +80,12 @@ def _in_this_process(job: Job) -> SampleSource:
 def identity(scene: Scene, job: Job) -> dict[str, str]:
     """Everything that decides what a sample of a given number is.
 
+    Not the number of samples, nor bands and threads.
+
     Parameters
     ----------
-    scene : Scene
-        Of which ``job.world`` was built.
-    job : Job
-        With the settings of the method ``path``.
-
-    Returns
-    -------
-    dict of str to str
-        Not the number of samples, nor bands and threads.
+    scene : Scene; of which ``job.world`` was built
+    job : Job; with the settings of the method ``path``
     """
     camera = scene.camera
     # The size is told by itself, so that a message can say what it is.
@@ -123,17 +106,7 @@ def truth_image(state: Checkpoint, job: Job, words: Mapping[str, str]) -> Image:
 
     Parameters
     ----------
-    state : Checkpoint
-        At least two samples.
-    job : Job
-        For the size.
-    words : mapping of str to str
-        Metadata.
-
-    Returns
-    -------
-    Image
-        Layers ``"color"`` and ``"standard_error"``.
+    state : Checkpoint; at least two samples
     """
     size = job.world.camera.width, job.world.camera.height
     layers = {

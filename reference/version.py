@@ -6,10 +6,7 @@ from importlib.metadata import PackageNotFoundError, version
 def project_version() -> str:
     """Version of the project.
 
-    Returns
-    -------
-    str
-        "not installed" where the code runs from a bare checkout.
+    "not installed" where the code runs from a bare checkout.
     """
     try:
         return version("restir-gi-oracle")

@@ -28,13 +28,7 @@ CONNECT = "30s"
 
 
 def processors() -> int:
-    """Processors that this process may use.
-
-    Returns
-    -------
-    int
-        At least 1.
-    """
+    """Processors that this process may use; at least 1."""
     if hasattr(os, "sched_getaffinity"):  # a container may give us fewer than there are
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -44,24 +38,19 @@ def processors() -> int:
 def workers(processes: int, scheduler: str | None = None) -> Iterator[Executor]:
     """Processes that wait for work.
 
+    Raises UsageError: Dask is not installed, nobody answers there, or a process was
+    ended from outside.
+
     Parameters
     ----------
-    processes : int
-        On this machine; of no meaning to a cluster.
+    processes : int; on this machine; of no meaning to a cluster
     scheduler : str, optional
         Address of the scheduler of a Dask cluster, whose workers have this project
         installed, and the files of scenes at the same paths.
 
     Yields
     ------
-    Executor
-        A task of a Dask worker that is lost is done again by another.
-
-    Raises
-    ------
-    UsageError
-        Dask is not installed, nobody answers there, or a process was ended from
-        outside.
+    Executor; a task of a Dask worker that is lost is done again by another
     """
     if scheduler is not None:
         with _cluster(scheduler) as executor:
@@ -88,21 +77,12 @@ def workers(processes: int, scheduler: str | None = None) -> Iterator[Executor]:
 def work(
     executor: Executor, function: Callable[[Task], Result], tasks: Iterable[Task]
 ) -> Iterator[tuple[Task, Result]]:
-    """Do tasks, and give back each as it is done.
+    """Do tasks, and give back each as it is done, (task, result); each task once.
 
     Parameters
     ----------
-    executor : Executor
-        Of `workers`.
-    function : callable
-        Of a module, without side effects: a lost task is done again.
-    tasks : iterable
-        Handed out in this order.
-
-    Yields
-    ------
-    (task, result)
-        Each task once.
+    function : callable; of a module, without side effects: a lost task is done again
+    tasks : iterable; handed out in this order
     """
     futures = {executor.submit(function, task): task for task in tasks}
     for future in as_completed(futures):
@@ -120,21 +100,13 @@ def ahead(
 
     Parameters
     ----------
-    executor : Executor
-        Of `workers`.
-    function : callable
-        Of a module, without side effects: a lost task is done again.
-    tasks : iterable
-        May have no end; as many as have been handed out are done.
-    count : int
-        Tasks handed out at a time.
-    remaining : callable
-        Seconds that are left: no result is waited for after that.
+    function : callable; of a module, without side effects: a lost task is done again
+    tasks : iterable; may have no end; as many as have been handed out are done
+    remaining : callable; seconds that are left: no result is waited for after that
 
     Yields
     ------
-    result
-        In the order of the tasks, until the time is over.
+    result; in the order of the tasks, until the time is over
     """
     waiting: deque[Future[Result]] = deque()
     left = iter(tasks)

@@ -20,18 +20,12 @@ class World:
 
     Attributes
     ----------
-    scene : Scene
-        What it was made of.
-    geometry : Geometry
-        Primitives and materials.
-    caster : RayCaster
-        Traces rays, and counts them.
-    emitters : Emitters or None
-        Lights; ``None`` where nothing emits.
-    plan : Plan
-        What is run for the scene.
-    planner : callable
-        Scene to plan, for the next frame.
+    scene : Scene; what it was made of
+    geometry : Geometry; primitives and materials
+    caster : RayCaster; traces rays, and counts them
+    emitters : Emitters or None; lights; ``None`` where nothing emits
+    plan : Plan; what is run for the scene
+    planner : callable; scene to plan, for the next frame
     """
 
     scene: Scene
@@ -60,21 +54,15 @@ class World:
 def build_world(
     scene: Scene, before: World | None = None, planner: Planner = plan_of
 ) -> World:
-    """Make a scene ready for rays.
+    """Make a scene ready for rays, with a camera of the size that the scene asks for.
 
     Parameters
     ----------
-    scene : Scene
-        Validated by :func:`reference.scene.validation.validate`.
+    scene : Scene; validated by :func:`reference.scene.validation.validate`
     before : World, optional
         Of another frame of the same animation, in whose counter rays are counted on.
     planner : callable
         Scene to plan; by default what the scene requires is run, and nothing else.
-
-    Returns
-    -------
-    World
-        With a camera of the size that the scene asks for.
     """
     geometry = build_geometry(scene)
     plan = planner(scene)
@@ -86,18 +74,13 @@ def build_world(
 def next_world(before: World, scene: Scene) -> World:
     """The world of the next frame; what has not changed is not made again.
 
+    Returns ``before`` itself where the scene is the same object; a world of the same
+    geometry and lights where only the camera differs.  Rays are counted on in one
+    counter.
+
     Parameters
     ----------
-    before : World
-        Of a frame.
-    scene : Scene
-        Of another frame of the same animation.
-
-    Returns
-    -------
-    World
-        ``before`` itself where the scene is the same object; with the same geometry and
-        lights where only the camera differs.  Rays are counted on in one counter.
+    scene : Scene; of another frame of the same animation
     """
     if scene is before.scene:
         return before
@@ -107,17 +90,13 @@ def next_world(before: World, scene: Scene) -> World:
 
 
 def same_but_for_the_camera(a: Scene, b: Scene) -> bool:
-    """Whether two scenes hold the very same shapes and lights.
+    """Whether two scenes hold the very same shapes and lights, by identity.
+
+    What an animation does not change stays the same object.
 
     Parameters
     ----------
-    a, b : Scene
-        Frames of one animation.
-
-    Returns
-    -------
-    bool
-        By identity: what an animation does not change stays the same object.
+    a, b : Scene; frames of one animation
     """
     ours = (*a.meshes, *a.spheres, *a.lamps, *a.suns, a.environment)
     theirs = (*b.meshes, *b.spheres, *b.lamps, *b.suns, b.environment)

@@ -46,17 +46,12 @@ SIGNS = {
 def reuse(work: Work, scenes: Sequence[str] | None = None) -> PaperFigure:
     """Error of differences, with pairs around that are edges, any, or none.
 
+    A row a scene and variant.
+
     Parameters
     ----------
-    work : Work
-        Size, runs and schedule.
     scenes : sequence of str, optional
         Names of the catalogue, those of `SCENES` if none are given.
-
-    Returns
-    -------
-    PaperFigure
-        A row a scene and variant.
     """
     return _ablation(
         "gradient-reuse",
@@ -71,17 +66,12 @@ def reuse(work: Work, scenes: Sequence[str] | None = None) -> PaperFigure:
 def signs(work: Work, scenes: Sequence[str] | None = None) -> PaperFigure:
     """Error of differences, with a reservoir for each sign, or for both.
 
+    A row a scene and variant.
+
     Parameters
     ----------
-    work : Work
-        Size, runs and schedule.
     scenes : sequence of str, optional
         Names of the catalogue, those of `SCENES` if none are given.
-
-    Returns
-    -------
-    PaperFigure
-        A row a scene and variant.
     """
     return _ablation(
         "gradient-signs",

@@ -35,15 +35,7 @@ VARIANTS = {**METHODS, ALONE: BY_ITSELF}
 def gradients(work: Work) -> PaperFigure:
     """Error of differences by path tracing, after ReSTIR, and with it.
 
-    Parameters
-    ----------
-    work : Work
-        Size, runs and schedule.
-
-    Returns
-    -------
-    PaperFigure
-        A row a scene and method.
+    A row a scene and method.
     """
     return of_scenes([scene_of(name, work.size) for name in SCENES], work)
 
@@ -90,17 +82,11 @@ def times_smaller(rounds: Rounds, name: str, than: str, same_time: bool) -> Inte
 
     Parameters
     ----------
-    rounds : Rounds
-        One copy of each.
-    name, than : str
-        Of the variants.
-    same_time : bool
-        Or in one frame.
+    rounds : Rounds; one copy of each
 
     Returns
     -------
-    Interval
-        Errors of means of frames fall as time grows: times MSE times seconds.
+    Interval; errors of means of frames fall as time grows: times MSE times seconds
     """
     theirs, mine = (gradient_errors(rounds.estimates[n]) for n in (than, name))
     ratio = rounds.seconds[than] / rounds.seconds[name] if same_time else 1.0
@@ -125,21 +111,12 @@ def _row(rounds: Rounds, name: str) -> Row:
 def difference_tile(
     rounds: Rounds, estimates: Scalars, title: str, caption: str
 ) -> Tile:
-    """Picture of differences to the right.
+    """Picture of differences to the right, grey for no difference.
 
     Parameters
     ----------
-    rounds : Rounds
-        With the truth that tells what is black and white.
-    estimates : (N, 9) float64
-        Pixels, and differences to the right and down.
-    title, caption : str
-        Above and below.
-
-    Returns
-    -------
-    Tile
-        Grey for no difference.
+    rounds : Rounds; with the truth that tells what is black and white
+    estimates : (N, 9) float64; pixels, and differences to the right and down
     """
     d = Differences(estimates[:, 3:6], estimates[:, 6:9])
     width = rounds.scene.world.camera.width

@@ -59,15 +59,7 @@ PAPER = (
 def images(work: Work) -> PaperFigure:
     """Error of images of each method, of its pixels alone, and of mixtures.
 
-    Parameters
-    ----------
-    work : Work
-        Size, runs and schedule.
-
-    Returns
-    -------
-    PaperFigure
-        A row a scene, method and norm.
+    A row a scene, method and norm.
     """
     return of_scenes([scene_of(name, work.size) for name in SCENES], work)
 

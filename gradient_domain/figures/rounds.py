@@ -29,14 +29,9 @@ class RoundScene:
 
     Attributes
     ----------
-    name : str
-        In tables.
-    world : World
-        In frame 0.
-    bounces : int
-        Of indirect light.
-    animation : Animation or None
-        Of a camera that moves.
+    world : World; in frame 0
+    bounces : int; of indirect light
+    animation : Animation or None; of a camera that moves
     """
 
     name: str
@@ -69,10 +64,7 @@ class Variant:
 
     Attributes
     ----------
-    render : callable
-        As `render_gradient_frames`.
-    settings : dataclass instance
-        Of the method.
+    render : callable; as `render_gradient_frames`
     """
 
     render: Render
@@ -111,12 +103,8 @@ class Rounds:
         What was rendered.
     estimates : dict of str to list of (N, 9) float64
         Last frame of each run, a mean over the copies.
-    copies : dict of str to int
-        Of each variant.
-    seconds : dict of str to float
-        A frame of one copy takes: the median.
-    truth : Moments
-        Path-traced, over the areas of pixels.
+    seconds : dict of str to float; a frame of one copy takes: the median
+    truth : Moments; path-traced, over the areas of pixels
     """
 
     scene: RoundScene
@@ -126,18 +114,7 @@ class Rounds:
     truth: Moments
 
     def spent(self, name: str) -> float:
-        """Seconds that a frame of all copies takes.
-
-        Parameters
-        ----------
-        name : str
-            Of the variant.
-
-        Returns
-        -------
-        float
-            Copies times seconds.
-        """
+        """Seconds that a frame of all copies takes."""
         return self.copies[name] * self.seconds[name]
 
 
@@ -148,7 +125,7 @@ def by_rounds(
     paths: int,
     like: str,
 ) -> Rounds:
-    """Run all variants by turns.
+    """Run all variants by turns; copy c of run i has seed i · copies + c.
 
     Parameters
     ----------
@@ -163,11 +140,6 @@ def by_rounds(
     like : str
         The variant of which one copy runs; of each other one as many as take about its
         time.  Empty for one copy each.
-
-    Returns
-    -------
-    Rounds
-        Copy c of run i has seed i · copies + c.
     """
     copies = dict.fromkeys(variants, 1)
     if like:

@@ -23,13 +23,11 @@ def gradient_errors(estimates: list[Scalars], pixels: Scalars | None = None) -> 
     ----------
     estimates : list of (N, 9) float64
         Pixels, and differences to the right and down; runs, all unbiased.
-    pixels : (N, 2) bool, optional
-        Which differences to the right and down count.
+    pixels : (N, 2) bool, optional; which differences to the right and down count
 
     Returns
     -------
-    (R,) float64
-        By how far runs spread; no truth is needed.
+    (R,) float64; by how far runs spread; no truth is needed
     """
     both = [np.concatenate([e[:, 3:6], e[:, 6:9]]) for e in estimates]
     if pixels is not None:
@@ -47,10 +45,7 @@ def relative_gradient_errors(
     ----------
     estimates : list of (N, 9) float64
         Pixels, and differences to the right and down; runs, all unbiased.
-    truth : Moments
-        Path-traced.
-    width : int, pixels
-        Of the image.
+    truth : Moments; path-traced
 
     Returns
     -------
@@ -70,15 +65,12 @@ def image_errors(images: list[Vec3s], truth: Moments) -> tuple[Numbers, Numbers]
 
     Parameters
     ----------
-    images : list of (N, 3) float64
-        Runs.
-    truth : Moments
-        Path-traced.
+    images : list of (N, 3) float64; runs
+    truth : Moments; path-traced
 
     Returns
     -------
-    (R,), (R,) float64
-        Biased images count with their bias.
+    (R,), (R,) float64; biased images count with their bias
     """
     true, variance = truth.mean, truth.standard_error() ** 2
     mse = np.array([metrics.mse(i, true, variance) for i in images])
@@ -91,17 +83,12 @@ def image_flips(images: list[Vec3s], truth: Moments, width: int) -> Numbers:
 
     Parameters
     ----------
-    images : list of (N, 3) float64
-        Runs.
-    truth : Moments
-        Path-traced; its noise is seen as well.
-    width : int, pixels
-        Of the image.
+    images : list of (N, 3) float64; runs
+    truth : Moments; path-traced; its noise is seen as well
 
     Returns
     -------
-    (R,) float64
-        Mean over the pixels, 0 for no difference that is seen.
+    (R,) float64; mean over the pixels, 0 for no difference that is seen
     """
     height = len(truth.mean) // width
 
@@ -117,17 +104,12 @@ def gradient_picture(d: Differences, truth: Moments, width: int) -> Bytes:
 
     Parameters
     ----------
-    d : Differences
-        N rows.
-    truth : Moments
-        Path-traced: what is black and white is told by its differences.
-    width : int, pixels
-        Of the image.
+    d : Differences; N rows
+    truth : Moments; path-traced: what is black and white is told by its differences
 
     Returns
     -------
-    (H, W, 3) uint8
-        Brighter where the right neighbour is.
+    (H, W, 3) uint8; brighter where the right neighbour is
     """
     true = np.abs(differences(truth.mean, width).x)
     scale = max(float(np.quantile(true, QUANTILE)), 1e-300)
@@ -140,17 +122,12 @@ def gradient_flips(estimates: list[Scalars], truth: Moments, width: int) -> Numb
 
     Parameters
     ----------
-    estimates : list of (N, 9) float64
-        Runs.
-    truth : Moments
-        Path-traced.
-    width : int, pixels
-        Of the image.
+    estimates : list of (N, 9) float64; runs
+    truth : Moments; path-traced
 
     Returns
     -------
-    (R,) float64
-        Mean over the pixels.
+    (R,) float64; mean over the pixels
     """
     true = gradient_picture(differences(truth.mean, width), truth, width)
     pictures = (

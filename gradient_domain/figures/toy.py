@@ -44,13 +44,11 @@ def functions(x: Scalars) -> tuple[Scalars, Scalars]:
 
     Parameters
     ----------
-    x : (N,) float64
-        In [-2, 2].
+    x : (N,) float64; in [-2, 2]
 
     Returns
     -------
-    (N,), (N,) float64
-        f_1 and f_2.
+    (N,), (N,) float64; f_1 and f_2
     """
 
     def bump(middle: float, width: float) -> Scalars:
@@ -75,15 +73,12 @@ def after_restir(x: Scalars, u: Scalars) -> tuple[Scalars, Numbers]:
 
     Parameters
     ----------
-    x : (2, M, N) float64
-        New samples of each function.
-    u : (2, M, N) float64
-        Numbers in [0, 1) that decide.
+    x : (2, M, N) float64; new samples of each function
+    u : (2, M, N) float64; numbers in [0, 1) that decide
 
     Returns
     -------
-    (2, N), (N,) float64
-        What is kept, and estimates of the difference of the integrals.
+    (2, N), (N,) float64; what is kept, and estimates of the difference of the integrals
     """
     kept, terms = [], []
     for k in (0, 1):
@@ -102,17 +97,12 @@ def with_restir(
 
     Parameters
     ----------
-    x : (2, M, N) float64
-        New samples of each function.
-    u : (2, M, N) float64
-        Numbers in [0, 1) that decide, of each reservoir the same.
-    signs : tuple of int
-        Of the reservoirs.
+    x : (2, M, N) float64; new samples of each function
+    u : (2, M, N) float64; numbers in [0, 1) that decide, of each reservoir the same
 
     Returns
     -------
-    (S, N), (N,) float64
-        What is kept for each sign, and estimates of the difference.
+    (S, N), (N,) float64; what is kept for each sign, and estimates of the difference
     """
     kept, terms = [], []
     for sign in signs:
@@ -151,17 +141,11 @@ VARIANTS: dict[str, Callable[[Scalars, Scalars], tuple[Scalars, Numbers]]] = {
 
 
 def toy(work: Work) -> PaperFigure:
-    """Variance of the difference, and which samples are kept for it.
+    """Variance of the difference, and which samples are kept for it; a row a variant.
 
     Parameters
     ----------
-    work : Work
-        Runs, of 500 repeats each; a size does not matter.
-
-    Returns
-    -------
-    PaperFigure
-        A row a variant.
+    work : Work; runs, of 500 repeats each; a size does not matter
     """
     grid = np.linspace(-EDGE, EDGE, 4001)
     f = functions(grid)

@@ -44,8 +44,7 @@ class PrimalFrame:
 
     Attributes
     ----------
-    estimates : (N, 9) float64
-        Pixels; nothing is known of differences.
+    estimates : (N, 9) float64; pixels; nothing is known of differences
     """
 
     estimates: Scalars
@@ -62,18 +61,7 @@ PRIMAL = Variant(_area_frames, AreaSettings(neighbors=2))
 
 
 def with_restir(settings: GradientSettings) -> Variant:
-    """Gradient with ReSTIR, with other settings.
-
-    Parameters
-    ----------
-    settings : GradientSettings
-        All of them.
-
-    Returns
-    -------
-    Variant
-        That one.
-    """
+    """Gradient with ReSTIR, with other settings."""
     return Variant(render_gradient_frames, settings)
 
 

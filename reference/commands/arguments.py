@@ -24,10 +24,7 @@ def add_scene(parser: Parser, **options: str) -> None:
 
     Parameters
     ----------
-    parser : ArgumentParser
-        Of a command.
-    **options : str
-        ``nargs`` and ``default`` of the positional argument.
+    **options : str; ``nargs`` and ``default`` of the positional argument
     """
     parser.add_argument(
         "scene",
@@ -47,13 +44,7 @@ def add_scene(parser: Parser, **options: str) -> None:
 
 
 def add_reading(parser: Parser) -> None:
-    """Add how a scene file is read: --lenient, --allow-outside.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of a command.
-    """
+    """Add how a scene file is read: --lenient, --allow-outside."""
     parser.add_argument(
         "--lenient",
         action="store_true",
@@ -67,15 +58,7 @@ def add_reading(parser: Parser) -> None:
 
 
 def add_light(parser: Parser, seed: int = 0) -> None:
-    """Add what is estimated: --light, --bounces, --seed.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of a command.
-    seed : int
-        Default.
-    """
+    """Add what is estimated: --light, --bounces, --seed."""
     parser.add_argument(
         "--light",
         choices=("indirect", "direct", "full"),
@@ -97,10 +80,7 @@ def add_bounces(parser: Parser, least: int) -> None:
 
     Parameters
     ----------
-    parser : ArgumentParser
-        Of a command.
-    least : int
-        Number allowed.
+    least : int; number allowed
     """
     parser.add_argument(
         "--bounces",
@@ -127,13 +107,7 @@ def add_set(parser: Parser, help: str) -> None:
 
 
 def add_schedule(parser: Parser) -> None:
-    """Add --threads and --band, which change no bit of a result.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of a command.
-    """
+    """Add --threads and --band, which change no bit of a result."""
     parser.add_argument(
         "--threads",
         type=whole(1, 1024),
@@ -149,13 +123,7 @@ def add_schedule(parser: Parser) -> None:
 
 
 def add_workers(parser: Parser) -> None:
-    """Add --processes and --scheduler: who does the work.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of a command.
-    """
+    """Add --processes and --scheduler: who does the work."""
     parser.add_argument(
         "--processes",
         type=whole(1, 1024),
@@ -166,13 +134,7 @@ def add_workers(parser: Parser) -> None:
 
 
 def add_scheduler(parser: Parser) -> None:
-    """Add --scheduler: a cluster that does the work.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of a command.
-    """
+    """Add --scheduler: a cluster that does the work."""
     parser.add_argument(
         "--scheduler",
         metavar="ADDRESS",
@@ -181,13 +143,7 @@ def add_scheduler(parser: Parser) -> None:
 
 
 def add_json(parser: Parser) -> None:
-    """Add --json.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of a command.
-    """
+    """Add --json."""
     parser.add_argument(
         "--json",
         action="store_true",
@@ -196,13 +152,7 @@ def add_json(parser: Parser) -> None:
 
 
 def add_out(parser: Parser) -> None:
-    """Add --out X.exr and --png.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of a command.
-    """
+    """Add --out X.exr and --png."""
     parser.add_argument(
         "--out", type=new_file(), required=True, metavar="X.exr", help="the picture"
     )
@@ -214,18 +164,7 @@ def add_out(parser: Parser) -> None:
 def schedule(arguments: argparse.Namespace, pixels: int) -> Schedule:
     """Bands and threads.
 
-    Parameters
-    ----------
-    arguments : Namespace
-        With those of `add_schedule`.
-    pixels : int
-        Of the picture.
-
-    Returns
-    -------
-    Schedule
-        By default of several bands a thread, so that no thread waits long for
-        another.
+    By default each thread has several bands, so that none waits long for another.
     """
     threads = arguments.threads or processors()
     parts = BANDS_A_THREAD * threads if threads > 1 else 1
@@ -245,23 +184,8 @@ def job(
 
     Parameters
     ----------
-    arguments : Namespace
-        With those of `add_scene`, `add_light` and `add_schedule`.
-    world : World
-        The scene of ``animation`` in frame 0.
-    counts : mapping of str to int
-        Frames and samples.
-    settings : dataclass instance
-        Of the method.
-    aovs : tuple of str
-        Further layers.
-    animation : Animation
-        From frame ``frame`` of the arguments on.
-
-    Returns
-    -------
-    Job
-        Of what the arguments say.
+    world : World; the scene of ``animation`` in frame 0
+    animation : Animation; from frame ``frame`` of the arguments on
     """
     return Job(
         world=world,

@@ -43,13 +43,7 @@ EXIT = {"PASS": 0, "FAIL": 1, "UNDECIDED": 3}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the arguments.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of this command.
-    """
+    """Describe the arguments."""
     names = ", ".join(backend_names())
     parser.add_argument(
         "backend",
@@ -134,22 +128,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Judge, and tell the verdict.
 
-    Parameters
-    ----------
-    arguments : Namespace
-        Parsed.
+    Exit code: 0 pass, 1 fail, 3 undecided; 1 also if the backend is wrong and the
+    report cannot be written.
 
-    Returns
-    -------
-    int
-        Exit code: 0 pass, 1 fail, 3 undecided; 1 also if the backend is wrong and
-        the report cannot be written.
-
-    Raises
-    ------
-    UsageError
-        There is no such backend or folder, or the report of a backend that is not
-        known to be wrong cannot be written.
+    Raises UsageError: there is no such backend or folder, or the report of a backend
+    that is not known to be wrong cannot be written.
     """
     verdict = _judge(arguments)
     plain = as_plain(verdict, arguments.backend, whole_contract())

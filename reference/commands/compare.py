@@ -20,13 +20,7 @@ BEYOND = 1  # exit code
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the arguments.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of this command.
-    """
+    """Describe the arguments."""
     parser.add_argument("a", type=Path, metavar="A.exr", help="the picture")
     parser.add_argument("b", type=Path, metavar="B.exr", help="the truth")
     parser.add_argument(
@@ -52,20 +46,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Compare, print the numbers, and write the page.
 
-    Parameters
-    ----------
-    arguments : Namespace
-        Parsed.
+    Exit code: 0, or 1 beyond the tolerance.
 
-    Returns
-    -------
-    int
-        Exit code: 0, or 1 beyond the tolerance.
-
-    Raises
-    ------
-    UsageError
-        A file cannot be read, the two do not match, or the folder not be written.
+    Raises UsageError: a file cannot be read, the two do not match, or the folder not be
+    written.
     """
     layers = arguments.layer or [None]
     if len(layers) > 2:

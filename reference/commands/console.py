@@ -21,13 +21,7 @@ Tick = Callable[[int, int, str], None]
 
 
 def show(thing: RenderableType) -> None:
-    """Show a result on stdout.
-
-    Parameters
-    ----------
-    thing : str or rich renderable
-        A line, or a table.
-    """
+    """Show a result on stdout."""
     if sys.stdout is None:
         return
     with told_errors():
@@ -44,8 +38,7 @@ def emit(results: Mapping[str, Any]) -> None:
 
     Parameters
     ----------
-    results : mapping
-        Numbers that are not finite become null.
+    results : mapping; numbers that are not finite become null
     """
     if sys.stdout is None:
         return
@@ -54,13 +47,7 @@ def emit(results: Mapping[str, Any]) -> None:
 
 
 def remark(text: str) -> None:
-    """Say on stderr what the user ought to know but did not ask for.
-
-    Parameters
-    ----------
-    text : str
-        One line.
-    """
+    """Say on stderr what the user ought to know but did not ask for."""
     if sys.stderr is not None:
         sys.stderr.write(f"restir: {visible(text)}\n")
 
@@ -69,15 +56,7 @@ def remark(text: str) -> None:
 def progress(what: str) -> Iterator[Tick]:
     """Show a bar on stderr while something runs, if that is a terminal.
 
-    Parameters
-    ----------
-    what : str
-        What runs.
-
-    Yields
-    ------
-    callable
-        Takes how much is done, of how much, and its unit.
+    Yields callable; takes how much is done, of how much, and its unit.
     """
     if sys.stderr is None or not sys.stderr.isatty():
         yield lambda done, total, unit: None

@@ -15,18 +15,7 @@ TRIED = 4
 
 
 def why_black(job: Job) -> str:
-    """Reason for a black picture, and what may help: one line.
-
-    Parameters
-    ----------
-    job : Job
-        What was rendered.
-
-    Returns
-    -------
-    str
-        Without a full stop.
-    """
+    """Reason for a black picture, and what may help: one line, without a full stop."""
     world, frame = job.world, job.counts.get("frames", 1) - 1
     if job.animation is not None:
         world = next_world(world, job.animation(frame))

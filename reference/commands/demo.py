@@ -29,13 +29,7 @@ METHODS = ("restir-gi-biased", "restir-gi-unbiased")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the arguments.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of this command.
-    """
+    """Describe the arguments."""
 
     def add_count(name: str, least: int, most: int, default: int, of: str) -> None:
         parser.add_argument(
@@ -62,15 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Render, compare, and write the folder.
 
-    Parameters
-    ----------
-    arguments : Namespace
-        Parsed.
-
-    Raises
-    ------
-    UsageError
-        Bad input, or a file cannot be written.
+    Raises UsageError: bad input, or a file cannot be written.
     """
     out = arguments.out
     animation = open_frames(arguments, _quick)

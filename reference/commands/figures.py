@@ -22,13 +22,7 @@ SIZE = 128
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the arguments.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of this command.
-    """
+    """Describe the arguments."""
     names = ", ".join(registry.figure_names())
     parser.add_argument(
         "figures",
@@ -68,15 +62,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Make the figures and write each as soon as it is there.
 
-    Parameters
-    ----------
-    arguments : Namespace
-        Parsed.
-
-    Raises
-    ------
-    UsageError
-        No such figure, too few runs for one, or a file cannot be written.
+    Raises UsageError: no such figure, too few runs for one, or a file cannot be
+    written.
     """
     wanted = [
         registry.find_figure(name)

@@ -19,13 +19,7 @@ SIZE = 64
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the arguments.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of this command.
-    """
+    """Describe the arguments."""
     parser.add_argument(
         "scene",
         metavar="SCENE",
@@ -65,15 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Write the folder.
 
-    Parameters
-    ----------
-    arguments : Namespace
-        Parsed.
-
-    Raises
-    ------
-    UsageError
-        No such scene, or the folder cannot be written.
+    Raises UsageError: no such scene, or the folder cannot be written.
     """
     precision, out = arguments.precision, arguments.out
     scene = find_scene_or_file(

@@ -22,13 +22,7 @@ ROOM = 48 << 20  # bytes of frames that are kept where nobody says how many
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the arguments.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of this command.
-    """
+    """Describe the arguments."""
     parser.add_argument(
         "runs",
         nargs="+",
@@ -69,16 +63,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Make the runs again, and write the page.
 
-    Parameters
-    ----------
-    arguments : Namespace
-        Parsed.
-
-    Raises
-    ------
-    UsageError
-        A file cannot be read, the pictures are not of one size, or the page cannot be
-        written.
+    Raises UsageError: a file cannot be read, the pictures are not of one size, or the
+    page cannot be written.
     """
     paths, out = arguments.runs, arguments.out
     if len(paths) > 2:

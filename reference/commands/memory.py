@@ -13,15 +13,7 @@ BYTES_A_PIXEL = 1024
 def refuse_what_does_not_fit(width: int, height: int) -> None:
     """Raise unless a picture has a size, and a frame of it fits into memory.
 
-    Parameters
-    ----------
-    width, height : int, pixels
-        Of the picture.
-
-    Raises
-    ------
-    UsageError
-        The message says how much there is.
+    Raises UsageError: the message says how much there is.
     """
     if not (0 < width <= MOST_PIXELS_A_SIDE and 0 < height <= MOST_PIXELS_A_SIDE):
         raise UsageError(
@@ -41,10 +33,7 @@ def refuse_what_does_not_fit(width: int, height: int) -> None:
 def available_memory() -> int | None:
     """Memory that this process may still take.
 
-    Returns
-    -------
-    int or None, bytes
-        None where the system does not tell.
+    Returns int or None, bytes; None where the system does not tell.
     """
     found = [*_of_the_machine(), *_of_the_control_group()]
     return min(found) if found else None

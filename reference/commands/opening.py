@@ -19,23 +19,14 @@ def open_named(
 ) -> tuple[Named, Animation]:
     """Scenes that the arguments name, and the words by which others can open them.
 
+    Raises UsageError: no such scene, or it cannot be read or rendered.
+
     Parameters
     ----------
-    arguments : Namespace
-        With those of `add_scene`, and ``json``.
+    arguments : Namespace; with those of `add_scene`, and ``json``
     size : callable, optional
         Gives the size of the picture where no --size is given; else it is what the
         scene says.
-
-    Returns
-    -------
-    Named, Animation
-        See `open_frames`.
-
-    Raises
-    ------
-    UsageError
-        No such scene, or it cannot be read or rendered.
     """
     scene = find_scene_or_file(
         arguments.scene, arguments.lenient, arguments.allow_outside
@@ -64,45 +55,29 @@ def open_frames(
 ) -> Animation:
     """Scenes that the arguments name, ready to be built, frame by frame.
 
+    Its frame 0 is frame ``frame`` of the arguments.  Each frame is validated when it is
+    asked for.  What the notes of the scene say was said on stderr, unless ``json``.
+
+    Raises UsageError: no such scene, or it cannot be read or rendered.
+
     Parameters
     ----------
-    arguments : Namespace
-        With those of `add_scene`, and ``json``.
+    arguments : Namespace; with those of `add_scene`, and ``json``
     size : callable, optional
         Gives the size of the picture where no --size is given; else it is what the
         scene says.
-
-    Returns
-    -------
-    Animation
-        Its frame 0 is frame ``frame`` of the arguments.  Each frame is validated when
-        it is asked for.  What the notes of the scene say was said on stderr, unless
-        ``json``.
-
-    Raises
-    ------
-    UsageError
-        No such scene, or it cannot be read or rendered.
     """
     return open_named(arguments, size)[1]
 
 
 def size_in_shape(camera: Camera, pixels: int, multiple: int = 1) -> Size:
-    """Size of a picture in the shape of a camera's.
+    """Size of a picture in the shape of a camera's, in pixels.
 
     Parameters
     ----------
-    camera : Camera
-        Gives width : height, from 1 : 100 to 100 : 1.
-    pixels : int
-        Of the picture, about.
-    multiple : int
-        Of which both sides are multiples.
-
-    Returns
-    -------
-    (int, int), pixels
-        Width and height.
+    camera : Camera; gives width : height, from 1 : 100 to 100 : 1
+    pixels : int; of the picture, about
+    multiple : int; of which both sides are multiples
     """
     shape = np.clip(camera.width / max(camera.height, 1), 0.01, 100)
     sides = (pixels * shape) ** 0.5, (pixels / shape) ** 0.5

@@ -33,13 +33,7 @@ LEAVES_OUT = {
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the arguments.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of this command.
-    """
+    """Describe the arguments."""
     options.add_scene(parser)
     options.add_bounces(parser, 1)
     parser.add_argument(
@@ -55,15 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Say what is required, and measure what leaving out the rest does.
 
-    Parameters
-    ----------
-    arguments : Namespace
-        Parsed.
-
-    Raises
-    ------
-    UsageError
-        The scene cannot be read or rendered.
+    Raises UsageError: the scene cannot be read or rendered.
     """
     animation = open_frames(arguments, lambda scene: (SIDE, SIDE))
     needs = [*survey(animation(0)), *_beside_the_scene(arguments, animation)]

@@ -28,13 +28,7 @@ with its own samples."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the arguments.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of this command.
-    """
+    """Describe the arguments."""
     options.add_scene(parser)
     options.add_out(parser)
     parser.add_argument(
@@ -66,15 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Accumulate, and write the mean and its standard error.
 
-    Parameters
-    ----------
-    arguments : Namespace
-        Parsed.
-
-    Raises
-    ------
-    UsageError
-        Bad input, all of it found before the first ray but a full disk.
+    Raises UsageError: bad input, all of it found before the first ray but a full disk.
     """
     settings = with_values(PathTracerSettings(), arguments.set)
     out = arguments.out

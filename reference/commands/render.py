@@ -26,13 +26,7 @@ from reference.world import World, build_world
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the arguments.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of this command.
-    """
+    """Describe the arguments."""
     count = whole(1, MOST_SAMPLES)
     options.add_scene(parser)
     parser.add_argument("--method", required=True, metavar="M", help="see below")
@@ -61,15 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Render, and write the picture.
 
-    Parameters
-    ----------
-    arguments : Namespace
-        Parsed.
-
-    Raises
-    ------
-    UsageError
-        Bad input, all of it found before the first ray but a full disk.
+    Raises UsageError: bad input, all of it found before the first ray but a full disk.
     """
     method = method_named(arguments.method)
     settings = with_values(method.settings, arguments.set)

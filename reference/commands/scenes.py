@@ -11,24 +11,12 @@ from reference.scene.requirements import requirements
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the arguments.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of this command.
-    """
+    """Describe the arguments."""
     add_json(parser)
 
 
 def run(arguments: argparse.Namespace) -> None:
-    """Print the list.
-
-    Parameters
-    ----------
-    arguments : Namespace
-        Parsed.
-    """
+    """Print the list."""
     found = {name: requirements(entry.build()) for name, entry in CATALOGUE.items()}
     if arguments.json:
         scenes = [

@@ -22,17 +22,9 @@ MADE_BY = b'<meta name="generator" content="restir-gi-oracle">'
 
 
 def new_file(suffix: str = ".exr") -> Callable[[str], Path]:
-    """Make a converter of names of files that can be written.
+    """Make a converter from text to the path of a file that can be written.
 
-    Parameters
-    ----------
-    suffix : str
-        In which the name ends.
-
-    Returns
-    -------
-    callable
-        From text to a path; see `check_file`.
+    See `check_file`.
     """
 
     def convert(text: str) -> Path:
@@ -46,20 +38,10 @@ def new_file(suffix: str = ".exr") -> Callable[[str], Path]:
 def new_folder(text: str) -> Path:
     """Name of a folder that is there, or can be made, and can be written.
 
-    Parameters
-    ----------
-    text : str
-        The name.
+    Nothing is made yet.
 
-    Returns
-    -------
-    Path
-        Nothing is made yet.
-
-    Raises
-    ------
-    UsageError
-        It cannot be made, or not be written, or somebody else's page is there.
+    Raises UsageError: it cannot be made, or not be written, or somebody else's page is
+    there.
     """
     path = Path(text)
     if not text:
@@ -81,17 +63,7 @@ def new_folder(text: str) -> Path:
 def check_file(path: Path, suffix: str = ".exr") -> None:
     """Raise unless a file can be written.
 
-    Parameters
-    ----------
-    path : Path
-        To be written.
-    suffix : str
-        In which its name ends.
-
-    Raises
-    ------
-    UsageError
-        Another suffix, no such folder, or one that may not be written.
+    Raises UsageError: another suffix, no such folder, or one that may not be written.
     """
     if path.suffix.lower() != suffix:
         raise UsageError(f"--out {path}: name a file that ends in {suffix}")

@@ -40,13 +40,7 @@ EVERY = 30.0  # seconds between checkpoints of the truth
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Describe the arguments.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of this command.
-    """
+    """Describe the arguments."""
     count = whole(1, MOST_SAMPLES)
     options.add_scene(parser)
     parser.add_argument(
@@ -125,15 +119,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Measure, and write the page.
 
-    Parameters
-    ----------
-    arguments : Namespace
-        Parsed.
-
-    Raises
-    ------
-    UsageError
-        Bad input, all of it found before the first ray but a full disk.
+    Raises UsageError: bad input, all of it found before the first ray but a full disk.
     """
     base = Design(arguments.method, tuple(arguments.set))
     if method_named(base.method).frames is None:

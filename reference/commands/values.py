@@ -15,17 +15,13 @@ Size = tuple[int, int]
 
 
 def whole(least: int, most: int) -> Callable[[str], int]:
-    """Make a converter of integers within limits.
+    """Make a converter from text to an integer within limits.
+
+    It raises what argparse tells as an error.
 
     Parameters
     ----------
-    least, most : int
-        Both are allowed.
-
-    Returns
-    -------
-    callable
-        From text; raises what argparse tells as an error.
+    least, most : int; both are allowed
     """
 
     def convert(text: str) -> int:
@@ -44,20 +40,15 @@ def whole(least: int, most: int) -> Callable[[str], int]:
 def size(text: str) -> Size:
     """Width and height from ``WxH``.
 
+    Raises ArgumentTypeError: it is no such pair.
+
     Parameters
     ----------
-    text : str
-        "640x480".
+    text : str; "640x480"
 
     Returns
     -------
-    (int, int), pixels
-        1 to 16384 each.
-
-    Raises
-    ------
-    ArgumentTypeError
-        It is no such pair.
+    (int, int), pixels; 1 to 16384 each
     """
     match = re.fullmatch(r"(\d{1,9})[xX](\d{1,9})", text, re.ASCII)
     sides = tuple(int(side) for side in match.groups()) if match else (0, 0)
@@ -71,20 +62,15 @@ def size(text: str) -> Size:
 def tiled_size(text: str) -> Size:
     """Width and height of a picture that can be cut into 4 times 4 tiles.
 
+    Raises ArgumentTypeError: it is no such pair.
+
     Parameters
     ----------
-    text : str
-        "96x64", or "64" for both.
+    text : str; "96x64", or "64" for both
 
     Returns
     -------
-    (int, int), pixels
-        Multiples of 4, from 8 to 4096.
-
-    Raises
-    ------
-    ArgumentTypeError
-        It is no such pair.
+    (int, int), pixels; multiples of 4, from 8 to 4096
     """
     match = re.fullmatch(r"(\d{1,4})(?:[xX](\d{1,4}))?", text, re.ASCII)
     width, height = (int(side) for side in match.groups(match[1])) if match else (0, 0)
@@ -99,20 +85,9 @@ def tiled_size(text: str) -> Size:
 def amount(text: str) -> float:
     """A quantity from text: a time, a percentage, a bound.
 
-    Parameters
-    ----------
-    text : str
-        A number.
+    Raises ArgumentTypeError: it is no such number.
 
-    Returns
-    -------
-    float
-        0 to 10⁹.
-
-    Raises
-    ------
-    ArgumentTypeError
-        It is no such number.
+    Returns float; 0 to 10⁹.
     """
     try:
         value = float(text)
@@ -126,20 +101,9 @@ def amount(text: str) -> float:
 def seconds(text: str) -> float:
     """Time from text.
 
-    Parameters
-    ----------
-    text : str
-        A number.
+    Raises ArgumentTypeError: it is no such number.
 
-    Returns
-    -------
-    float, s
-        0 to 10⁹, some thirty years: clocks take no more.
-
-    Raises
-    ------
-    ArgumentTypeError
-        It is no such number.
+    Returns float, s; 0 to 10⁹, some thirty years: clocks take no more.
     """
     try:
         return amount(text)
@@ -152,20 +116,9 @@ def seconds(text: str) -> float:
 def limit(text: str) -> float:
     """Time that one call may take, from text.
 
-    Parameters
-    ----------
-    text : str
-        A number.
+    Raises ArgumentTypeError: it is no such number.
 
-    Returns
-    -------
-    float, s
-        At least `LEAST_LIMIT`.
-
-    Raises
-    ------
-    ArgumentTypeError
-        It is no such number.
+    Returns float, s; at least `LEAST_LIMIT`.
     """
     value = seconds(text)
     if value < LEAST_LIMIT:

@@ -21,17 +21,13 @@ def histogram_bars(values: Floats, limit: float, bins: int = 61) -> list[Bar]:
 
     Parameters
     ----------
-    values : (...) float
-        NaN does not count.
-    limit : float
-        What lies beyond goes into the outermost bins.
-    bins : int
-        Odd, so that 0 is the middle of one.
+    values : (...) float; NaN does not count
+    limit : float; what lies beyond goes into the outermost bins
+    bins : int; odd, so that 0 is the middle of one
 
     Returns
     -------
-    list of Bar
-        Heights are logarithmic, log(1 + count), for the tails are what matters.
+    list of Bar; heights are logarithmic, log(1 + count), for the tails are what matters
     """
     inside = np.clip(values[~np.isnan(values)], -limit, limit)
     counts, edges = np.histogram(inside, bins, (-limit, limit))

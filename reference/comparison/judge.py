@@ -28,26 +28,21 @@ class Comparison:
 
     Attributes
     ----------
-    width, height : int
-        Pixels.
     not_finite_a, not_finite_b : int
         Pixels with a NaN or an infinity, in the colour or the standard error.  All
         that follows is over the pixels finite in both.
     exposure : float
         Factor under which both are displayed, and ``flip_ldr`` is taken: that of B.
-    mean_a, mean_b : (float, float, float)
-        Mean of each channel.
+    mean_a, mean_b : (float, float, float); mean of each channel
     relative_bias, mse, rmse, rel_mse, mape, smape, flip_ldr, flip_hdr : float
         A against B as they are; the noise of B counts as error.
-    mse_of_b : float or None
-        Mean squared standard error of B: its share of ``mse``.
+    mse_of_b : float or None; mean squared standard error of B: its share of ``mse``
     mse_corrected, rel_mse_corrected : float or None
         Without that share.  None where B has no layer ``"standard_error"``.
     z_rms : float or None
         Root mean square of the z scores: 1 without bias, if both standard errors are
         known and honest.  None where neither is known.
-    z_above_3 : float or None
-        Share of |z| > 3.
+    z_above_3 : float or None; share of |z| > 3
     """
 
     width: int
@@ -86,17 +81,10 @@ def compare(
 
     Parameters
     ----------
-    a, b : Image
-        Of one size; a layer ``"standard_error"`` in either is used.
+    a, b : Image; of one size; a layer ``"standard_error"`` in either is used
     out : Path, optional
         Folder for the pictures and ``index.html``; made if it is missing.
-    names : (str, str)
-        What messages and the page call them.
-
-    Returns
-    -------
-    Comparison
-        The numbers.
+    names : (str, str); what messages and the page call them
 
     Raises
     ------

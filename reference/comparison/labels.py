@@ -16,18 +16,7 @@ class Metric:
     form: str = "{:.4g}"
 
     def text(self, value: Any) -> str:
-        """Write the value as the page shows it.
-
-        Parameters
-        ----------
-        value : int, float or tuple of float
-            Of the field.
-
-        Returns
-        -------
-        str
-            Tuples with commas.
-        """
+        """Write the value as the page shows it."""
         values = value if isinstance(value, tuple) else (value,)
         return ", ".join(self.form.format(v) for v in values)
 

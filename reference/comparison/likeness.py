@@ -23,10 +23,8 @@ class Difference:
 
     Attributes
     ----------
-    what : str
-        A key of `SAME`.
-    a, b : str or None
-        What each is of; ``None`` where its header does not say.
+    what : str; a key of `SAME`
+    a, b : str or None; what each is of; ``None`` where its header does not say
     """
 
     what: str
@@ -42,15 +40,7 @@ class Difference:
 def differences(a: Mapping[str, str], b: Mapping[str, str]) -> list[Difference]:
     """All in which two pictures differ, or may differ.
 
-    Parameters
-    ----------
-    a, b : mapping of str to str
-        Metadata of the pictures.
-
-    Returns
-    -------
-    list of Difference
-        Empty only if both headers say that all is the same.
+    Empty only if both headers say that all is the same.
     """
     found = [
         Difference(what, _said(what, a), _said(what, b))

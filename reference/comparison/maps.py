@@ -18,16 +18,12 @@ class ErrorMap:
 
     Attributes
     ----------
-    name : str
-        Of the file, without ending.
-    title, meaning : str
-        What it is, and how to read it.
-    values : (H, W) float
-        NaN where a pixel was left out.
+    name : str; of the file, without ending
+    title, meaning : str; what it is, and how to read it
+    values : (H, W) float; NaN where a pixel was left out
     low, high : float
         Values at the ends of the colour scale; beyond them the colour stays.
-    colors : str
-        Scale, by matplotlib's name.
+    colors : str; scale, by matplotlib's name
     """
 
     name: str
@@ -47,18 +43,7 @@ class ErrorMap:
         )
 
     def bar(self, steps: int = 17) -> Bytes:
-        """Colour bar.
-
-        Parameters
-        ----------
-        steps : int
-            Samples of the scale.
-
-        Returns
-        -------
-        (steps, 3) uint8
-            From low to high.
-        """
+        """Colour bar, (steps, 3) uint8; from low to high."""
         return _colored(np.linspace(0, 1, steps), self.colors)
 
 
@@ -70,17 +55,11 @@ def _colored(t: Floats, colors: str) -> Bytes:
 
 
 def difference_map(a: Floats, b: Floats) -> ErrorMap:
-    """Signed luminance of A − B.
+    """Signed luminance of A − B, on a scale that is symmetric about 0.
 
     Parameters
     ----------
-    a, b : (H, W, 3) float64
-        Image and truth; NaN where a pixel is left out.
-
-    Returns
-    -------
-    ErrorMap
-        On a scale that is symmetric about 0.
+    a, b : (H, W, 3) float64; image and truth; NaN where a pixel is left out
     """
     values = luminance(a) - luminance(b)
     limit = scale_of(values[~np.isnan(values)])
@@ -98,13 +77,11 @@ def relative_error_map(a: Floats, b: Floats) -> ErrorMap:
 
     Parameters
     ----------
-    a, b : (H, W, 3) float64
-        Image and truth; NaN where a pixel is left out.
+    a, b : (H, W, 3) float64; image and truth; NaN where a pixel is left out
 
     Returns
     -------
-    ErrorMap
-        On a scale from 0 to 100 %, the same for all pairs of images.
+    ErrorMap; on a scale from 0 to 100 %, the same for all pairs of images
     """
     values = np.mean(np.abs(a - b) / (np.abs(b) + EPSILON), axis=-1)
     meaning = (
@@ -117,17 +94,11 @@ def relative_error_map(a: Floats, b: Floats) -> ErrorMap:
 
 
 def flip_map(error: Floats) -> ErrorMap:
-    """What a viewer notices.
+    """What a viewer notices, on FLIP's own scale from 0 to 1.
 
     Parameters
     ----------
-    error : (H, W) float
-        As `flip.flip_hdr` gives it; NaN where a pixel is left out.
-
-    Returns
-    -------
-    ErrorMap
-        On FLIP's own scale from 0 to 1.
+    error : (H, W) float; as `flip.flip_hdr` gives it; NaN where a pixel is left out
     """
     meaning = (
         "HDR-FLIP: what a viewer notices who flips between A and B, at the exposure"
@@ -146,8 +117,7 @@ def z_map(z: Floats) -> ErrorMap:
 
     Returns
     -------
-    ErrorMap
-        On a scale of ±`Z_SCALE` standard deviations.
+    ErrorMap; on a scale of ±`Z_SCALE` standard deviations
     """
     furthest = np.argmax(np.abs(z), axis=-1, keepdims=True)
     values = np.take_along_axis(z, furthest, axis=-1)[..., 0]
@@ -163,13 +133,11 @@ def scale_of(difference: Floats) -> float:
 
     Parameters
     ----------
-    difference : (...) float
-        d.
+    difference : (...) float; d
 
     Returns
     -------
-    float
-        Never 0: the largest |d| if the percentile is 0, and 1 if that is 0 as well.
+    float; never 0: the largest |d| if the percentile is 0, and 1 if that is 0 as well
     """
     size = np.abs(difference)
     return float(np.percentile(size, 99) or size.max() or 1.0)

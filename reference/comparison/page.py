@@ -27,28 +27,19 @@ def write_pages(
 ) -> None:
     """Write ``a.png``, ``b.png``, a PNG a map, and last ``index.html``.
 
+    The page embeds the pictures, so it stays whole when it is moved or mailed, and
+    an older page stays whole when this one cannot be written.
+
     Parameters
     ----------
-    out : Path
-        Folder; made if it is missing.
-    images : (Image, Image)
-        A and the truth B; displayed at one exposure.
-    names : (str, str)
-        What the page calls them.
-    numbers : mapping
-        `judge.Comparison.as_dict`.
-    maps : sequence of ErrorMap
-        The signed difference first.
+    out : Path; folder; made if it is missing
+    images : (Image, Image); A and the truth B; displayed at one exposure
+    maps : sequence of ErrorMap; the signed difference first
 
     Raises
     ------
     UsageError
         The folder or a file cannot be written.
-
-    Notes
-    -----
-    The page embeds the pictures, so it stays whole when it is moved or mailed, and
-    an older page stays whole when this one cannot be written.
     """
     shown = [to_display(image.color, numbers["exposure"]) for image in images]
     files = {"a": encode_png(shown[0]), "b": encode_png(shown[1])}

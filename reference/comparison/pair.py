@@ -21,8 +21,7 @@ class ImagePair:
     ----------
     finite_a, finite_b : (H, W) bool
         Pixels with no NaN or infinity in the colour or its standard error.
-    a, b : (H, W, 3) float64
-        Linear radiance, NaN where a pixel is not finite in both.
+    a, b : (H, W, 3) float64; linear radiance, NaN where a pixel is not finite in both
     variance_a, variance_b : (H, W, 3) float64 or None
         Squared standard error; None where the image has none.
     """
@@ -41,7 +40,7 @@ class ImagePair:
 
     @property
     def variance(self) -> Colors | None:
-        """Of A - B, as far as it is known."""
+        """Of A - B, (H, W, 3) float64, as far as it is known."""
         if self.variance_a is None or self.variance_b is None:
             return self.variance_b if self.variance_a is None else self.variance_a
         return self.variance_a + self.variance_b

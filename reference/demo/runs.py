@@ -20,17 +20,12 @@ class Runs:
 
     Attributes
     ----------
-    method : Method
-        Which.
-    job : Job
-        Of the first run.
-    colors : list of (N, 3) float64
-        The picture of each run.
+    job : Job; of the first run
+    colors : list of (N, 3) float64; the picture of each run
     seconds : float
         That one picture takes: the median of the last frames of each run, or, where
         samples are averaged, of all samples together.
-    rays : Counter of str
-        Traced by the first run.
+    rays : Counter of str; traced by the first run
     """
 
     method: Method
@@ -45,17 +40,11 @@ def runs_of_frames(method: Method, job: Job, count: int) -> Runs:
 
     Parameters
     ----------
-    method : Method
-        Yields once a frame.
-    job : Job
-        Of the first run; the others have the next seeds.
-    count : int
-        Runs.
+    job : Job; of the first run; the others have the next seeds
 
     Returns
     -------
-    Runs
-        Seconds are those of one frame at the end of a run.
+    Runs; seconds are those of one frame at the end of a run
     """
     colors, times, rays = [], [], Counter[str]()
     for run in range(count):
@@ -68,21 +57,11 @@ def runs_of_frames(method: Method, job: Job, count: int) -> Runs:
 
 
 def runs_of_paths(job: Job, seconds: float, count: int) -> Runs:
-    """Trace paths for a given time.
+    """Trace paths for a given time, of as many whole samples as fit best, at least one.
 
     Parameters
     ----------
-    job : Job
-        Of the first run, with any number of samples.
-    seconds : float
-        For one picture.
-    count : int
-        Runs.
-
-    Returns
-    -------
-    Runs
-        Of as many whole samples as fit best, at least one.
+    job : Job; of the first run, with any number of samples
     """
     trials = [
         timed_run(PATH, replace(job, counts={"spp": TRIAL}))[1] for _ in range(count)

@@ -17,17 +17,11 @@ class RunScore:
 
     Attributes
     ----------
-    name : str
-        Of the method.
-    seconds : float
-        A picture.
-    mse : float
-        Mean over the runs, without the share of the truth's own error.
+    mse : float; mean over the runs, without the share of the truth's own error
     gain : float
         (MSE · seconds) of path tracing over the same of this method: how many times
         longer path tracing takes to the same error.
-    bias : float
-        Mean luminance of all runs over that of the truth, less 1.
+    bias : float; mean luminance of all runs over that of the truth, less 1
     bias_error : float
         Its standard error, from the scatter of the runs and the error of the truth.
     """
@@ -72,15 +66,11 @@ def mean_mse(runs: Runs, truth: Moments) -> float:
 
     Parameters
     ----------
-    runs : Runs
-        Of a method.
-    truth : Moments
-        Whose own variance is taken off.
+    truth : Moments; whose own variance is taken off
 
     Returns
     -------
-    float
-        It may fall below 0 where the truth is noisier than the pictures.
+    float; it may fall below 0 where the truth is noisier than the pictures
     """
     variance = truth.standard_error() ** 2
     return float(np.mean([metrics.mse(c, truth.mean, variance) for c in runs.colors]))
@@ -89,23 +79,18 @@ def mean_mse(runs: Runs, truth: Moments) -> float:
 def relative_bias(colors: list[Vec3s], truth: Moments) -> tuple[float, float]:
     """Bias of the mean luminance of a picture, and its standard error.
 
-    Parameters
-    ----------
-    colors : list of (N, 3) float64
-        Independent runs, at least two.
-    truth : Moments
-        Of independent samples.
-
-    Returns
-    -------
-    float, float
-        0 and 0 where the truth is black.
-
-    Notes
-    -----
     The channels of a sample share their paths.  Their covariances are not known; they
     are taken as fully correlated, which makes the error of the truth too large rather
     than too small.
+
+    Parameters
+    ----------
+    colors : list of (N, 3) float64; independent runs, at least two
+    truth : Moments; of independent samples
+
+    Returns
+    -------
+    float, float; 0 and 0 where the truth is black
     """
     weights = np.array(luminance_weights())
     true = float(np.mean(luminance(truth.mean)))

@@ -13,15 +13,8 @@ def strip(tiles: list[Bytes], captions: list[tuple[str, str]]) -> bytes:
 
     Parameters
     ----------
-    tiles : list of (H, W, 3) uint8
-        Of one size.
-    captions : list of (str, str)
-        A title and a remark for each.
-
-    Returns
-    -------
-    bytes
-        Contents of the file.
+    tiles : list of (H, W, 3) uint8; of one size
+    captions : list of (str, str); a title and a remark for each
     """
     from PIL import Image, ImageDraw, ImageFont
 

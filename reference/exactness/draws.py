@@ -16,16 +16,9 @@ class Draws:
 
     Attributes
     ----------
-    rng : Generator
-        Source of all numbers.
-    rows : int
-        How many.
-    info : finfo
-        Of the type.
-    extreme : Extreme
-        What is driven to its end.
-    read : set of str
-        Names of the values that were asked for.
+    rng : Generator; source of all numbers
+    extreme : Extreme; what is driven to its end
+    read : set of str; names of the values that were asked for
     """
 
     rng: Generator
@@ -37,42 +30,20 @@ class Draws:
     def __call__(self, name: str) -> Scalars:
         """Fresh values of a name.
 
-        Parameters
-        ----------
-        name : str
-            Of `PLAIN`.
-
-        Returns
-        -------
-        (rows,) float64
-            Of the extreme where it drives that name.
+        Returns (rows,) float64; of the extreme where it drives that name.
         """
         self.read.add(name)
         sampler = self.extreme.drives.get(name, PLAIN[name])
         return sampler(self.rng, self.rows, self.info)
 
     def color(self, name: str) -> Vec3s:
-        """Three values of a name.
-
-        Parameters
-        ----------
-        name : str
-            Of `PLAIN`.
-
-        Returns
-        -------
-        (rows, 3) float64
-            Each on its own.
-        """
+        """Three values of a name, (rows, 3) float64; each on its own."""
         return np.stack([self(name) for _ in range(3)], axis=1)
 
     def unit(self) -> Vec3s:
         """Directions of all kinds.
 
-        Returns
-        -------
-        (rows, 3) float64
-            Unit vectors, every third along an axis.
+        Returns (rows, 3) float64; unit vectors, every third along an axis.
         """
         v = self.rng.normal(size=(self.rows, 3))
         v[::3] = np.eye(3)[self.rng.integers(0, 3, len(v[::3]))]
@@ -84,8 +55,7 @@ class Draws:
 
         Returns
         -------
-        (rows, 3) float64, m
-            The origin itself where no extreme drives the offset.
+        (rows, 3) float64, m; the origin itself where no extreme drives the offset
         """
         place: Vec3s = self("offset")[:, None] * self.rng.uniform(
             0.5, 1.0, (self.rows, 3)
@@ -93,34 +63,22 @@ class Draws:
         return place
 
     def seen_from(self, place: Vec3s, normal: Vec3s) -> Vec3s:
-        """Points that see patches at some angle.
+        """Points that see patches at some angle, (rows, 3) float64, m; on either side.
 
         Parameters
         ----------
-        place, normal : (rows, 3) float64, m and 1
-            Patches.
-
-        Returns
-        -------
-        (rows, 3) float64, m
-            On either side.
+        place, normal : (rows, 3) float64, m and 1; patches
         """
         reach = self("scale") * self("distance")
         eye: Vec3s = place + reach[:, None] * self.leaning(normal)
         return eye
 
     def leaning(self, normal: Vec3s) -> Vec3s:
-        """Unit vectors at some angle to normals.
+        """Unit vectors at some angle to normals, (rows, 3) float64; on either side.
 
         Parameters
         ----------
-        normal : (rows, 3) float64
-            Unit normals.
-
-        Returns
-        -------
-        (rows, 3) float64
-            On either side.
+        normal : (rows, 3) float64; unit normals
         """
         across = np.cross(normal, self.rng.normal(size=normal.shape))
         across /= np.linalg.norm(across, axis=1)[:, None]
@@ -132,10 +90,7 @@ class Draws:
     def about_z(self) -> Vec3s:
         """Unit vectors at some angle to the z axis.
 
-        Returns
-        -------
-        (rows, 3) float64
-            Whose third component is the cosine.
+        Returns (rows, 3) float64; whose third component is the cosine.
         """
         return self.leaning(np.tile([0.0, 0.0, 1.0], (self.rows, 1)))
 
@@ -145,28 +100,15 @@ class Draws:
         Parameters
         ----------
         values : array of float64
-            Any.
 
         Returns
         -------
-        array
-            At most the largest number of the type.
+        array; at most the largest number of the type
         """
         most = float(self.info.max)
         return np.clip(values, -most, most).astype(self.info.dtype)
 
 
 def weights(*names: str) -> Callable[[Draws], dict[str, Scalars]]:
-    """Inputs that are weights, each on its own.
-
-    Parameters
-    ----------
-    *names : str
-        Of the inputs.
-
-    Returns
-    -------
-    callable
-        From draws to (rows,) float64 of each name.
-    """
+    """From draws to inputs that are weights, (rows,) float64 of each name."""
     return lambda draws: {name: draws("weight") for name in names}

@@ -99,8 +99,6 @@ class Extreme:
 
     Attributes
     ----------
-    name : str
-        As in tables.
     drives : mapping of str to callable
         The values that go there, by their names in `PLAIN`.
     """

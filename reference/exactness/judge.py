@@ -36,19 +36,7 @@ def judge(kernel: Kernel, inputs: Inputs, found: NDArray[Any], type_: Type) -> J
 
     Parameters
     ----------
-    kernel : Kernel
-        Whose formula.
-    inputs : mapping of str to array
-        N rows.
-    found : (N,) or (N, k) array
-        What it said.
-    type_ : Type
-        In which it calculated.
-
-    Returns
-    -------
-    Judged
-        Row by row.
+    found : (N,) or (N, k) array; what it said
     """
     rows = len(found)
     ulp, share, open_rows = np.zeros(rows), np.zeros(rows), np.zeros(rows, bool)

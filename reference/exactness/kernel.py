@@ -21,10 +21,7 @@ class Kernel:
 
     Attributes
     ----------
-    name : str
-        As in tables.
-    of_contract : str
-        Pass of the contract whose policy this is, or ''.
+    of_contract : str; pass of the contract whose policy this is, or ''
     draw : callable
         From `Draws` to inputs in float64, which are then rounded to the type.
     run : callable

@@ -21,14 +21,9 @@ class MatrixCell:
 
     Attributes
     ----------
-    kernel, extreme, type : str
-        Names.
-    inputs : mapping of str to array
-        What it was given.
-    judged : Judged
-        What came of it.
-    fault : str
-        Warning or exception, '' for none.
+    inputs : mapping of str to array; what it was given
+    judged : Judged; what came of it
+    fault : str; warning or exception, '' for none
     """
 
     kernel: str
@@ -45,20 +40,7 @@ class MatrixCell:
 
 
 def reads(kernel: Kernel, extreme: Extreme) -> bool:
-    """Whether a kernel can meet an extreme.
-
-    Parameters
-    ----------
-    kernel : Kernel
-        Whose inputs.
-    extreme : Extreme
-        What is driven.
-
-    Returns
-    -------
-    bool
-        True for the plain one.
-    """
+    """Whether a kernel can meet an extreme."""
     draws = Draws(np.random.default_rng(0), 1, np.finfo(np.float64), EXTREMES[0])
     kernel.draw(draws)
     return not extreme.drives or bool(draws.read & set(extreme.drives))
@@ -95,12 +77,8 @@ def judged_cell(kernel: Kernel, extreme: str, inputs: Inputs) -> MatrixCell:
 
     Parameters
     ----------
-    kernel : Kernel
-        What runs.
-    extreme : str
-        Name of where the rows are from.
-    inputs : mapping of str to array
-        All of one type.
+    extreme : str; name of where the rows are from
+    inputs : mapping of str to array; all of one type
 
     Returns
     -------

@@ -35,14 +35,11 @@ class Type:
 
     Attributes
     ----------
-    name : str
-        'float16', 'float32' or 'float64'.
+    name : str; 'float16', 'float32' or 'float64'
     unit : mpf
         Largest relative error of an operation, half the distance of 1 to the next.
-    least : mpf
-        Smallest positive number: largest absolute error of what underflows.
-    most : mpf
-        Largest number.
+    least : mpf; smallest positive number: largest absolute error of what underflows
+    most : mpf; largest number
     """
 
     name: str
@@ -52,18 +49,7 @@ class Type:
 
 
 def type_of(dtype: Any) -> Type:
-    """What a NumPy type can hold.
-
-    Parameters
-    ----------
-    dtype : float16, float32 or float64
-        The type.
-
-    Returns
-    -------
-    Type
-        Its numbers.
-    """
+    """What a NumPy type can hold."""
     info = np.finfo(dtype)
     found = (float(info.eps) / 2, float(info.smallest_subnormal), float(info.max))
     return Type(np.dtype(dtype).name, *(EXACT.mpf(x) for x in found))
@@ -75,13 +61,9 @@ class Exact:
 
     Attributes
     ----------
-    value : mpf
-        The number.
     error : mpf
         Whoever did the same operations in the type is no farther off; infinite where
         an operand may have been 0 or beyond the largest number.
-    type : Type
-        Of the operations.
     """
 
     value: Any
@@ -286,19 +268,11 @@ def _of_digits(value: Any) -> Exact:
 
 
 def exact(value: Any, type_: Type) -> Exact:
-    """A number that a kernel was given.
+    """A number that a kernel was given, without an error.
 
     Parameters
     ----------
-    value : float or mpf
-        Finite.
-    type_ : Type
-        Of what is done with it.
-
-    Returns
-    -------
-    Exact
-        Without an error.
+    value : float or mpf; finite
     """
     if type_ is UNROUNDED:
         return Unrounded(WHOLE.convert(value))
@@ -326,20 +300,7 @@ def exactly(value: Any, type_: Type) -> Any:
 
 
 def literal(value: Any, type_: Type) -> Exact:
-    """A number that the type can only round, as π.
-
-    Parameters
-    ----------
-    value : float or mpf
-        The number that is meant.
-    type_ : Type
-        Of what is done with it.
-
-    Returns
-    -------
-    Exact
-        With one rounding.
-    """
+    """A number that the type can only round, as π."""
     number = EXACT.mpf(value)
     if type_ is UNROUNDED:
         return Unrounded(WHOLE.convert(number))

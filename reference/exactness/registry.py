@@ -37,16 +37,8 @@ def kernels() -> tuple[Kernel, ...]:
 
 
 def limits_of(pass_name: str) -> dict[str, Mapping[str, str]]:
-    """What the kernels of a pass define at their limits.
+    """What the kernels of a pass define at their limits, by kernel and extreme.
 
-    Parameters
-    ----------
-    pass_name : str
-        Of the contract.
-
-    Returns
-    -------
-    dict of str to mapping of str to str
-        By kernel and extreme; empty for passes of which no kernel has any.
+    Empty for passes of which no kernel has any.
     """
     return {k.name: k.defines for k in kernels() if k.of_contract == pass_name}

@@ -6,32 +6,10 @@ Vector = tuple[Exact, Exact, Exact]
 
 
 def inner(a: Vector, b: Vector) -> Exact:
-    """Inner product.
-
-    Parameters
-    ----------
-    a, b : three Exact
-        Vectors.
-
-    Returns
-    -------
-    Exact
-        Summed from the first component on.
-    """
+    """Inner product, summed from the first component on."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def minus(a: Vector, b: Vector) -> Vector:
-    """Difference of vectors.
-
-    Parameters
-    ----------
-    a, b : three Exact
-        Vectors.
-
-    Returns
-    -------
-    three Exact
-        a − b.
-    """
+    """Difference of vectors."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]

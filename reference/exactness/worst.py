@@ -21,12 +21,9 @@ class Worst:
 
     Attributes
     ----------
-    kernel, type, extreme : str
-        Whose, in which type, and where it was found.
-    ulp, share : float
-        Its error when it was found, and that as a share of the bound.
-    given : mapping of str to float or list of float
-        The very numbers.
+    kernel, type, extreme : str; whose, in which type, and where it was found
+    ulp, share : float; its error when it was found, and that as a share of the bound
+    given : mapping of str to float or list of float; the very numbers
     """
 
     kernel: str
@@ -47,17 +44,11 @@ class Worst:
 
 
 def plain(value: Any) -> Plain:
-    """Numbers of a row for JSON.
+    """Numbers of a row for JSON, without an error.
 
     Parameters
     ----------
-    value : number or (k,) array
-        Of any floating-point type.
-
-    Returns
-    -------
-    float or list of float
-        Without an error.
+    value : number or (k,) array; of any floating-point type
     """
     wide = np.asarray(value, np.float64)
     return wide.tolist() if wide.ndim else float(wide)
@@ -65,31 +56,12 @@ def plain(value: Any) -> Plain:
 
 @cache
 def worst_rows() -> tuple[Worst, ...]:
-    """All rows that are kept.
-
-    Returns
-    -------
-    tuple of Worst
-        For each kernel and type one of each extreme that the search has met.
-    """
+    """All rows that are kept: for each kernel and type one of each extreme met."""
     return tuple(Worst(**row) for row in json.loads(PATH.read_text("utf-8")))
 
 
 def worst_inputs(kernel: str, type_name: str) -> Inputs:
-    """The rows of one kernel, one below the other.
-
-    Parameters
-    ----------
-    kernel : str
-        Its name.
-    type_name : 'float16', 'float32' or 'float64'
-        In which they were found.
-
-    Returns
-    -------
-    mapping of str to array
-        Of that type; none where nothing is kept.
-    """
+    """Rows of one kernel in one type, one below the other; none if none are kept."""
     rows = [w for w in worst_rows() if (w.kernel, w.type) == (kernel, type_name)]
     names = rows[0].given if rows else ()
     return {k: np.concatenate([w.inputs[k] for w in rows]) for k in names}

@@ -47,22 +47,17 @@ BLOCKS = 32  # a side, over which the difference is averaged to be seen
 def bias(work: Work) -> PaperFigure:
     """Unbiased and biased spatial reuse, and ten times their difference.
 
-    Parameters
-    ----------
-    work : Work
-        Size, schedule, and at least four runs.
-
-    Returns
-    -------
-    PaperFigure
-        Of the two forms against path tracing, and of their difference.
-
-    Notes
-    -----
     [Ouyang21, Fig. 9].  The two forms differ in the weights of spatial reuse alone, 1/Z
     with visibility and 1/M.  The target has the glossy lobe in it, as in the paper's
     text, which is Equation 9.  Light of sample points that are not Lambertian is path
     traced in both, so that nothing else is biased.
+
+    The numbers are deviations of the two forms from path tracing, and of one from the
+    other.
+
+    Parameters
+    ----------
+    work : Work; size, schedule, and at least four runs
     """
     contenders = [_contender(UNBIASED_FORM, "1/Z"), _contender(BIASED_FORM, "1/M")]
     contest = compete(sized_world(SCENE, work.size), contenders, 1, work, paths=2)

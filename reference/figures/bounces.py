@@ -37,20 +37,10 @@ INITIAL = ", initial samples"
 def bounces(work: Work) -> PaperFigure:
     """Pictures with more and more light, and the time of each part of a frame.
 
-    Parameters
-    ----------
-    work : Work
-        Size, runs and schedule.
-
-    Returns
-    -------
-    PaperFigure
-        A row a variant: the time of initial samples is that of a frame without reuse,
-        that of reuse is what a whole frame takes beyond it.
-
-    Notes
-    -----
     [Ouyang21, Fig. 8].
+
+    A row a variant: the time of initial samples is that of a frame without reuse, that
+    of reuse is what a whole frame takes beyond it.
     """
     contenders = [
         _contender(name + suffix, *variant, reuse=reuse)

@@ -26,10 +26,8 @@ class Tile:
 
     Attributes
     ----------
-    pixels : (H, W, 3) uint8
-        As a screen takes them.
-    title, caption : str
-        Above and below.
+    pixels : (H, W, 3) uint8; as a screen takes them
+    title, caption : str; above and below
     """
 
     pixels: Bytes
@@ -42,17 +40,11 @@ def shown(rows: Floats, size: int, exposure: float) -> Bytes:
 
     Parameters
     ----------
-    rows : (size · size, 3) float
-        Linear radiance.
-    size : int, pixels
-        Width and height.
-    exposure : float
-        Factor on it.
+    rows : (size · size, 3) float; linear radiance
 
     Returns
     -------
-    (size, size, 3) uint8
-        See :func:`reference.display.to_display`.
+    (size, size, 3) uint8; see :func:`reference.display.to_display`
     """
     return to_display(to_image(rows, size, size), exposure)
 
@@ -62,15 +54,7 @@ def exposure_of(rows: Floats, size: int) -> float:
 
     Parameters
     ----------
-    rows : (size · size, 3) float
-        Linear radiance.
-    size : int, pixels
-        Width and height.
-
-    Returns
-    -------
-    float
-        See :func:`reference.display.auto_exposure`.
+    rows : (size · size, 3) float; linear radiance
     """
     return auto_exposure(to_image(rows, size, size))
 
@@ -78,15 +62,7 @@ def exposure_of(rows: Floats, size: int) -> float:
 def blank(width: float, height: float) -> "Figure":
     """Empty figure that no window and no global state knows.
 
-    Parameters
-    ----------
-    width, height : float, inches
-        Of the whole.
-
-    Returns
-    -------
-    Figure
-        Its parts find room for their labels by themselves.
+    Its parts find room for their labels by themselves.
     """
     from matplotlib.figure import Figure
     from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -98,21 +74,12 @@ def blank(width: float, height: float) -> "Figure":
 def split(
     picture: "Figure", rows: int, columns: int, shares: Sequence[float]
 ) -> list["SubFigure"]:
-    """Parts of a figure, side by side or one below the other.
+    """Parts of a figure, from left to right or from top to bottom.
 
     Parameters
     ----------
-    picture : Figure
-        Empty.
-    rows, columns : int
-        Of parts; one of the two is 1.
-    shares : sequence of float
-        Of the height or the width, one a part.
-
-    Returns
-    -------
-    list of SubFigure
-        From the top, or from the left.
+    rows, columns : int; of parts; one of the two is 1
+    shares : sequence of float; of the height or the width, one a part
     """
     heights, widths = (shares, None) if columns == 1 else (None, shares)
     parts = picture.subfigures(
@@ -130,12 +97,7 @@ def draw_tiles(
 
     Parameters
     ----------
-    area : Figure or SubFigure
-        Filled by them.
-    grid : sequence of sequence of Tile
-        Rows of equally many pictures.
-    names : sequence of str
-        Of the rows, at their left; may be left out.
+    names : sequence of str; of the rows, at their left; may be left out
     """
     axes = area.subplots(len(grid), len(grid[0]), squeeze=False)
     for places, tiles in zip(axes, grid, strict=True):
@@ -155,10 +117,7 @@ def tidy(axes: "Axes", title: str, x: str, y: str) -> None:
 
     Parameters
     ----------
-    axes : Axes
-        With what they show.
-    title, x, y : str
-        Above, below and at the left.
+    title, x, y : str; above, below and at the left
     """
     axes.set_title(title, fontsize=9, color=INK)
     axes.set_xlabel(x, fontsize=8, color=INK)

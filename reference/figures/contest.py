@@ -32,12 +32,8 @@ class Contender:
 
     Attributes
     ----------
-    name : str
-        In the tables.
-    method : Method
-        One that yields once a frame, with the settings of the variant.
-    bounces : int
-        Bounces of indirect light.
+    method : Method; one that yields once a frame, with the settings of the variant
+    bounces : int; bounces of indirect light
     """
 
     name: str
@@ -51,16 +47,10 @@ class Contest:
 
     Attributes
     ----------
-    world : World
-        The scene.
-    bounces : int
-        Bounces of the truth.
-    batches : list of Moments
-        Path-traced samples drawn beside each run.
-    truth : Moments
-        Of all of them.
-    path_seconds : float
-        A path-traced sample of all pixels takes: the median.
+    bounces : int; bounces of the truth
+    batches : list of Moments; path-traced samples drawn beside each run
+    truth : Moments; of all of them
+    path_seconds : float; a path-traced sample of all pixels takes: the median
     runs : dict of str to Runs
         Of each contender; seconds are the median of the last frames.
     """
@@ -81,10 +71,7 @@ class Contest:
 
         Parameters
         ----------
-        name : str
-            Of the contender.
-        pixels : (N,) bool, optional
-            Which count.
+        pixels : (N,) bool, optional; which count
 
         Returns
         -------
@@ -116,23 +103,12 @@ def compete(
 ) -> Contest:
     """Run all contenders by turns, with path tracing between their frames.
 
+    Run i of every contender has seed i.
+
     Parameters
     ----------
-    world : World
-        The scene.
-    contenders : sequence of Contender
-        Each runs `FRAMES` frames a run.
-    bounces : int
-        Bounces of path tracing.
-    work : Work
-        Runs, bands and threads.
-    paths : int
-        Path-traced samples a frame.
-
-    Returns
-    -------
-    Contest
-        Run i of every contender has seed i.
+    contenders : sequence of Contender; each runs `FRAMES` frames a run
+    paths : int; path-traced samples a frame
     """
     batches: list[Moments] = []
     path_times: list[float] = []

@@ -53,21 +53,9 @@ PAPER = {"biased": (14.6, 141.0), "unbiased": (9.3, 166.0)}  # section 6
 def equal_time(work: Work, scenes: tuple[str, ...] = SCENES) -> PaperFigure:
     """Error of one frame of ReSTIR GI, and of path tracing that takes the same time.
 
-    Parameters
-    ----------
-    work : Work
-        Size, runs and schedule.
-    scenes : tuple of str
-        Of the catalogue.
-
-    Returns
-    -------
-    PaperFigure
-        A row a scene and variant; the number that counts is "times smaller".
-
-    Notes
-    -----
     [Ouyang21, Fig. 1 and 13].  Camera rays are in neither time.
+
+    A row a scene and variant; the number that counts is "times smaller".
     """
     rows: list[Row] = []
     grid: list[list[Tile]] = []
@@ -99,17 +87,11 @@ def equal_time(work: Work, scenes: tuple[str, ...] = SCENES) -> PaperFigure:
 def ratio(contest: Contest, name: str) -> Interval:
     """How many times smaller the error is than path tracing's in the same time.
 
+    (Variance of one path-traced sample · its seconds) over (MSE · seconds).
+
     Parameters
     ----------
-    contest : Contest
-        With path tracing of as many bounces.
-    name : str
-        Of the contender.
-
-    Returns
-    -------
-    Interval
-        Of (variance of one path-traced sample · its seconds) over (MSE · seconds).
+    contest : Contest; with path tracing of as many bounces
     """
     factor = contest.path_seconds / contest.runs[name].seconds
     return ratio_interval(contest.path_variances(), contest.errors(name), factor)

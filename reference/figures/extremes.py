@@ -47,17 +47,11 @@ class PatchGeometry:
 
 
 def extremes(work: Work) -> PaperFigure:
-    """Errors over distance and angle, and far from the origin.
+    """Errors over distance and angle, and far from the origin; a row a type.
 
     Parameters
     ----------
-    work : Work
-        ``runs`` geometries in each cell.
-
-    Returns
-    -------
-    PaperFigure
-        A row a type.
+    work : Work; ``runs`` geometries in each cell
     """
     errors, shares, curves, rows = {}, {}, {}, list[Row]()
     for done, dtype in enumerate(TYPES):

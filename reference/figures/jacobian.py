@@ -53,19 +53,9 @@ Profile = dict[tuple[float, float], Deviation]
 def jacobian(work: Work) -> PaperFigure:
     """Light of the floor before a sunlit wall, by what becomes of the Jacobian.
 
-    Parameters
-    ----------
-    work : Work
-        Size, runs and schedule.
-
-    Returns
-    -------
-    PaperFigure
-        A row a zone of the floor: deviations of its mean from the closed form.
-
-    Notes
-    -----
     [Ouyang21, Fig. 7].  Divided is what line 11 of their Algorithm 4 prints.
+
+    A row a zone of the floor: deviations of its mean from the closed form.
     """
     contenders = [_contender(use, use, "1/Z") for use in USES]
     contenders.append(_contender(BALANCED, "multiplied", "balance"))

@@ -19,17 +19,11 @@ NAME = "kernels"
 
 
 def kernels_at_extremes(work: Work) -> PaperFigure:
-    """Errors of all kernels beside exact numbers.
+    """Errors of all kernels beside exact numbers; a row a cell.
 
     Parameters
     ----------
-    work : Work
-        ``runs`` rows in each cell.
-
-    Returns
-    -------
-    PaperFigure
-        A row a cell.
+    work : Work; ``runs`` rows in each cell
     """
     cells = matrix(kernels(), work.runs, lambda done, of: work.tick(done, of, "cells"))
     return PaperFigure(

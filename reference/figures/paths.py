@@ -13,20 +13,7 @@ from reference.world import World, build_world
 
 
 def sized_world(name: str, size: int) -> World:
-    """Built-in scene with a square picture, ready for rays.
-
-    Parameters
-    ----------
-    name : str
-        Of the catalogue.
-    size : int, pixels
-        Width and height.
-
-    Returns
-    -------
-    World
-        Validated.
-    """
+    """Built-in scene with a square picture, validated and ready for rays."""
     scene = find_scene(name)
     camera = replace(scene.camera, width=size, height=size)
     return build_world(validate(replace(scene, camera=camera)))
@@ -37,23 +24,7 @@ def path_traced(
 ) -> Vec3s:
     """Path-traced picture that is no part of any truth.
 
-    Parameters
-    ----------
-    world : World
-        The scene.
-    light : 'indirect', 'direct' or 'full'
-        Which paths count.
-    bounces : int
-        Bounces of indirect light.
-    samples : int
-        A pixel.
-    work : Work
-        Bands and threads.
-
-    Returns
-    -------
-    (N, 3) float64, W/(m² sr)
-        Their mean.
+    Returns (N, 3) float64, W/(m² sr); their mean.
     """
     drawn = path_samples(world, work.schedule, light=light, bounces=bounces, seed=0)
     none = no_samples(drawn.rows)

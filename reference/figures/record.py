@@ -21,14 +21,9 @@ class Work:
 
     Attributes
     ----------
-    size : int, pixels
-        Width and height of each picture, at least 16.
-    runs : int
-        Runs of each method, with different seeds; at least 2.
-    schedule : Schedule
-        Bands and threads.
-    tick : callable
-        Told how much is done, of how much, and its unit.
+    size : int, pixels; width and height of each picture, at least 16
+    runs : int; runs of each method, with different seeds; at least 2
+    tick : callable; told how much is done, of how much, and its unit
     """
 
     size: int
@@ -43,10 +38,8 @@ class Deviation:
 
     Attributes
     ----------
-    value : float
-        Share of the truth, 0 for none.
-    error : float
-        Standard error of it.
+    value : float; share of the truth, 0 for none
+    error : float; standard error of it
     """
 
     value: float
@@ -63,16 +56,10 @@ class PaperFigure:
 
     Attributes
     ----------
-    name : str
-        As on the command line.
-    title : str
-        What it shows, and its number in the paper.
-    picture : matplotlib.figure.Figure
-        Known to no window and to no global state.
-    rows : tuple of mapping of str to Cell
-        The numbers; all rows have the same columns.
-    remarks : tuple of str
-        How the numbers came about, and the paper's own.
+    title : str; what it shows, and its number in the paper
+    picture : matplotlib.figure.Figure; known to no window and to no global state
+    rows : tuple of mapping of str to Cell; the numbers; all rows have the same columns
+    remarks : tuple of str; how the numbers came about, and the paper's own
     """
 
     name: str

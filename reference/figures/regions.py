@@ -16,19 +16,11 @@ FLOOR = 1e-3  # height, m, below which a point that faces up lies on the floor
 def floor_points(world: World, work: Work) -> tuple[Vec3s, Vec3s, Masks]:
     """What the camera sees, and whether it is the floor y = 0.
 
-    Parameters
-    ----------
-    world : World
-        The scene.
-    work : Work
-        Bands and threads.
-
     Returns
     -------
     position, normal : (N, 3) float64, m and 1
         Of the visible points; 0 where nothing is seen.
-    floor : (N,) bool
-        On the floor.
+    floor : (N,) bool; on the floor
     """
     layers = gbuffer_layers(world, work.schedule, ("position", "normal"))
     position, normal = layers["position"], layers["normal"]
@@ -42,12 +34,9 @@ def zones(
 
     Parameters
     ----------
-    distance : (N,) float64, m
-        Of each pixel, from whatever it is.
-    among : (N,) bool
-        Which pixels may count.
+    distance : (N,) float64, m; of each pixel, from whatever it is
+    among : (N,) bool; which pixels may count
     edges : sequence of float, m
-        Rising.
 
     Returns
     -------

@@ -25,16 +25,9 @@ class FigureEntry:
 
     Attributes
     ----------
-    name : str
-        As on the command line.
-    make : callable
-        Runs and draws it.
-    runs : int
-        By default.
-    numbers : tuple of str
-        In the paper; each is as good as the name.
-    least_runs : int
-        With which its errors can be told.
+    make : callable; runs and draws it
+    numbers : tuple of str; in the paper; each is as good as the name
+    least_runs : int; with which its errors can be told
     """
 
     name: str

@@ -45,20 +45,10 @@ ALONE = ", no reuse"
 def source(work: Work) -> PaperFigure:
     """Error by the density of initial directions, with reuse and without.
 
-    Parameters
-    ----------
-    work : Work
-        Size, runs and schedule.
-
-    Returns
-    -------
-    PaperFigure
-        A row a zone of the floor, and one for the whole picture.
-
-    Notes
-    -----
     [Ouyang21, Fig. 14].  The further from the wall, the closer is its light to the
     horizon of the floor, where cosine-weighted directions are rare.
+
+    A row a zone of the floor, and one for the whole picture.
     """
     contenders = [
         _contender(name + suffix, density, reuse)

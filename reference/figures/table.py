@@ -13,15 +13,7 @@ from reference.intervals import Interval
 def text(cell: Cell) -> str:
     """A number as it is read.
 
-    Parameters
-    ----------
-    cell : Cell
-        Of a row.
-
-    Returns
-    -------
-    str
-        Three digits; an interval in brackets, a deviation in per cent.
+    Three digits; an interval in brackets, a deviation in per cent.
     """
     match cell:
         case Interval(value, low, high):
@@ -39,13 +31,7 @@ def table(figure: PaperFigure) -> Table:
 
     Parameters
     ----------
-    figure : PaperFigure
-        With at least one row.
-
-    Returns
-    -------
-    Table
-        To be shown.
+    figure : PaperFigure; with at least one row
     """
     made = Table()
     for column, cell in figure.rows[0].items():
@@ -58,15 +44,11 @@ def table(figure: PaperFigure) -> Table:
 def as_plain(figure: PaperFigure) -> dict[str, Any]:
     """Numbers of a figure for a program.
 
+    Text, numbers, lists and dicts alone; numbers that are not finite are None.
+
     Parameters
     ----------
-    figure : PaperFigure
-        Without its picture.
-
-    Returns
-    -------
-    dict
-        Of text, numbers, lists and dicts alone; numbers that are not finite are None.
+    figure : PaperFigure; without its picture
     """
     rows = [{name: _plain(cell) for name, cell in row.items()} for row in figure.rows]
     return {

@@ -10,21 +10,14 @@ TILE = 8  # pixels
 
 
 def tile_means(rows: Vec3s, width: int, tile: int = TILE) -> Vec3s:
-    """Means of the whole tiles of a frame.
+    """Means of the whole tiles of a frame, (T, 3) float64; row by row.
 
     Parameters
     ----------
-    rows : (N, 3) float64
-        The frame.
+    rows : (N, 3) float64; the frame
     width : int, pixels
         Of the frame; what is left beyond the last whole tile does not count.
-    tile : int, pixels
-        Width and height of a tile; of a frame that is smaller, its own.
-
-    Returns
-    -------
-    (T, 3) float64
-        Row by row.
+    tile : int, pixels; width and height of a tile; of a frame that is smaller, its own
     """
     image = rows.reshape(-1, width, 3)
     tall, wide = min(tile, len(image)), min(tile, width)
@@ -40,18 +33,14 @@ def tile_luminance(rows: Vec3s, size: int, tile: int = TILE) -> Numbers:
 
     Parameters
     ----------
-    rows : (size · size, 3) float64
-        Linear radiance.
+    rows : (size · size, 3) float64; linear radiance
     size : int, pixels
         Width and height, at least ``tile``; what is left beyond the last whole tile
         does not count.
-    tile : int, pixels
-        Width and height of a tile.
 
     Returns
     -------
-    (tiles, tiles) float64
-        Row and column.
+    (tiles, tiles) float64; row and column
     """
     count = size // tile
     whole = luminance(rows).reshape(size, size)[: count * tile, : count * tile]
@@ -64,13 +53,11 @@ def largest_of_half(values: Numbers) -> tuple[int, float, float]:
 
     Parameters
     ----------
-    values : (R, K) float64
-        K deviations of each of R runs, at least four runs.
+    values : (R, K) float64; K deviations of each of R runs, at least four runs
 
     Returns
     -------
-    index : int
-        Column whose mean over the even runs is the largest in size.
+    index : int; column whose mean over the even runs is the largest in size
     mean, error : float
         Its mean and standard error over the odd runs, which had no part in the
         choice: the largest of many noisy means is too large.
@@ -82,17 +69,13 @@ def largest_of_half(values: Numbers) -> tuple[int, float, float]:
 def rms_without_noise(values: Numbers) -> float:
     """Root mean square of the expectations of many noisy numbers.
 
+    √ max(0, mean over k of E_even E_odd), with the means of the even and of the odd
+    runs: their noises are independent, so that the product has the square of the
+    expectation as its own, and no noise is taken for signal.
+
     Parameters
     ----------
-    values : (R, K) float64
-        K numbers of each of R independent runs, at least two runs.
-
-    Returns
-    -------
-    float
-        √ max(0, mean over k of E_even E_odd), with the means of the even and of the odd
-        runs: their noises are independent, so that the product has the square of the
-        expectation as its own, and no noise is taken for signal.
+    values : (R, K) float64; K numbers of each of R independent runs, at least two runs
     """
     product = values[::2].mean(axis=0) * values[1::2].mean(axis=0)
     return float(np.sqrt(max(0.0, product.mean())))
@@ -103,13 +86,7 @@ def mean_and_error(values: Numbers) -> tuple[float, float]:
 
     Parameters
     ----------
-    values : (R,) float64
-        A number a run, at least two runs.
-
-    Returns
-    -------
-    float, float
-        From the scatter of the runs.
+    values : (R,) float64; a number a run, at least two runs
     """
     error = values.std(ddof=1) / np.sqrt(len(values))
     return float(values.mean()), float(error)

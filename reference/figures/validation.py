@@ -63,19 +63,9 @@ class _Film:
 def validation(work: Work) -> PaperFigure:
     """Error of the picture's mean from frame to frame around a sudden change of light.
 
-    Parameters
-    ----------
-    work : Work
-        Size, runs and schedule.
-
-    Returns
-    -------
-    PaperFigure
-        A row a frame and variant: deviations from the truth of that frame.
-
-    Notes
-    -----
     [Ouyang21, Fig. 11].
+
+    A row a frame and variant: deviations from the truth of that frame.
     """
     before = sized_world(SCENE, work.size)
     animation = find_animation(SCENE, before.scene)

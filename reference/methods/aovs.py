@@ -35,17 +35,11 @@ def gbuffer_layers(
 
     Parameters
     ----------
-    world : World
-        The scene.
-    schedule : Schedule
-        Bands and threads.
-    names : tuple of str
-        Which; others than those of `GBUFFER` are passed over.
+    names : tuple of str; which; others than those of `GBUFFER` are passed over
 
     Returns
     -------
-    dict of str to (N,) or (N, 3) float64
-        0 where nothing is seen.
+    dict of str to (N,) or (N, 3) float64; 0 where nothing is seen
     """
     wanted = [name for name in names if name in GBUFFER]
     if not wanted:
@@ -69,15 +63,11 @@ def reservoir_layers(
 
     Parameters
     ----------
-    reservoirs : Reservoirs
-        From which the frame was shaded.
-    names : tuple of str
-        Which; others than those of `RESERVOIRS` are passed over.
+    names : tuple of str; which; others than those of `RESERVOIRS` are passed over
 
     Returns
     -------
-    dict of str to (N,) or (N, 3) float64
-        The sample is 0 where the reservoir is empty.
+    dict of str to (N,) or (N, 3) float64; the sample is 0 where the reservoir is empty
     """
     full, y = reservoirs.W > 0, reservoirs.y
     layer: dict[str, Callable[[], Scalars]] = {

@@ -26,20 +26,12 @@ def method_names() -> list[str]:
 def method_named(name: str) -> Method:
     """Find a method.
 
+    Raises UsageError: no such name, or its package is broken; the message names the
+    package.
+
     Parameters
     ----------
-    name : str
-        As `method_names` lists it.  A built-in method cannot be replaced.
-
-    Returns
-    -------
-    Method
-        Ready to render.
-
-    Raises
-    ------
-    UsageError
-        No such name, or its package is broken; the message names the package.
+    name : str; as `method_names` lists it; a built-in method cannot be replaced
     """
     found = BUILT_IN.get(name) or find_plugin(GROUP, name, Method, "method")
     if found is None:

@@ -43,52 +43,30 @@ class NumberedFrame(Protocol):
 def color_of(frame: Any) -> Vec3s:
     """Indirect light of a frame that has a ``color``.
 
-    Parameters
-    ----------
-    frame : object
-        N rows.
-
-    Returns
-    -------
-    (N, 3) float64, W/(m² sr)
-        Its colour.
+    Returns (N, 3) float64, W/(m² sr); its colour.
     """
     color: Vec3s = frame.color
     return color
 
 
 def as_it_is(job: Job, color: Scalars) -> Vec3s:
-    """Take a picture that is one already.
+    """Take a picture that is one already, (N, 3) float64.
 
     Parameters
     ----------
-    job : Job
-        Does not matter.
-    color : (N, 3) float64
-        The picture.
-
-    Returns
-    -------
-    (N, 3) float64
-        The same.
+    job : Job; does not matter
+    color : (N, 3) float64; the picture
     """
     return color
 
 
 def bytes_of_frame(job: Job, frame: Any) -> int:
-    """What a frame holds beside its picture and the scene.
+    """Bytes that a frame holds beside its picture and the scene.
 
     Parameters
     ----------
-    job : Job
-        Does not matter.
-    frame : record
-        With ``world`` and ``color``.
-
-    Returns
-    -------
-    int
-        Bytes.
+    job : Job; does not matter
+    frame : record; with ``world`` and ``color``
     """
     return nbytes(fields_but(frame, "world", "color"))
 
@@ -99,20 +77,16 @@ class Framed:
 
     Attributes
     ----------
-    frames : callable
-        From a job to frames without end.
+    frames : callable; from a job to frames without end
     layers : callable
         From a frame and names to the layers of these names, beside the picture's.
-    own : mapping of str to str
-        Names that ``layers`` knows, and what they are.
+    own : mapping of str to str; names that ``layers`` knows, and what they are
     pixel : 'center' or 'box'
         What a pixel shows: what its centre sees, or the mean over its area.
     estimates : callable
         From a frame to what is averaged over frames, (N, C); its light by default.
-    develop : callable
-        From a job, and such a mean, to indirect light, (N, 3).
-    size : callable
-        From a job and a frame to the bytes that the next frame is given.
+    develop : callable; from a job, and such a mean, to indirect light, (N, 3)
+    size : callable; from a job and a frame to the bytes that the next frame is given
     """
 
     frames: Callable[[Job], Iterator[Any]]
@@ -163,24 +137,17 @@ class Framed:
         )
 
     def shown(self, job: Job) -> Iterator[Shown]:
-        """Indirect light, frame after frame.
-
-        Parameters
-        ----------
-        job : Job
-            What to render.
-
-        Yields
-        ------
-        Shown
-            Without end.
-        """
+        """Indirect light, frame after frame, without end."""
         for frame in self.frames(job):
             color = self.develop(job, self.estimates(frame))
             yield Shown(color, self.size(job, frame) / len(color))
 
     def render(self, job: Job) -> Rendering:
         """Indirect light by the method, direct light by path tracing.
+
+        The colour, and the layers asked for, all of the last frame.
+
+        Raises UsageError: a layer of the frames is wanted where there are none.
 
         Parameters
         ----------
@@ -190,18 +157,7 @@ class Framed:
 
         Yields
         ------
-        Progress
-            In frames, then in samples of the direct light.
-
-        Returns
-        -------
-        Layers
-            The colour, and the layers asked for, all of the last frame.
-
-        Raises
-        ------
-        UsageError
-            A layer of the frames is wanted where there are none.
+        Progress; in frames, then in samples of the direct light
         """
         has_direct = job.light != "indirect" or "direct" in job.aovs
         has_indirect = job.light != "direct" or "indirect" in job.aovs

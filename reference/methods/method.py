@@ -59,22 +59,16 @@ class Job:
 
     Attributes
     ----------
-    world : World
-        The scene, with a camera of the size of the picture.
-    light : 'indirect', 'direct' or 'full'
-        Which paths count.
-    bounces : int
-        Bounces of indirect light, 0 to 30.
-    seed : int
-        0 to 2²⁷ − 1; runs of different seeds are independent.
+    world : World; the scene, with a camera of the size of the picture
+    light : 'indirect', 'direct' or 'full'; which paths count
+    bounces : int; bounces of indirect light, 0 to 30
+    seed : int; 0 to 2²⁷ − 1; runs of different seeds are independent
     counts : mapping of str to int
         The method's own ``counts``, with what the command line says instead.
-    settings : dataclass instance
-        Of the type of the method's own ``settings``.
+    settings : dataclass instance; of the type of the method's own ``settings``
     aovs : tuple of str
         Names out of the method's ``aovs``, to be returned beside ``"color"``.
-    schedule : Schedule
-        Bands and threads; must not change a bit of the result.
+    schedule : Schedule; bands and threads; must not change a bit of the result
     animation : Animation, optional
         Scenes of all frames, validated, of which frame 0 is that of ``world``; by
         default the scene stands still.  A method of F frames shows frame F - 1.
@@ -101,10 +95,8 @@ class Shown:
 
     Attributes
     ----------
-    color : (N, 3) float64, W/(m² sr)
-        Indirect light.
-    kept : float
-        Bytes a pixel that the next frame is given.
+    color : (N, 3) float64, W/(m² sr); indirect light
+    kept : float; bytes a pixel that the next frame is given
     """
 
     color: Vec3s
@@ -121,10 +113,8 @@ class Method:
 
     Attributes
     ----------
-    name : str
-        On the command line.
-    summary : str
-        One line, without a full stop.
+    name : str; on the command line
+    summary : str; one line, without a full stop
     counts : mapping of str to int
         Which of the options ``"frames"`` and ``"spp"`` it heeds, and their defaults.
     settings : dataclass instance
@@ -159,17 +149,7 @@ def drive(method: Method, job: Job, tick: Callable[[Progress], None]) -> Layers:
 
     Parameters
     ----------
-    method : Method
-        How.
-    job : Job
-        What.
-    tick : callable
-        Told after each step.
-
-    Returns
-    -------
-    Layers
-        The result.
+    tick : callable; told after each step
     """
     steps = method.render(job)
     while True:

@@ -34,26 +34,10 @@ class PathTracerSettings:
 def render(job: Job) -> Rendering:
     """Mean of ``spp`` path-traced samples.
 
-    Parameters
-    ----------
-    job : Job
-        What to render.
+    The colour, and the layers asked for.  Direct and indirect light follow the very
+    paths of the picture, so that they add up to ``full``.
 
-    Yields
-    ------
-    Progress
-        In samples.
-
-    Returns
-    -------
-    Layers
-        The colour, and the layers asked for.  Direct and indirect light follow the
-        very paths of the picture, so that they add up to ``full``.
-
-    Raises
-    ------
-    UsageError
-        A standard error of one sample is asked for.
+    Raises UsageError: a standard error of one sample is asked for.
     """
     if "standard_error" in job.aovs and job.counts["spp"] < 2:
         raise UsageError("--aov standard_error needs an --spp of at least 2")
@@ -83,26 +67,8 @@ def mean_of_paths(
 
     Parameters
     ----------
-    job : Job
-        What to render.
-    light : 'indirect', 'direct' or 'full'
-        In place of the job's own.
-    pixel : 'center' or 'box'
-        Where camera rays go.
-    stream : Stream
-        Who draws.
-    before, total : int
-        Steps of the rendering before this part, and in all.
-
-    Yields
-    ------
-    Progress
-        In samples.
-
-    Returns
-    -------
-    Moments
-        Of all samples.
+    light : 'indirect', 'direct' or 'full'; in place of the job's own
+    before, total : int; steps of the rendering before this part, and in all
     """
     samples = path_samples(
         job.world,
@@ -120,17 +86,11 @@ def mean_of_paths(
 
 
 def frames(job: Job) -> Iterator[Shown]:
-    """One path-traced sample of indirect light a frame.
+    """One path-traced sample of indirect light a frame, without end; nothing is kept.
 
     Parameters
     ----------
-    job : Job
-        What to render; a moving scene as it is in each frame.
-
-    Yields
-    ------
-    Shown
-        Without end; nothing is kept.
+    job : Job; what to render; a moving scene as it is in each frame
     """
     samples = _indirect(job, job.world)
     for number in count():

@@ -14,20 +14,7 @@ from reference.resampling.reservoir import Reservoirs, Samples
 
 
 def given(inputs: Buffers, precision: Precision) -> dict[str, NDArray[Any]]:
-    """Buffers in the types of the contract.
-
-    Parameters
-    ----------
-    inputs : mapping of str to array
-        Reals, integers or words.
-    precision : 'float32' or 'float64'
-        Of the reals.
-
-    Returns
-    -------
-    dict of str to array
-        In C order.
-    """
+    """Buffers in the types of the contract, in C order."""
     types = {"f": dtype_of("real", precision), "i": dtype_of("index", precision)}
     types["u"] = dtype_of("bits", precision)
     return {
@@ -41,15 +28,7 @@ def prefixed(prefix: str, buffers: Buffers) -> dict[str, NDArray[Any]]:
 
     Parameters
     ----------
-    prefix : str
-        Put before each name, with an underscore.
-    buffers : mapping of str to array
-        Any.
-
-    Returns
-    -------
-    dict of str to array
-        The same arrays.
+    prefix : str; put before each name, with an underscore
     """
     return {f"{prefix}_{name}": array for name, array in buffers.items()}
 
@@ -82,32 +61,10 @@ def receivers(
 
 
 def samples(y: Samples) -> dict[str, NDArray[Any]]:
-    """Sample points as buffers.
-
-    Parameters
-    ----------
-    y : Samples
-        N rows.
-
-    Returns
-    -------
-    dict of str to array
-        Three buffers.
-    """
+    """Sample points as buffers."""
     return {"position": y.position, "normal": y.normal, "radiance": y.radiance}
 
 
 def reservoirs(r: Reservoirs) -> dict[str, NDArray[Any]]:
-    """Reservoirs as buffers.
-
-    Parameters
-    ----------
-    r : Reservoirs
-        N rows.
-
-    Returns
-    -------
-    dict of str to array
-        Five buffers.
-    """
+    """Reservoirs as buffers."""
     return samples(r.y) | {"W": r.W, "M": r.M}

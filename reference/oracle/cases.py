@@ -19,14 +19,10 @@ class Case:
 
     Attributes
     ----------
-    name : str
-        Of a folder: letters, digits, hyphens.
-    pass_name : str
-        Which pass of the contract.
-    settings : mapping of str to str, int or float
-        All that the pass has.
-    inputs : mapping of str to array
-        In the backend's precision.
+    name : str; of a folder: letters, digits, hyphens
+    pass_name : str; which pass of the contract
+    settings : mapping of str to str, int or float; all that the pass has
+    inputs : mapping of str to array; in the backend's precision
     random : bool
         The numbers u of its rows were drawn, independently: so that decisions which
         rounding leaves open are rare, and are counted against a budget.
@@ -53,10 +49,7 @@ class Failure:
 
     Attributes
     ----------
-    reason : str
-        One line.
-    timed_out : bool
-        It took longer than one call may.
+    timed_out : bool; it took longer than one call may
     """
 
     reason: str
@@ -65,13 +58,7 @@ class Failure:
 
 @dataclass(frozen=True, slots=True)
 class Unasked:
-    """Nothing is known: a call was not made, or was cut short from outside.
-
-    Attributes
-    ----------
-    reason : str
-        One line.
-    """
+    """Nothing is known: a call was not made, or was cut short from outside."""
 
     reason: str
 
@@ -96,19 +83,9 @@ def for_ever() -> float:
 
 
 def output_shapes(passes: Passes, case: Case) -> dict[str, tuple[int, ...]]:
-    """Shapes of the buffers that a case asks for.
+    """Shapes of the buffers that a case asks for, by name.
 
-    Parameters
-    ----------
-    passes : mapping of str to Pass
-        The contract.
-    case : Case
-        One call.
-
-    Returns
-    -------
-    dict of str to tuple of int
-        By name, in the order of the contract; terms come last.
+    They are in the order of the contract; terms come last.
     """
     found = passes[case.pass_name]
     counts = _counts(found.inputs, case)
@@ -123,22 +100,8 @@ def refused(
 ) -> Failure | None:
     """Why outputs cannot be judged, if they cannot.
 
-    Parameters
-    ----------
-    passes : mapping of str to Pass
-        The contract.
-    case : Case
-        The call.
-    precision : 'float32' or 'float64'
-        Of the backend.
-    outputs : mapping of str to array
-        What came back.
-
-    Returns
-    -------
-    Failure or None
-        Names, type, shape, and that all reals are finite, in this order.  Of terms only
-        type and shape, where they are given.
+    Names, type, shape, and that all reals are finite, in this order.  Of terms only
+    type and shape, where they are given.
     """
     shapes = output_shapes(passes, case)
     wanted_fields = passes[case.pass_name].outputs

@@ -34,7 +34,9 @@ def judge(
     tell: Callable[[str], None] = _silent,
     executor: Executor | None = None,
 ) -> Verdict:
-    """Judge a backend.
+    """Judge a backend, whatever it does.
+
+    Raises UsageError: no such backend or folder, or they are of different precision.
 
     Parameters
     ----------
@@ -43,29 +45,14 @@ def judge(
         with ``{directory}``.
     budget : float, s
         In which the backend is loaded and asked; what has no time then is told.
-    statistics : bool
-        Whether whole runs are among the steps.
-    limits : Limits, optional
-        Of time and memory, for a backend in another process.
-    precision : 'float32' or 'float64'
-        Of a program; an object says its own.
-    against : Path, optional
-        Golden folder whose cases are judged in place of our own.
-    tell : callable
-        Told the title of each step.
+    statistics : bool; whether whole runs are among the steps
+    limits : Limits, optional; of time and memory, for a backend in another process
+    precision : 'float32' or 'float64'; of a program; an object says its own
+    against : Path, optional; golden folder whose cases are judged in place of our own
+    tell : callable; told the title of each step
     executor : Executor, optional
         Other processes, which make most of the whole runs, of a backend that is named
         by a string.
-
-    Returns
-    -------
-    Verdict
-        Whatever the backend does.
-
-    Raises
-    ------
-    UsageError
-        No such backend or folder, or they are of different precision.
     """
     start = time.monotonic()
 
@@ -107,15 +94,7 @@ def judge(
 def told(verdict: Verdict) -> str:
     """What is wrong, for the failure of a test.
 
-    Parameters
-    ----------
-    verdict : Verdict
-        Of a backend.
-
-    Returns
-    -------
-    str
-        A line for each fault, at most three a step, and the names of the mistakes.
+    A line for each fault, at most three a step, and the names of the mistakes.
     """
     lines = [f"the backend is wrong ({verdict.status}):"]
     for timed in verdict.steps:

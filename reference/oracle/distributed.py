@@ -37,12 +37,8 @@ class Reached:
 
     Attributes
     ----------
-    name : str
-        Object, file or command line, the same everywhere.
-    limits : Limits
-        Of a call.
-    precision : 'float32' or 'float64'
-        Of a command line.
+    name : str; object, file or command line, the same everywhere
+    precision : 'float32' or 'float64'; of a command line
     """
 
     name: str
@@ -50,17 +46,9 @@ class Reached:
     precision: Precision
 
     def open(self) -> Backend:
-        """Of this process, opened once.
+        """Of this process, opened once, and closed when the process ends.
 
-        Returns
-        -------
-        Backend
-            Closed when the process ends.
-
-        Raises
-        ------
-        UsageError
-            There is none here.
+        Raises UsageError: there is none here.
         """
         return _opened(self)
 

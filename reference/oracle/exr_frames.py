@@ -23,10 +23,6 @@ def write_frames(path: Path, width: int, buffers: Mapping[str, NDArray[Any]]) ->
 
     Parameters
     ----------
-    path : Path
-        New.
-    width : int, pixels
-        Of the image.
     buffers : mapping of str to array
         float32, uint32 or int32, which becomes the word of the same bits.  Three
         columns are R, G, B; one is Y; others are numbered.
@@ -40,19 +36,7 @@ def read_frames(
 ) -> dict[str, NDArray[Any]] | Failure:
     """Read the outputs that a backend has written as parts of one file.
 
-    Parameters
-    ----------
-    path : Path
-        With a part for each output.
-    passes : mapping of str to Pass
-        The contract.
-    case : Case
-        Which.
-
-    Returns
-    -------
-    dict of str to array, or Failure
-        In the types of single precision.
+    They are of the types of single precision.
     """
     try:
         promised = outputs_size(passes, "float32", case)

@@ -44,12 +44,7 @@ def expected(
 
     Parameters
     ----------
-    case : Case
-        With inputs of any precision.
-    precision : 'float32' or 'float64'
-        Of the result.
-    exactly : bool
-        Of a kernel whose case is held against exact numbers.
+    exactly : bool; of a kernel whose case is held against exact numbers
 
     Returns
     -------
@@ -83,36 +78,21 @@ def write_golden(
 ) -> list[str]:
     """Write a golden folder.
 
+    The new files are whole, in a hidden folder within this one, before the first old
+    one is moved; an error moves all back.
+
+    Returns the files that were kept: results of a backend, from the data that were
+    replaced.
+
+    Raises UsageError: the folder holds something else, or cannot be written.
+
     Parameters
     ----------
     folder : Path
         Does not exist, or is empty, or is a golden folder: what that lists in its
         manifest is replaced, and everything else in it is kept.
-    passes : mapping of str to Pass
-        The contract.
-    precision : 'float32' or 'float64'
-        Of the inputs.
-    probes : list of Probe
-        What is asked.
-    about : dict
-        What the manifest says of scene, size and seed.
-    tell : callable
-        Told how many cases are done, of how many.
-
-    Returns
-    -------
-    list of str
-        Files that were kept: results of a backend, from the data that were replaced.
-
-    Raises
-    ------
-    UsageError
-        The folder holds something else, or cannot be written.
-
-    Notes
-    -----
-    The new files are whole, in a hidden folder within this one, before the first old
-    one is moved; an error moves all back.
+    about : dict; what the manifest says of scene, size and seed
+    tell : callable; told how many cases are done, of how many
     """
     is_new = False
     try:
@@ -148,22 +128,16 @@ def write_golden(
 def read_golden(folder: Path) -> tuple[Precision, list[Probe]]:
     """Questions of a golden folder.
 
+    Raises UsageError: it is none.
+
     Parameters
     ----------
-    folder : Path
-        As `write_golden` left it.
+    folder : Path; as `write_golden` left it
 
     Returns
     -------
-    precision : 'float32' or 'float64'
-        Of the inputs.
-    probes : list of Probe
-        With the inputs as they stand in the files.
-
-    Raises
-    ------
-    UsageError
-        It is none.
+    precision : 'float32' or 'float64'; of the inputs
+    probes : list of Probe; with the inputs as they stand in the files
     """
     try:
         manifest = json.loads(read_file(folder / MANIFEST))

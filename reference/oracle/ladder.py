@@ -29,13 +29,6 @@ SIZE, SEED = 48, 1
 def ladder(passes: Passes, backend: Backend) -> Iterator[Level]:
     """Levels of a backend that can be asked.
 
-    Parameters
-    ----------
-    passes : mapping of str to Pass
-        The contract.
-    backend : Backend
-        Runs cases.
-
     Yields
     ------
     level, title : str
@@ -106,12 +99,7 @@ def statistical_levels(
 
     Parameters
     ----------
-    passes : mapping of str to Pass
-        The contract.
-    backend : Backend
-        Runs cases.
-    remaining : callable
-        Seconds that are left.
+    remaining : callable; seconds that are left
     batches : callable, optional
         From the seed of a batch to its replicates and those of the seeds after it, by
         other processes; the first batch is made here.
@@ -142,12 +130,7 @@ def golden_levels(
 
     Parameters
     ----------
-    passes : mapping of str to Pass
-        The contract.
-    backend : Backend
-        Runs its cases, or has run them.
-    probes : list of Probe
-        As they stand in the folder.
+    backend : Backend; runs its cases, or has run them
 
     Yields
     ------
@@ -170,7 +153,7 @@ def golden_levels(
 def scene_probes(
     scene: str, precision: Precision, seed: int = SEED
 ) -> tuple[Probe, ...]:
-    """Replays of all passes in a frame of a scene.
+    """Replays of all passes in a frame of a scene, of rung L3.
 
     Parameters
     ----------

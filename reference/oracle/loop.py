@@ -40,18 +40,11 @@ class Run:
 
     Attributes
     ----------
-    frames : int
-        How many.
-    source : 'uniform' or 'cosine'
-        Density of the directions.
-    target : 'scattered' or 'outgoing'
-        Equation 9 or 10.
-    mis : '1/M' or '1/Z'
-        Weight of Algorithm 4.
-    temporal_cap, spatial_cap : float
-        Limits of M.
-    seed : int
-        Of the random numbers.
+    source : 'uniform' or 'cosine'; density of the directions
+    target : 'scattered' or 'outgoing'; Equation 9 or 10
+    mis : '1/M' or '1/Z'; weight of Algorithm 4
+    temporal_cap, spatial_cap : float; limits of M
+    seed : int; of the random numbers
     """
 
     frames: int = 3
@@ -69,10 +62,8 @@ class LoopFrame:
 
     Attributes
     ----------
-    color : (N, 3)
-        Indirect light.
-    spatial : mapping of str to array
-        Reservoirs that were shown.
+    color : (N, 3); indirect light
+    spatial : mapping of str to array; reservoirs that were shown
     """
 
     color: Vec3s

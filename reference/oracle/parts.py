@@ -31,20 +31,7 @@ Frames = Callable[[Precision, frozenset[str]], "list[Probe]"]
 
 
 def no_frames(precision: Precision, names: frozenset[str]) -> "list[Probe]":
-    """Of a part whose probes are soon made.
-
-    Parameters
-    ----------
-    precision : 'float32' or 'float64'
-        Of the backend.
-    names : frozenset of str
-        Passes that it has.
-
-    Returns
-    -------
-    list of Probe
-        None.
-    """
+    """No probes: those of the part are soon made."""
     return []
 
 
@@ -54,10 +41,8 @@ class Part:
 
     Attributes
     ----------
-    title : str
-        Of their steps of the ladder.
-    passes : tuple of Pass
-        With names that no other part has.
+    title : str; of their steps of the ladder
+    passes : tuple of Pass; with names that no other part has
     judges : mapping of str to callable
         What judges each pass: its case, outputs, rules and precision give a
         `Judgement`.
@@ -114,29 +99,12 @@ def parts() -> tuple[Part, ...]:
 
 
 def whole_contract() -> Passes:
-    """All passes of the contract: the core's, then those of all parts.
-
-    Returns
-    -------
-    mapping of str to Pass
-        By name.
-    """
+    """All passes of the contract: the core's, then those of all parts."""
     return {**CONTRACT, **{p.name: p for part in parts() for p in part.passes}}
 
 
 def judge_of(pass_name: str) -> Judge:
-    """What judges a pass.
-
-    Parameters
-    ----------
-    pass_name : str
-        Of the whole contract.
-
-    Returns
-    -------
-    callable
-        From case, outputs, rules and precision to a `Judgement`.
-    """
+    """What judges a pass, from case, outputs, rules and precision to a `Judgement`."""
     if pass_name in JUDGES:
         return JUDGES[pass_name]
     return next(p.judges[pass_name] for p in parts() if pass_name in p.judges)

@@ -42,18 +42,9 @@ class PreparedFrame:
 
     Attributes
     ----------
-    name : str
-        Of the scene.
-    world : World
-        The scene.
-    last : Frame
-        The frame before.
-    initial : InitialSamples
-        New samples of this one.
-    neighbors : (N, K) int
-        Neighbours of each pixel, or −1.
-    seed : int
-        Of the run.
+    last : Frame; the frame before
+    initial : InitialSamples; new samples of this one
+    neighbors : (N, K) int; neighbours of each pixel, or −1
     """
 
     name: str
@@ -64,18 +55,7 @@ class PreparedFrame:
     seed: int
 
     def uniforms(self, stream: Stream) -> KeyedUniforms:
-        """Random numbers of this frame.
-
-        Parameters
-        ----------
-        stream : Stream
-            Who draws.
-
-        Returns
-        -------
-        KeyedUniforms
-            N rows.
-        """
+        """Random numbers of this frame."""
         pixel = np.arange(len(self.neighbors), dtype=np.uint32)
         return KeyedUniforms(pixel, FRAMES, self.seed, stream)
 

@@ -44,21 +44,11 @@ def write_cases(
 ) -> None:
     """Write what a backend needs.
 
+    Raises UsageError: it cannot be written.
+
     Parameters
     ----------
-    folder : Path
-        Made if it does not exist.
-    passes : mapping of str to Pass
-        The contract.
-    precision : 'float32' or 'float64'
-        Of the backend.
-    cases : iterable of Case
-        Calls.
-
-    Raises
-    ------
-    UsageError
-        It cannot be written.
+    folder : Path; made if it does not exist
     """
     lines = [FORM, f"precision {precision}"]
     for case in cases:
@@ -84,22 +74,13 @@ def write_cases(
 def read_cases(folder: Path) -> tuple[Precision, list[Case]]:
     """Read what `write_cases` wrote.
 
-    Parameters
-    ----------
-    folder : Path
-        With an index.
+    Raises UsageError: no index, or one that cannot be read, or a file of another size
+    than it says.
 
     Returns
     -------
-    precision : 'float32' or 'float64'
-        Of the backend.
-    cases : list of Case
-        In the order of the index.
-
-    Raises
-    ------
-    UsageError
-        No index, or one that cannot be read, or a file of another size than it says.
+    precision : 'float32' or 'float64'; of the backend
+    cases : list of Case; in the order of the index
     """
     words = [line.split(" ") for line in _text(folder / INDEX).splitlines()]
     try:
@@ -118,21 +99,7 @@ def read_outputs(
 ) -> Outcome:
     """Read what a backend wrote for a case: ``out/*.raw``, or ``out.npz``.
 
-    Parameters
-    ----------
-    folder : Path
-        Of the cases.
-    passes : mapping of str to Pass
-        The contract.
-    precision : 'float32' or 'float64'
-        Of the backend.
-    case : Case
-        Which.
-
-    Returns
-    -------
-    Buffers, Failure or None
-        ``None`` where it wrote nothing.
+    Returns Buffers, Failure or None; ``None`` where it wrote nothing.
     """
     for packed in (folder / case.name / "out.npz", folder / case.name / "out/out.npz"):
         if os.path.lexists(packed):
@@ -160,22 +127,7 @@ def read_outputs(
 
 
 def outputs_size(passes: Passes, precision: Precision, case: Case) -> int:
-    """Bytes of the outputs and terms that a case asks for.
-
-    Parameters
-    ----------
-    passes : mapping of str to Pass
-        The contract.
-    precision : 'float32' or 'float64'
-        Of the backend.
-    case : Case
-        Which.
-
-    Returns
-    -------
-    int
-        Of the bare numbers.
-    """
+    """Bytes of the outputs and terms that a case asks for."""
     asked, shapes = passes[case.pass_name], output_shapes(passes, case)
     return sum(
         int(np.prod(shapes[field.name])) * dtype_of(field.kind, precision).itemsize

@@ -28,16 +28,10 @@ class SceneHarness:
 
     Attributes
     ----------
-    world : World
-        The scene.
-    visible : VisiblePoints
-        What one run sees, P pixels.
-    surface : SurfacePoints
-        The same for all, R · P rows.
-    runs : int
-        R.
-    seed : int
-        Of the light at sample points, and of the neighbours.
+    visible : VisiblePoints; what one run sees, P pixels
+    surface : SurfacePoints; the same for all, R · P rows
+    runs : int; R
+    seed : int; of the light at sample points, and of the neighbours
     """
 
     world: World
@@ -47,13 +41,7 @@ class SceneHarness:
     seed: int
 
     def receivers(self) -> dict[str, NDArray[Any]]:
-        """Buffers of the visible points.
-
-        Returns
-        -------
-        dict of str to array
-            R · P rows.
-        """
+        """Buffers of the visible points."""
         return {
             "visible_position": self.surface.position,
             # Where nothing is seen there is no normal; such a pixel is black.
@@ -68,15 +56,8 @@ class SceneHarness:
 
         Parameters
         ----------
-        direction : (N, 3)
-            Unit vectors.
-        frame : int
-            From 0.
-
-        Returns
-        -------
-        dict of str to array
-            Buffers; light of one bounce.
+        direction : (N, 3); unit vectors
+        frame : int; from 0
         """
         met = follow(self.world, self.surface, direction, self.surface.hit, "initial")
         uniforms = self._uniforms(frame, Stream.PATH)
@@ -85,19 +66,12 @@ class SceneHarness:
         return {"position": place, "normal": met.normal, "radiance": radiance}
 
     def sees(self, viewer: Indices, position: Vec3s, normal: Vec3s) -> Masks:
-        """Whether visible points see sample points.
+        """Whether visible points see sample points, (N,) bool; nothing lies between.
 
         Parameters
         ----------
-        viewer : (N,) int
-            Rows.
-        position, normal : (N, 3), m and 1
-            Sample points.
-
-        Returns
-        -------
-        (N,) bool
-            Nothing lies between.
+        viewer : (N,) int; rows
+        position, normal : (N, 3), m and 1; sample points
         """
         x = take(self.surface.viewpoints, viewer)
         lit: Masks = np.any(normal != 0, axis=1)
@@ -106,17 +80,11 @@ class SceneHarness:
         )
 
     def neighbors(self, frame: int) -> Indices:
-        """Neighbours of each row, within its own run.
+        """Neighbours of each row, within its own run, (N, K) int; or −1.
 
         Parameters
         ----------
-        frame : int
-            From 0.
-
-        Returns
-        -------
-        (N, K) int
-            Or −1.
+        frame : int; from 0
         """
         pixels = len(self.visible.depth)
         row = np.arange(self.runs * pixels)

@@ -42,8 +42,7 @@ class LevelStep:
         What more time would buy; empty where it buys nothing.
     relies_on : tuple of str
         Departures from the contract under which its findings say nothing.
-    unasked : list of str
-        Calls of which nothing is known, and why, a line each.
+    unasked : list of str; calls of which nothing is known, and why, a line each
     """
 
     level: str
@@ -121,15 +120,7 @@ the loop has four."""
 
 
 class Asker:
-    """Asks a backend one case after the other; what it lacks, the built-in one answers.
-
-    Parameters
-    ----------
-    passes : mapping of str to Pass
-        The contract.
-    backend : Backend
-        Runs cases.
-    """
+    """Asks a backend case by case; what it lacks, the built-in one answers."""
 
     def __init__(self, passes: Passes, backend: Backend) -> None:
         self._passes, self._backend = passes, backend
@@ -137,26 +128,14 @@ class Asker:
         self._built_in, self.answered = 0, 0
 
     def __call__(self, case: Case) -> Buffers:
-        """Outputs of a case, which have the right form.
+        """Outputs of a case, of the right form, by the backend or the built-in one.
 
-        Parameters
-        ----------
-        case : Case
-            One call.
-
-        Returns
-        -------
-        Buffers
-            Of the backend, or of the built-in one.
-
-        Raises
-        ------
-        NoAnswerError
-            The backend has the pass, and gives nothing that can be judged.
-        NothingOfItsOwnError
-            Nothing that was asked so far was the backend's: there is nothing to judge.
-        UnaskedError
-            There was no time to ask, or nothing is known for another reason.
+        Raises NoAnswerError: the backend has the pass, and gives nothing that can be
+        judged.
+        Raises NothingOfItsOwnError: nothing that was asked so far was the backend's:
+        there is nothing to judge.
+        Raises UnaskedError: there was no time to ask, or nothing is known for another
+        reason.
         """
         if self._backend.remaining() <= 0:
             raise UnaskedError(f"{case.name}: {NO_TIME.reason}")
@@ -190,6 +169,8 @@ def taken(
     relies_on: tuple[Departure, ...] = (),
 ) -> LevelStep:
     """A step of tests that ask the backend themselves.
+
+    Findings of tests in which nothing was the backend's own are left out.
 
     Parameters
     ----------

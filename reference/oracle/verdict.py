@@ -95,6 +95,8 @@ def run_ladder(
 ) -> Verdict:
     """Run the ladder until the time is over.
 
+    All steps of a budget are taken although one has failed: the diagnosis wants them.
+
     Parameters
     ----------
     passes : mapping of str to Pass
@@ -105,16 +107,8 @@ def run_ladder(
         The ladder.
     budget : float, s
         No step begins after that, and those who ask a backend stop by themselves.
-    clock : callable
-        Gives seconds.
-    tell : callable
-        Told the title of each step before it begins.
-
-    Returns
-    -------
-    Verdict
-        All steps of a budget are taken although one has failed: the diagnosis wants
-        them.
+    clock : callable; gives seconds
+    tell : callable; told the title of each step before it begins
     """
     start, steps, left = clock(), [], []
     for level, title, take in levels:
@@ -151,15 +145,7 @@ def run_ladder(
 def departs(diagnosis: Diagnosis) -> bool:
     """Whether a pass is only other than the contract's, and no bias comes of it.
 
-    Parameters
-    ----------
-    diagnosis : Diagnosis
-        Of one pass.
-
-    Returns
-    -------
-    bool
-        All that reproduce its answers are departures.
+    All that reproduce its answers are departures.
     """
     return bool(diagnosis.matches) and all(h.departure for h in diagnosis.matches)
 
@@ -179,15 +165,7 @@ def _is_wrong(verdict: Verdict, answers: list[Answer]) -> bool:
 def explicable(answer: Answer) -> bool:
     """Whether a replay can explain an answer; at some extremes it cannot.
 
-    Parameters
-    ----------
-    answer : Answer
-        Right or wrong.
-
-    Returns
-    -------
-    bool
-        There are outputs, and exact arithmetic has numbers to hold against them.
+    There are outputs, and exact arithmetic has numbers to hold against them.
     """
     if answer.finding is None or answer.outputs is None:
         return False

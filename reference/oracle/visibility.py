@@ -22,19 +22,14 @@ def made_it(
 
     Parameters
     ----------
-    viewer : (N,) int
-        Rows of visible points, or −1.
-    position : (N, 3), m
-        Of the samples asked about.
-    makers : sequence of (N,) int
-        Who made each sample of the stream, or −1.
-    positions : sequence of (N, 3)
-        Of these samples.
+    viewer : (N,) int; rows of visible points, or −1
+    position : (N, 3), m; of the samples asked about
+    makers : sequence of (N,) int; who made each sample of the stream, or −1
+    positions : sequence of (N, 3); of these samples
 
     Returns
     -------
-    (N,) bool
-        The viewer made one of the stream that lies at the very same point.
+    (N,) bool; the viewer made one of the stream that lies at the very same point
     """
     made: Masks = np.zeros(len(viewer), bool)
     for maker, place in zip(makers, positions, strict=True):

@@ -99,6 +99,8 @@ def resample(
 ) -> Reservoirs:
     """Resample what the neighbours of each receiver offer.
 
+    [Lin22, Eqs. 22 and 36 to 38].  Any dtype.
+
     Parameters
     ----------
     neighbors : list of SourceReservoirs
@@ -108,19 +110,11 @@ def resample(
         One uniform number in [0, 1) for each; that of the first decides nothing.
     mis : '1/M', '1/Z', 'balance', 'pairwise' or 'defensive'
         MIS weights.  1/M is biased: it counts those who could not have made the sample.
-    cap : float
-        Limit of M.
-    target : callable
-        p̂ of values.
+    cap : float; limit of M
 
     Returns
     -------
-    Reservoirs
-        K rows; samples as they are at the receivers.
-
-    Notes
-    -----
-    [Lin22, Eqs. 22 and 36 to 38].  Any dtype.
+    Reservoirs; K rows; samples as they are at the receivers
     """
     stream = [candidate(q_n, slot, target) for slot, q_n in enumerate(neighbors)]
     if mis in ("pairwise", "defensive"):
@@ -171,21 +165,13 @@ def normalization(
 
     Parameters
     ----------
-    stream : list of Candidate
-        All slots.
-    kept : Candidates
-        K rows, of which y is the slot that was kept.
-    y : record
-        The samples that were kept.
+    kept : Candidates; K rows, of which y is the slot that was kept
     mis : '1/M', '1/Z', 'balance', 'pairwise' or 'defensive'
         MIS weights; those in pairs were divided before: 1.
-    target : callable
-        p̂ of values.
 
     Returns
     -------
-    (K,)
-        Meaningless where nothing was kept.
+    (K,); meaningless where nothing was kept
     """
     M_k = [c.weighted.M for c in stream]
     if mis == "1/M":
@@ -212,29 +198,23 @@ def weighted_in_pairs(
 ) -> list[Candidate]:
     """Candidates weighted with the pairwise MIS weight m in place of M.
 
+    [Lin22, Eqs. 37 and 38].  For a neighbour's sample two targets are asked, both of
+    which are known; for the canonical sample those of all: one inverse shift each.
+
     Parameters
     ----------
     stream : list of Candidate
         Weighted with M; the last of the receivers' own domain is the canonical one.
-    defensive : bool
-        The canonical sample has a share of its own.
-    target : callable
-        p̂ of values.
+    defensive : bool; the canonical sample has a share of its own
 
     Returns
     -------
-    list of Candidate
-        In the same order; the sum of their w needs no division.
+    list of Candidate; in the same order; the sum of their w needs no division
 
     Raises
     ------
     ValueError
         There is no canonical candidate: nobody covers the domain.
-
-    Notes
-    -----
-    [Lin22, Eqs. 37 and 38].  For a neighbour's sample two targets are asked, both of
-    which are known; for the canonical sample those of all: one inverse shift each.
     """
     own = [c for c in stream if c.neighbor.same_domain]
     if not own:
@@ -266,17 +246,11 @@ def target_where_made(candidate: Candidate, asked: Masks, target: Target) -> Sca
 
     Parameters
     ----------
-    candidate : Candidate
-        Of the neighbour.
-    asked : (K,) bool
-        Which; 0 elsewhere.
-    target : callable
-        p̂ of values.
+    asked : (K,) bool; which; 0 elsewhere
 
     Returns
     -------
-    (K,)
-        p̂(x) / |∂T/∂x|; 0 where there is no shift to the receiver.
+    (K,); p̂(x) / |∂T/∂x|; 0 where there is no shift to the receiver
     """
     at = np.flatnonzero(asked & (candidate.jacobian > 0))
     q_n = candidate.neighbor
@@ -291,21 +265,13 @@ def target_at(
 
     Parameters
     ----------
-    candidate : Candidate
-        Of the neighbour.
-    y : record
-        K samples at the receivers.
-    p_hat : (K,)
-        Their target there.
-    asked : (K,) bool
-        Which; 0 elsewhere.
-    target : callable
-        p̂ of values.
+    y : record; K samples at the receivers
+    p_hat : (K,); their target there
+    asked : (K,) bool; which; 0 elsewhere
 
     Returns
     -------
-    (K,)
-        p̂(T⁻¹(y)) |∂T⁻¹/∂y|; 0 outside of the neighbour's domain.
+    (K,); p̂(T⁻¹(y)) |∂T⁻¹/∂y|; 0 outside of the neighbour's domain
     """
     if candidate.neighbor.same_domain:
         return np.where(asked, p_hat, p_hat * 0)
@@ -319,15 +285,7 @@ def samples_in(stream: list[Candidate], slot: Indices) -> Any:
 
     Parameters
     ----------
-    stream : list of Candidate
-        All slots.
-    slot : (K,) int
-        Whose sample is wanted.
-
-    Returns
-    -------
-    record
-        K rows.
+    slot : (K,) int; whose sample is wanted
     """
     value, jacobian = stream[0].value, stream[0].jacobian
     for c in stream[1:]:

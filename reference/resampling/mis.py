@@ -13,19 +13,15 @@ from reference.arrays import Masks, Scalars, divide_or_zero, saturate
 def one_over_m(M_k: list[Scalars]) -> Scalars:
     """Sum Σ M_k of all confidences: c_k = 1, the paper's biased form.
 
+    [Ouyang21, Eq. 7].
+
     Parameters
     ----------
-    M_k : list of (N,)
-        Confidences of all reservoirs in the stream, nulls included.
+    M_k : list of (N,); confidences of all reservoirs in the stream, nulls included
 
     Returns
     -------
-    (N,)
-        Too large where some k could not have made z: the result is too dark.
-
-    Notes
-    -----
-    [Ouyang21, Eq. 7].
+    (N,); too large where some k could not have made z: the result is too dark
     """
     return _sum(M_k)
 
@@ -33,22 +29,18 @@ def one_over_m(M_k: list[Scalars]) -> Scalars:
 def one_over_z(M_k: list[Scalars], holds_k: list[Masks]) -> Scalars:
     """Sum Z of the confidences of those that could have made z: c_k = [z ∈ D_k].
 
+    [Ouyang21, Alg. 4, lines 16 to 19], with the capped M_k that were streamed.
+
     Parameters
     ----------
-    M_k : list of (N,)
-        Confidences of all reservoirs in the stream, nulls included.
+    M_k : list of (N,); confidences of all reservoirs in the stream, nulls included
     holds_k : list of (N,) bool
         Whether the domain D_k holds z: above k's horizon, on the lit side of the
         sample point, and visible from k.
 
     Returns
     -------
-    (N,)
-        At least the confidence of the reservoir that made z.
-
-    Notes
-    -----
-    [Ouyang21, Alg. 4, lines 16 to 19], with the capped M_k that were streamed.
+    (N,); at least the confidence of the reservoir that made z
     """
     terms = [np.where(holds, M, M * 0) for M, holds in zip(M_k, holds_k, strict=True)]
     return _sum(terms)
@@ -59,23 +51,18 @@ def balance_heuristic(
 ) -> Scalars:
     """Generalized balance heuristic: Σ M_k p_k(z) / p_s(z).
 
+    [Lin22, Eq. 36].  The weight is applied once, to the sample that was kept.
+
     Parameters
     ----------
-    M_k : list of (N,)
-        Confidences of all reservoirs in the stream, nulls included.
+    M_k : list of (N,); confidences of all reservoirs in the stream, nulls included
     p_k : list of (N,), radiance/sr
         Target of z at k times |∂ω_k / ∂ω_receiver|; 0 outside of D_k.
-    p_made : (N,), radiance/sr
-        The same for the reservoir s that made z.
+    p_made : (N,), radiance/sr; the same for the reservoir s that made z
 
     Returns
     -------
-    (N,)
-        0 where nothing was kept.
-
-    Notes
-    -----
-    [Lin22, Eq. 36].  The weight is applied once, to the sample that was kept.
+    (N,); 0 where nothing was kept
     """
     with np.errstate(over="ignore"):
         terms = [saturate(M * p) for M, p in zip(M_k, p_k, strict=True)]

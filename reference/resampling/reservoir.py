@@ -21,10 +21,8 @@ class Samples:
 
     Attributes
     ----------
-    position : (N, 3), m
-        x_s, where a ray from a visible point met a surface.
-    normal : (N, 3)
-        n_s, unit geometric normal on the side that was seen.
+    position : (N, 3), m; x_s, where a ray from a visible point met a surface
+    normal : (N, 3); n_s, unit geometric normal on the side that was seen
     radiance : (N, 3), W/(m² sr)
         L_o, that leaves x_s on that side, taken to be the same in all directions;
         0 for a null: a miss, or a path that found no light.
@@ -44,14 +42,10 @@ class Candidates:
 
     Attributes
     ----------
-    y : record or (N,) array
-        The samples, or whatever stands for them.
-    p_hat : (N,)
-        Target p̂ of the sample at the receiver.
-    w : (N,)
-        Sum of resampling weights.
-    M : (N,)
-        Sum of confidence weights.
+    y : record or (N,) array; the samples, or whatever stands for them
+    p_hat : (N,); target p̂ of the sample at the receiver
+    w : (N,); sum of resampling weights
+    M : (N,); sum of confidence weights
     """
 
     y: Any
@@ -66,12 +60,8 @@ class Reservoirs:
 
     Attributes
     ----------
-    y : record or (N,) array
-        The samples.
-    W : (N,), sr
-        Unbiased contribution weight, 0 for an empty row.
-    M : (N,)
-        Confidence weight.
+    W : (N,), sr; unbiased contribution weight, 0 for an empty row
+    M : (N,); confidence weight
     """
 
     y: Any
@@ -82,22 +72,17 @@ class Reservoirs:
 def merge(a: Candidates, b: Candidates, u: Scalars) -> Candidates:
     """Keep b's sample with probability b.w / (a.w + b.w), else a's.
 
+    [Ouyang21, Alg. 1, lines 6 to 10].
+
     Parameters
     ----------
-    a, b : Candidates
-        N rows each.
-    u : (N,)
-        Uniform in [0, 1).
+    u : (N,); uniform in [0, 1)
 
     Returns
     -------
     Candidates
         Weights and confidences are summed, up to the largest number.  Merging is
         associative in distribution, so that a stream of any length is a fold.
-
-    Notes
-    -----
-    [Ouyang21, Alg. 1, lines 6 to 10].
     """
     take_b = choose_second(a.w, b.w, u)
     y, p_hat = where(take_b, b.y, a.y), np.where(take_b, b.p_hat, a.p_hat)
@@ -110,22 +95,18 @@ def merge(a: Candidates, b: Candidates, u: Scalars) -> Candidates:
 def choose_second(w_a: Scalars, w_b: Scalars, u: Scalars) -> Masks:
     """Whether the second of two weights is drawn: u (w_a + w_b) < w_b.
 
+    [Ouyang21, Eq. 4].
+
     Parameters
     ----------
-    w_a, w_b : (N,)
-        Non-negative weights.
-    u : (N,)
-        Uniform in [0, 1).
+    w_a, w_b : (N,); non-negative weights
+    u : (N,); uniform in [0, 1)
 
     Returns
     -------
     (N,) bool
         Strict, so that a row of weight 0 is never taken; and a positive weight
         always is, against 0, even where u · w rounds to w.
-
-    Notes
-    -----
-    [Ouyang21, Eq. 4].
     """
     with np.errstate(over="ignore", invalid="ignore"):
         taken: Masks = (u * (w_a + w_b) < w_b) | ((w_a == 0) & (w_b > 0))
@@ -135,10 +116,10 @@ def choose_second(w_a: Scalars, w_b: Scalars, u: Scalars) -> Masks:
 def finalize(c: Candidates, normalization: Scalars) -> Reservoirs:
     """Close the reservoirs: W = w / (normalization · p̂(y)).
 
+    [Ouyang21, Eq. 7].
+
     Parameters
     ----------
-    c : Candidates
-        N rows.
     normalization : (N,)
         What the sum of weights is divided by: M, Z, or the balance heuristic's; see
         :mod:`reference.resampling.mis`.
@@ -148,10 +129,6 @@ def finalize(c: Candidates, normalization: Scalars) -> Reservoirs:
     Reservoirs
         W = 0 where p̂ = 0 or nothing could be kept; at most the largest number of its
         dtype, which a subnormal p̂ beside a large w would exceed.
-
-    Notes
-    -----
-    [Ouyang21, Eq. 7].
     """
     # Two divisions: the product may underflow where the quotient does not.
     with np.errstate(over="ignore"):
@@ -163,6 +140,8 @@ def initial_candidates(
     y: Any, p_hat: Scalars, pdf: Scalars, M: Scalars | None = None
 ) -> Candidates:
     """Fresh samples: w = M p̂ / p.
+
+    [Ouyang21, Eq. 5].
 
     Parameters
     ----------
@@ -196,6 +175,9 @@ def reused_candidates(
 ) -> Candidates:
     """Closed reservoirs compete again: w = p̂(T(y)) · W · M · |∂T/∂y|.
 
+    [Ouyang21, Alg. 1, line 12].  The weight is *multiplied* by the Jacobian: Algorithm
+    4, line 11, prints a division, which is right for a density.
+
     Parameters
     ----------
     r : Reservoirs
@@ -207,13 +189,7 @@ def reused_candidates(
 
     Returns
     -------
-    Candidates
-        M counts where w = 0 too; w is at most the largest number.
-
-    Notes
-    -----
-    [Ouyang21, Alg. 1, line 12].  The weight is *multiplied* by the Jacobian: Algorithm
-    4, line 11, prints a division, which is right for a density.
+    Candidates; M counts where w = 0 too; w is at most the largest number
     """
     with np.errstate(over="ignore", invalid="ignore"):
         w = p_hat * r.W * r.M
@@ -228,14 +204,11 @@ def cap_confidence(r: Reservoirs, cap: float) -> Reservoirs:
 
     Parameters
     ----------
-    r : Reservoirs
-        N rows.
-    cap : float
-        At least 1; inf for no limit.
+    r : Reservoirs; N rows
+    cap : float; at least 1; inf for no limit
 
     Returns
     -------
-    Reservoirs
-        W is unchanged: the cap is on confidence, not on the estimate.
+    Reservoirs; W is unchanged: the cap is on confidence, not on the estimate
     """
     return Reservoirs(y=r.y, W=r.W, M=np.minimum(r.M, cap))

@@ -14,12 +14,13 @@ def reconnection_jacobian(
 
         |∂ω_to / ∂ω_from| = (|cos φ_to| / |cos φ_from|) · (d_from² / d_to²)
 
+    [Ouyang21, Eq. 11].  Not clamped: clamping is a bias, and is named so elsewhere.
+
     Parameters
     ----------
     x_from, x_to : (N, 3), m
         Visible point that made the sample, and the one that reuses it.
-    x_sample, n_sample : (N, 3), m and 1
-        Sample point and its unit geometric normal.
+    x_sample, n_sample : (N, 3), m and 1; sample point and its unit geometric normal
 
     Returns
     -------
@@ -27,10 +28,6 @@ def reconnection_jacobian(
         Factor on the sample's W.  0 where x_from sees the patch edge-on or either
         point touches it: there the shift has no inverse.  At most the largest number of
         the dtype; 0 where the squares of both distances overflow.
-
-    Notes
-    -----
-    [Ouyang21, Eq. 11].  Not clamped: clamping is a bias, and is named so elsewhere.
     """
     v_from, v_to = x_from - x_sample, x_to - x_sample
     # With v not normalized, cos φ = n·v / d, and d_from / d_to comes once more.

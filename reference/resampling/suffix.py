@@ -24,21 +24,6 @@ class Suffix:
 
 
 def age(suffix: Suffix, frame: int, pixels: int) -> Scalars:
-    """Frames that samples have survived.
-
-    Parameters
-    ----------
-    suffix : Suffix
-        N rows.
-    frame : int
-        Of now.
-    pixels : int
-        Of a frame.
-
-    Returns
-    -------
-    (N,) float64
-        0 for samples of this frame.
-    """
+    """Frames that samples have survived, (N,) float64; 0 for samples of this frame."""
     ages: Scalars = frame - (suffix.number // pixels).astype(float)
     return ages

@@ -20,13 +20,11 @@ def luminance(color: Vec3s) -> Scalars:
 
     Parameters
     ----------
-    color : (N, 3)
-        Radiance or reflectance.
+    color : (N, 3); radiance or reflectance
 
     Returns
     -------
-    (N,)
-        In the unit of ``color``.
+    (N,); in the unit of ``color``
     """
     return dot(color, np.array(luminance_weights(), color.dtype))
 
@@ -34,24 +32,13 @@ def luminance(color: Vec3s) -> Scalars:
 def reflected(table: MaterialTable, receiver: SurfacePoints, y: Samples) -> Vec3s:
     """Integrand f = f_r(ω_o, ω) cos θ L_o(x_s) of the pixel, without visibility.
 
-    Parameters
-    ----------
-    table : MaterialTable
-        Materials of the receivers.
-    receiver : SurfacePoints
-        N visible points.
-    y : Samples
-        N sample points.
+    [Ouyang21, Eq. 8 and 9].
 
     Returns
     -------
     (N, 3), W/(m² sr²)
         0 below the receiver's horizon, on the unlit side of the sample point, and on
         rough dielectrics, whose light is not reused.
-
-    Notes
-    -----
-    [Ouyang21, Eq. 8 and 9].
     """
     omega, _ = direction_and_distance(receiver.position, y.position)
     lit = dot(y.normal, omega) < 0
@@ -66,26 +53,17 @@ def target(
 ) -> Scalars:
     """Target p̂ of samples at receivers.
 
+    [Ouyang21, Eq. 9 and 10].  Visibility is not in it: it costs a ray.
+
     Parameters
     ----------
-    kind : 'scattered' or 'outgoing'
-        Equation 9 or 10.
-    table : MaterialTable
-        Materials of the receivers.
-    receiver : SurfacePoints
-        N visible points.
-    y : Samples
-        N sample points.
+    kind : 'scattered' or 'outgoing'; Equation 9 or 10
 
     Returns
     -------
     (N,)
         Luminance; 0 below the receiver's horizon and on the unlit side of the sample
         point, for both kinds, and for nulls.
-
-    Notes
-    -----
-    [Ouyang21, Eq. 9 and 10].  Visibility is not in it: it costs a ray.
     """
     lambertian = table.kinds == (Kind.LAMBERTIAN,)
     if kind == "scattered" and not lambertian:

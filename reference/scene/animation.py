@@ -29,8 +29,7 @@ class Animation:
 
     Attributes
     ----------
-    scene_at : callable
-        Scene of a frame, numbered from 0.
+    scene_at : callable; scene of a frame, numbered from 0
     changes : 'nothing', 'camera' or 'scene'
         What may differ between two frames: known beforehand, since samples must keep
         more of their history in a scene whose light may change.
@@ -49,32 +48,13 @@ def still(scene: Scene) -> Animation:
 
     Parameters
     ----------
-    scene : Scene
-        Validated.
-
-    Returns
-    -------
-    Animation
-        The same scene in every frame.
+    scene : Scene; validated
     """
     return Animation(lambda frame: scene, "nothing")
 
 
 def with_camera(animation: Animation, camera_at: Callable[[int], Camera]) -> Animation:
-    """Move the camera.
-
-    Parameters
-    ----------
-    animation : Animation
-        The rest.
-    camera_at : callable
-        Camera of each frame.
-
-    Returns
-    -------
-    Animation
-        With that camera.
-    """
+    """Move the camera."""
     changes: Changes = "scene" if animation.changes == "scene" else "camera"
     return Animation(
         lambda frame: replace(animation(frame), camera=camera_at(frame)), changes
@@ -84,22 +64,14 @@ def with_camera(animation: Animation, camera_at: Callable[[int], Camera]) -> Ani
 def with_shape(
     animation: Animation, name: str, move_at: Callable[[int], Scalars]
 ) -> Animation:
-    """Move a mesh or a sphere.
+    """Move a mesh or a sphere, with the shape moved.
 
     Parameters
     ----------
-    animation : Animation
-        The rest.
-    name : str
-        Of the shape, or of several that move together.
+    name : str; of the shape, or of several that move together
     move_at : callable
         Rigid (4, 4) motion of each frame, in the world, away from where the shape
         stands in ``animation``.
-
-    Returns
-    -------
-    Animation
-        With the shape moved.
 
     Raises
     ------
@@ -129,21 +101,12 @@ def with_shape(
 def with_change(
     animation: Animation, frame: int, change: Callable[[Scene], Scene]
 ) -> Animation:
-    """Change the scene at once, from one frame on: switch a light, say.
+    """Change the scene at once, from frame ``frame`` on: switch a light, say.
 
     Parameters
     ----------
-    animation : Animation
-        The scenes before.
-    frame : int
-        First frame that is changed.
-    change : callable
-        Scene to scene; shapes keep their number and order.
-
-    Returns
-    -------
-    Animation
-        As before until ``frame``, changed from there on.
+    animation : Animation; the scenes before
+    change : callable; scene to scene; shapes keep their number and order
     """
     return Animation(
         lambda t: change(animation(t)) if t >= frame else animation(t), "scene"
@@ -155,10 +118,7 @@ def check_rigid(where: str, move: Scalars) -> None:
 
     Parameters
     ----------
-    where : str
-        Begins the message.
-    move : (4, 4) float64
-        World to world.
+    move : (4, 4) float64; world to world
 
     Raises
     ------

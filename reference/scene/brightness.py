@@ -11,18 +11,13 @@ from reference.scene.textures import Color, scaled, scaled_color
 def brightened(scene: Scene, factor: float) -> Scene:
     """The same scene with all its lights scaled.
 
+    Shapes that do not emit are the same objects.
+
     Parameters
     ----------
-    scene : Scene
-        Any.
     factor : float
         On all that emits, positive; a power of two scales each picture by itself and
         changes nothing else, to the last bit.
-
-    Returns
-    -------
-    Scene
-        Shapes that do not emit are the same objects.
     """
 
     def times(color: Color) -> Color:

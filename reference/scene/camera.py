@@ -18,20 +18,15 @@ class Camera:
     Attributes
     ----------
     position : (float, float, float), m
-        The pinhole.
-    target : (float, float, float), m
-        Seen in the centre of the image.
+    target : (float, float, float), m; seen in the centre of the image
     up : (float, float, float)
         Not parallel to the view; need not be orthogonal to it or unit.
-    fov : float, degrees
-        Angle of view, between 0 and 180.
+    fov : float, degrees; angle of view, between 0 and 180
     fov_axis : 'x', 'y', 'smaller', 'larger' or 'diagonal'
         What it spans: the width, the height, the smaller or larger of both, or the
         diagonal.  It spans the same at any size of the image.
-    width, height : int, pixels
-        Size of the image.
-    mirrored : bool
-        Left and right exchanged: a camera of a left-handed frame.
+    width, height : int, pixels; size of the image
+    mirrored : bool; left and right exchanged: a camera of a left-handed frame
     """
 
     position: tuple[float, float, float]
@@ -57,7 +52,7 @@ class Camera:
 
     @property
     def axes(self) -> tuple[Vec3s, Vec3s, Vec3s]:
-        """Unit vectors to the right, upwards and forwards."""
+        """Unit vectors (3,) to the right, upwards and forwards."""
         position, target, up = (
             np.asarray(v, float) for v in (self.position, self.target, self.up)
         )
@@ -70,15 +65,9 @@ class Camera:
 def pixel_centers(width: int, height: int) -> tuple[Scalars, Scalars]:
     """Centres of all pixels, row by row from the top left.
 
-    Parameters
-    ----------
-    width, height : int
-        Size of the image.
-
     Returns
     -------
-    (N,), (N,) float64, pixels
-        x to the right and y downwards; row = y · width + x.
+    (N,), (N,) float64, pixels; x to the right and y downwards; row = y · width + x
     """
     rows = np.arange(width * height)
     return rows % width + 0.5, rows // width + 0.5
@@ -89,15 +78,11 @@ def camera_rays(camera: Camera, x: Scalars, y: Scalars) -> tuple[Vec3s, Vec3s]:
 
     Parameters
     ----------
-    camera : Camera
-        The camera.
-    x, y : (N,) float64, pixels
-        Points of the image, (0, 0) at its top left corner.
+    x, y : (N,) float64, pixels; points of the image, (0, 0) at its top left corner
 
     Returns
     -------
-    (N, 3), (N, 3) float64
-        Origins, and unit directions.
+    (N, 3), (N, 3) float64; origins, and unit directions
     """
     right, up, forward = camera.axes
     half_width = camera.half_width
@@ -116,10 +101,7 @@ def image_points(camera: Camera, points: Vec3s) -> tuple[Scalars, Scalars]:
 
     Parameters
     ----------
-    camera : Camera
-        The camera.
-    points : (N, 3) float64, m
-        In the world.
+    points : (N, 3) float64, m; in the world
 
     Returns
     -------
@@ -143,15 +125,11 @@ def view_depth(camera: Camera, points: Vec3s) -> Scalars:
 
     Parameters
     ----------
-    camera : Camera
-        The camera.
-    points : (N, 3) float64, m
-        In the world.
+    points : (N, 3) float64, m; in the world
 
     Returns
     -------
-    (N,) float64, m
-        Negative behind the camera.
+    (N,) float64, m; negative behind the camera
     """
     forward = camera.axes[2]
     return dot(points - np.asarray(camera.position, float), forward)

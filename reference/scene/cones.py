@@ -15,8 +15,7 @@ class Cones:
 
     Attributes
     ----------
-    axis : (L, 3) float64
-        Unit vectors, away from the light.
+    axis : (L, 3) float64; unit vectors, away from the light
     beam, cutoff : (L,) float64, radians
         Angles from the axis at which the intensity begins to fall, and ends; π for a
         light that shines alike in all directions.
@@ -35,13 +34,7 @@ def build_cones(lamps: Sequence[Lamp]) -> Cones:
 
     Parameters
     ----------
-    lamps : sequence of PointLight or SpotLight
-        Validated.
-
-    Returns
-    -------
-    Cones
-        Light by light.
+    lamps : sequence of PointLight or SpotLight; validated
     """
     spots = [lamp if isinstance(lamp, SpotLight) else None for lamp in lamps]
     axes = [spot.direction if spot else (0.0, 0.0, 1.0) for spot in spots]
@@ -56,25 +49,19 @@ def build_cones(lamps: Sequence[Lamp]) -> Cones:
 def falloff(cones: Cones, light: Indices, direction: Vec3s) -> Scalars:
     """Intensity in a direction over that on the axis.
 
+    The first is that of Mitsuba's ``spot``, the second that of glTF's
+    ``KHR_lights_punctual``.
+
     Parameters
     ----------
-    cones : Cones
-        Of all lights.
-    light : (N,) int
-        Which of them.
-    direction : (N, 3) float64
-        Unit vectors away from the light.
+    light : (N,) int; which of them
+    direction : (N, 3) float64; unit vectors away from the light
 
     Returns
     -------
     (N,) float64
         1 up to the angle of the beam, 0 from the cutoff on; between them, at the angle
         θ, (θ_c − θ) / (θ_c − θ_b), or ((cos θ − cos θ_c) / (cos θ_b − cos θ_c))².
-
-    Notes
-    -----
-    The first is that of Mitsuba's ``spot``, the second that of glTF's
-    ``KHR_lights_punctual``.
     """
     beam, cutoff = cones.beam[light], cones.cutoff[light]
     cosine = np.clip(dot(cones.axis[light], direction), -1.0, 1.0)
@@ -89,11 +76,6 @@ def falloff(cones: Cones, light: Indices, direction: Vec3s) -> Scalars:
 
 def solid_angles(cones: Cones) -> Scalars:
     """Integral of the falloff over all directions.
-
-    Parameters
-    ----------
-    cones : Cones
-        L lights.
 
     Returns
     -------

@@ -22,8 +22,7 @@ def first_obstacle(scene: Scene) -> Mesh | Sphere | None:
 
     Parameters
     ----------
-    scene : Scene
-        Validated.
+    scene : Scene; validated
 
     Returns
     -------

@@ -41,10 +41,8 @@ class Emitters:
     ----------
     probability, cumulative : (E,) float64
         Of choosing each light, in proportion to its power; running sum.
-    guide : (G,) int64
-        Where searches in the running sum begin.
-    primitive : (A,) int32
-        Primitive of each area, in ascending order.
+    guide : (G,) int64; where searches in the running sum begin
+    primitive : (A,) int32; primitive of each area, in ascending order
     entry : (P + 1,) int32
         First light of each primitive of the scene, -1 for none, and -1 for a miss.
     cells : LightCells or None
@@ -53,10 +51,8 @@ class Emitters:
         Point lights, then spot lights with their intensity on the axis.
     cones : Cones or None
         Of the L lights; ``None`` where all shine alike in all directions.
-    direction, irradiance : (D, 3) float64
-        Suns.
-    environment : EnvironmentMap or None
-        What surrounds the scene.
+    direction, irradiance : (D, 3) float64; suns
+    environment : EnvironmentMap or None; what surrounds the scene
     """
 
     probability: Scalars
@@ -82,13 +78,11 @@ class Emitters:
 
         Parameters
         ----------
-        primitive : (N,) int
-            Primitives.
+        primitive : (N,) int; primitives
 
         Returns
         -------
-        (N,) int64
-            1 where the primitive is one area.
+        (N,) int64; 1 where the primitive is one area
         """
         if self.cells is None:
             return np.ones(len(primitive), np.int64)
@@ -97,19 +91,11 @@ class Emitters:
 
 
 def build_emitters(scene: Scene, geometry: Geometry) -> Emitters | None:
-    """List the lights of a scene.
+    """List the lights of a scene; ``None`` where nothing emits.
 
     Parameters
     ----------
-    scene : Scene
-        Validated.
-    geometry : Geometry
-        Of the scene.
-
-    Returns
-    -------
-    Emitters or None
-        ``None`` where nothing emits.
+    scene : Scene; validated
     """
     weights = np.array(luminance_weights())
     primitive: Indices = np.flatnonzero(geometry.emission.any(axis=1)).astype(np.int32)
@@ -172,15 +158,11 @@ def may_emit(emitters: Emitters, primitive: Indices) -> Masks:
 
     Parameters
     ----------
-    emitters : Emitters
-        The lights.
-    primitive : (N,) int32
-        What was met, -1 for a miss.
+    primitive : (N,) int32; what was met, -1 for a miss
 
     Returns
     -------
-    (N,) bool
-        True for backs that do not emit, and for dark parts of a texture, too.
+    (N,) bool; True for backs that do not emit, and for dark parts of a texture, too
     """
     is_light: Masks = emitters.entry[primitive] >= 0
     return is_light if emitters.environment is None else is_light | (primitive < 0)
@@ -193,12 +175,7 @@ def emitted(
 
     Parameters
     ----------
-    emitters : Emitters or None
-        The lights.
-    geometry : Geometry
-        The scene.
-    points : SurfacePoints
-        Where the rays ended; misses see the environment.
+    points : SurfacePoints; where the rays ended; misses see the environment
 
     Returns
     -------
@@ -239,14 +216,7 @@ def pdf_light(
 
     Parameters
     ----------
-    emitters : Emitters
-        The lights.
-    geometry : Geometry
-        The scene.
-    x : (N, 3) float64, m
-        Where the rays began.
-    points : SurfacePoints
-        Where they ended.
+    x : (N, 3) float64, m; where the rays began
 
     Returns
     -------

@@ -19,8 +19,7 @@ class EnvironmentMap:
 
     Attributes
     ----------
-    source : Environment
-        As the author gave it.
+    source : Environment; as the author gave it
     cumulative : (h·w,) float64 or None
         Running sum of the probabilities of the texels; ``None`` for a constant.
     density : (h, w) float64 or None, 1/sr
@@ -35,16 +34,8 @@ class EnvironmentMap:
 def build_environment(source: Environment) -> EnvironmentMap:
     """Prepare an environment for sampling.
 
-    Parameters
-    ----------
-    source : Environment
-        As the author gave it.
-
-    Returns
-    -------
-    EnvironmentMap
-        Texels are drawn by the largest luminance among them and their neighbours, so
-        that the density is positive wherever the interpolated radiance is.
+    Texels are drawn by the largest luminance among them and their neighbours, so that
+    the density is positive wherever the interpolated radiance is.
     """
     if isinstance(source, ConstantEnvironment) or not source.pixels.any():
         return EnvironmentMap(source, None, None)
@@ -69,15 +60,11 @@ def environment_radiance(environment: EnvironmentMap, direction: Vec3s) -> Vec3s
 
     Parameters
     ----------
-    environment : EnvironmentMap
-        The environment.
-    direction : (N, 3) float64
-        Unit vectors away from the scene.
+    direction : (N, 3) float64; unit vectors away from the scene
 
     Returns
     -------
-    (N, 3) float64, W/(m² sr)
-        Interpolated between texel centres.
+    (N, 3) float64, W/(m² sr); interpolated between texel centres
     """
     source = environment.source
     if isinstance(source, ConstantEnvironment):
@@ -92,15 +79,11 @@ def sample_environment(
 
     Parameters
     ----------
-    environment : EnvironmentMap
-        The environment.
-    u1, u2 : (N,) float64
-        In [0, 1).
+    u1, u2 : (N,) float64; in [0, 1)
 
     Returns
     -------
-    (N, 3), (N,) float64
-        Unit directions, and their density in 1/sr.
+    (N, 3), (N,) float64; unit directions, and their density in 1/sr
     """
     source = environment.source
     if isinstance(source, ConstantEnvironment) or environment.cumulative is None:
@@ -120,19 +103,11 @@ def sample_environment(
 
 
 def pdf_environment(environment: EnvironmentMap, direction: Vec3s) -> Scalars:
-    """Density of :func:`sample_environment`.
+    """Density of :func:`sample_environment`, (N,) float64, 1/sr; constant over a texel.
 
     Parameters
     ----------
-    environment : EnvironmentMap
-        The environment.
-    direction : (N, 3) float64
-        Unit vectors.
-
-    Returns
-    -------
-    (N,) float64, 1/sr
-        Constant over a texel.
+    direction : (N, 3) float64; unit vectors
     """
     source = environment.source
     if isinstance(source, ConstantEnvironment) or environment.density is None:

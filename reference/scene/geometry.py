@@ -37,10 +37,8 @@ class AlphaMask:
 
     Attributes
     ----------
-    opacity : Bitmap
-        Its channels' mean is compared.
-    cutoff : float
-        There is a surface from this opacity on.
+    opacity : Bitmap; its channels' mean is compared
+    cutoff : float; there is a surface from this opacity on
     """
 
     opacity: Bitmap
@@ -58,8 +56,7 @@ class Geometry:
         the front: side by side, since a hit wants all of them.
     margin : (T, 3) float64
         Least barycentric coordinates of a hit, which is kept ``INSIDE`` its triangle.
-    area : (T + S,) float64, m²
-        Area of each primitive.
+    area : (T + S,) float64, m²; area of each primitive
     smooth : (T, 3, 3) float64 or None
         Vertex normals; ``None`` where every face is flat.
     uv : (T, 3, 2) float64 or None
@@ -68,32 +65,21 @@ class Geometry:
         Factors on the reflectance at the vertices; ``None`` where there are none.
     mask : (T,) int32 or None
         Row of ``masks``, -1 for triangles without holes; ``None`` where none has any.
-    masks : tuple of AlphaMask
-        Of the meshes.
-    center : (S, 3) float64, m
-        Sphere centres.
-    radius : (S,) float64, m
-        Sphere radii.
-    inward : (S,) bool
-        The front is the inside.
-    material : (T + S,) int32
-        Row of ``materials``.
+    center : (S, 3) float64, m; sphere centres
+    radius : (S,) float64, m; sphere radii
+    inward : (S,) bool; the front is the inside
+    material : (T + S,) int32; row of ``materials``
     emission : (T + S, 3) float64, W/(m² sr)
         Radiance of the front; the mean of its texture, where it has one.
     emission_texture : (T + S,) int32 or None
         Row of ``emission_textures``, -1 for one colour; ``None`` where all have one.
-    emission_textures : tuple of Bitmap or Checker
-        Textures of radiance.
+    emission_textures : tuple of Bitmap or Checker; textures of radiance
     emits_behind : (T + S,) bool or None
         The back emits as the front does; ``None`` where no back does.
-    shape : (T + S,) int32
-        Mesh, or sphere after the last mesh.
-    materials : MaterialTable
-        Materials of the scene.
-    middle : (3,) float64, m
-        Centre of the bounding box.
-    extent : float, m
-        Half of its longest side.
+    shape : (T + S,) int32; mesh, or sphere after the last mesh
+    materials : MaterialTable; materials of the scene
+    middle : (3,) float64, m; centre of the bounding box
+    extent : float, m; half of its longest side
     """
 
     triangle: Scalars
@@ -124,17 +110,11 @@ class Geometry:
 
 
 def build_geometry(scene: Scene) -> Geometry:
-    """Put all shapes of a scene into the world.
+    """Put all shapes of a scene into the world; primitives in the order of the scene.
 
     Parameters
     ----------
-    scene : Scene
-        Validated: its numbers are finite and its triangles have areas.
-
-    Returns
-    -------
-    Geometry
-        Primitives in the order of the scene.
+    scene : Scene; validated: its numbers are finite and its triangles have areas
     """
     shapes: tuple[Mesh | Sphere, ...] = (*scene.meshes, *scene.spheres)
     materials: list[Material] = []
@@ -245,12 +225,8 @@ def inside(
 
     Parameters
     ----------
-    geometry : Geometry
-        The scene.
-    triangle : (N,) int
-        Which triangles.
-    u, v : (N,) float64
-        Barycentric coordinates of the second and third vertex.
+    triangle : (N,) int; which triangles
+    u, v : (N,) float64; barycentric coordinates of the second and third vertex
 
     Returns
     -------
@@ -272,17 +248,12 @@ def on_triangles(
 
     Parameters
     ----------
-    geometry : Geometry
-        The scene.
-    triangle : (N,) int
-        Which triangles.
-    u, v : (N,) float64
-        Barycentric coordinates of the second and third vertex.
+    triangle : (N,) int; which triangles
+    u, v : (N,) float64; barycentric coordinates of the second and third vertex
 
     Returns
     -------
-    (N, 3) float64, m and (N, 3) float64
-        Positions and unit normals.
+    (N, 3) float64, m and (N, 3) float64; positions and unit normals
     """
     rows = geometry.triangle.take(triangle, axis=0)
     position = np.asfortranarray(rows[:, 0])
@@ -298,17 +269,12 @@ def barycentric(
 
     Parameters
     ----------
-    geometry : Geometry
-        The scene.
-    triangle : (N,) int
-        Which triangles.
-    x : (N, 3) float64, m
-        Points on them, to rounding.
+    triangle : (N,) int; which triangles
+    x : (N, 3) float64, m; points on them, to rounding
 
     Returns
     -------
-    (N,), (N,) float64
-        Of the second and third vertex; both >= 0, sum at most 1.
+    (N,), (N,) float64; of the second and third vertex; both >= 0, sum at most 1
     """
     rows = geometry.triangle.take(triangle, axis=0)
     edge_u, edge_v, normal = (np.ascontiguousarray(rows[:, k]) for k in (1, 2, 3))
@@ -326,19 +292,14 @@ def texture_coordinates(
 
     Parameters
     ----------
-    geometry : Geometry
-        The scene.
-    primitive : (N,) int
-        Triangles and spheres.
+    primitive : (N,) int; triangles and spheres
     u, v : (N,) float64
         Barycentric coordinates of the second and third vertex, on triangles.
-    outward : (N, 3) float64
-        Unit vectors from the centre, on spheres.
+    outward : (N, 3) float64; unit vectors from the centre, on spheres
 
     Returns
     -------
-    (N, 2) float64
-        0 on triangles of meshes that have none.
+    (N, 2) float64; 0 on triangles of meshes that have none
     """
     uv = np.zeros((len(primitive), 2))
     on_sphere = primitive >= geometry.triangles
@@ -360,15 +321,7 @@ def texture_coordinates(
 def world_corners(mesh: Mesh) -> Scalars:
     """Corners of the triangles of a mesh.
 
-    Parameters
-    ----------
-    mesh : Mesh
-        F faces.
-
-    Returns
-    -------
-    (F, 3, 3) float64, m
-        In the world; triangle, corner, component.
+    Returns (F, 3, 3) float64, m; in the world; triangle, corner, component.
     """
     vertices = mesh.vertices @ mesh.pose[:3, :3].T + mesh.pose[:3, 3]
     corners: Scalars = vertices[mesh.faces]

@@ -31,12 +31,10 @@ class Hits:
 
     Attributes
     ----------
-    primitive : (N,) int32
-        Triangle, or sphere after the last triangle; -1 for a miss.
+    primitive : (N,) int32; triangle, or sphere after the last triangle; -1 for a miss
     u, v : (N,) float64
         Barycentric coordinates of the second and third vertex, on triangles.
-    distance : (N,) float64, m
-        Along the ray; inf for a miss.
+    distance : (N,) float64, m; along the ray; inf for a miss
     """
 
     primitive: Indices
@@ -52,12 +50,7 @@ def surface_points(
 
     Parameters
     ----------
-    geometry : Geometry
-        The scene.
-    hits : Hits
-        N rows.
-    origin, direction : (N, 3) float64
-        The rays; unit directions.
+    origin, direction : (N, 3) float64; the rays; unit directions
 
     Returns
     -------

@@ -36,17 +36,12 @@ def radiance_at(geometry: Geometry, primitive: Indices, x: Vec3s) -> Vec3s:
 
     Parameters
     ----------
-    geometry : Geometry
-        The scene.
-    primitive : (N,) int
-        Triangles and spheres.
-    x : (N, 3) float64, m
-        Points on them, to rounding.
+    primitive : (N,) int; triangles and spheres
+    x : (N, 3) float64, m; points on them, to rounding
 
     Returns
     -------
-    (N, 3) float64, W/(m² sr)
-        Read from their textures, where they have one.
+    (N, 3) float64, W/(m² sr); read from their textures, where they have one
     """
     radiance = take(geometry.emission, primitive)
     if geometry.emission_texture is None:
@@ -98,15 +93,12 @@ class LightCells:
 
         Parameters
         ----------
-        primitive, cell : (N,) int
-            Primitives, and which of their cells.
-        s, t : (N,) float64
-            In [0, 1).
+        primitive, cell : (N,) int; primitives, and which of their cells
+        s, t : (N,) float64; in [0, 1)
 
         Returns
         -------
-        (N,), (N,) float64
-            In [0, 1).
+        (N,), (N,) float64; in [0, 1)
         """
         side = self.side[primitive]
         row, column = np.divmod(cell, side)
@@ -117,17 +109,12 @@ class LightCells:
 
         Parameters
         ----------
-        geometry : Geometry
-            The scene.
-        primitive : (N,) int
-            Triangles and spheres.
-        x : (N, 3) float64, m
-            Points on them, to rounding.
+        primitive : (N,) int; triangles and spheres
+        x : (N, 3) float64, m; points on them, to rounding
 
         Returns
         -------
-        (N,) int64
-            0 where the primitive is not cut.
+        (N,) int64; 0 where the primitive is not cut
         """
         cell = np.zeros(len(x), np.int64)
         rows = np.flatnonzero(self.side[primitive] > 1)
@@ -148,15 +135,12 @@ def cut_lights(
 
     Parameters
     ----------
-    geometry : Geometry
-        The scene, in which something has a textured emission.
-    primitive : (A,) int
-        Primitives that may emit, in ascending order.
+    geometry : Geometry; the scene, in which something has a textured emission
+    primitive : (A,) int; primitives that may emit, in ascending order
 
     Returns
     -------
-    LightCells
-        Of all primitives.
+    LightCells; of all primitives
     (C,) int
         Primitive of each cell, in the order of primitives and of their cells; those
         whose texture is black all over have none.

@@ -32,8 +32,7 @@ class LightSamples:
 
     Attributes
     ----------
-    wi : (N, 3) float64
-        Unit directions to the light.
+    wi : (N, 3) float64; unit directions to the light
     weight : (N, 3) float64
         Radiance over density; irradiance over probability for point and spot lights
         and suns.
@@ -42,8 +41,7 @@ class LightSamples:
     x_to, n_to : (N, 3) float64
         Point and normal on the light, on the side that emits towards the surface point
         where one does; 0 where the light is infinitely far.
-    distant : (N,) bool
-        Infinitely far.
+    distant : (N,) bool; infinitely far
     """
 
     wi: Vec3s
@@ -61,19 +59,12 @@ def sample_light(
 
     Parameters
     ----------
-    emitters : Emitters
-        The lights.
-    geometry : Geometry
-        The scene.
-    x : (N, 3) float64, m
-        Surface points.
-    u : four (N,) float64
-        Lane 0 chooses the light, 1 and 2 the point on it.
+    x : (N, 3) float64, m; surface points
+    u : four (N,) float64; lane 0 chooses the light, 1 and 2 the point on it
 
     Returns
     -------
-    LightSamples
-        Weight 0 where a back that does not emit faces the point, and in holes.
+    LightSamples; weight 0 where a back that does not emit faces the point, and in holes
     """
     light = index_in_table(emitters.cumulative, emitters.guide, u[0])
     return points_on_lights(emitters, geometry, x, light, u)
@@ -86,16 +77,9 @@ def points_on_lights(
 
     Parameters
     ----------
-    emitters : Emitters
-        The lights.
-    geometry : Geometry
-        The scene.
-    x : (N, 3) float64, m
-        Surface points.
-    light : (N,) int
-        Rows of the list of lights.
-    u : four (N,) float64
-        Lanes 1 and 2 are the place on the light, in the unit square.
+    x : (N, 3) float64, m; surface points
+    light : (N,) int; rows of the list of lights
+    u : four (N,) float64; lanes 1 and 2 are the place on the light, in the unit square
 
     Returns
     -------

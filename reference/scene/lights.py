@@ -15,10 +15,8 @@ class PointLight:
 
     Attributes
     ----------
-    position : (float, float, float), m
-        In the world.
-    intensity : Color, W/sr
-        Irradiance at distance d facing it is ``intensity / d²``.
+    position : (float, float, float), m; in the world
+    intensity : Color, W/sr; irradiance at distance d facing it is ``intensity / d²``
     """
 
     position: tuple[float, float, float]
@@ -31,12 +29,10 @@ class SpotLight:
 
     Attributes
     ----------
-    position : (float, float, float), m
-        In the world.
+    position : (float, float, float), m; in the world
     direction : (float, float, float)
         Unit vector along the axis of the cone, away from the light.
     intensity : Color, W/sr
-        On the axis.
     cutoff : float, degrees
         Angle from the axis beyond which there is no light; 0.01 to 180.
     beam : float, degrees
@@ -63,10 +59,8 @@ class DirectionalLight:
 
     Attributes
     ----------
-    direction : (float, float, float)
-        Unit vector along which the light travels.
-    irradiance : Color, W/m²
-        On a surface that faces it.
+    direction : (float, float, float); unit vector along which the light travels
+    irradiance : Color, W/m²; on a surface that faces it
     """
 
     direction: tuple[float, float, float]
@@ -80,7 +74,6 @@ class ConstantEnvironment:
     Attributes
     ----------
     radiance : Color, W/(m² sr)
-        Radiance.
     """
 
     radiance: Color
@@ -100,8 +93,7 @@ class LatLongEnvironment:
         Row 0 looks along +y of the map's frame; the middle of a row along +z, and
         +x is a quarter of the width further left (so that the map is seen from
         inside).
-    to_world : (3, 3) float64
-        Rotation of the map's frame into the world.
+    to_world : (3, 3) float64; rotation of the map's frame into the world
     """
 
     pixels: Vec3s

@@ -12,17 +12,13 @@ def is_solid(geometry: Geometry, primitive: Indices, u: Scalars, v: Scalars) -> 
 
     Parameters
     ----------
-    geometry : Geometry
-        The scene.
-    primitive : (N,) int
-        Triangles and spheres; -1 for none.
+    primitive : (N,) int; triangles and spheres; -1 for none
     u, v : (N,) float64
         Barycentric coordinates of the second and third vertex, on triangles.
 
     Returns
     -------
-    (N,) bool
-        True wherever there is no mask.
+    (N,) bool; True wherever there is no mask
     """
     solid = np.ones(len(primitive), bool)
     if geometry.mask is None:
@@ -44,17 +40,12 @@ def is_solid_at(geometry: Geometry, primitive: Indices, x: Vec3s) -> Masks:
 
     Parameters
     ----------
-    geometry : Geometry
-        The scene.
-    primitive : (N,) int
-        Triangles and spheres.
-    x : (N, 3) float64, m
-        Points on them, to rounding.
+    primitive : (N,) int; triangles and spheres
+    x : (N, 3) float64, m; points on them, to rounding
 
     Returns
     -------
-    (N,) bool
-        True wherever there is no mask.
+    (N,) bool; True wherever there is no mask
     """
     u, v = np.zeros(len(x)), np.zeros(len(x))
     rows = np.flatnonzero(primitive < geometry.triangles)

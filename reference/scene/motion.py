@@ -19,8 +19,7 @@ class Motion:
     ----------
     rotation : (S, 3, 3) float64
         Of each shape, in the order of :attr:`reference.scene.geometry.Geometry.shape`.
-    translation : (S, 3) float64, m
-        x after = rotation · x before + translation.
+    translation : (S, 3) float64, m; x after = rotation · x before + translation
     """
 
     rotation: Scalars
@@ -45,13 +44,11 @@ def motion_between(before: Scene, after: Scene) -> Motion | None:
 
     Parameters
     ----------
-    before, after : Scene
-        Two frames of one animation.
+    before, after : Scene; two frames of one animation
 
     Returns
     -------
-    Motion or None
-        ``None`` where every shape stays: nothing needs to be carried.
+    Motion or None; ``None`` where every shape stays: nothing needs to be carried
 
     Raises
     ------
@@ -100,17 +97,12 @@ def carry(motion: Motion | None, shape: Indices, x: Vec3s) -> Vec3s:
 
     Parameters
     ----------
-    motion : Motion or None
-        From one frame to another.
-    shape : (N,) int
-        Shape that each point belongs to.
-    x : (N, 3) float64, m
-        Before.
+    shape : (N,) int; shape that each point belongs to
+    x : (N, 3) float64, m; before
 
     Returns
     -------
-    (N, 3) float64, m
-        After; bit for bit the same on shapes that stay.
+    (N, 3) float64, m; after; bit for bit the same on shapes that stay
     """
     if motion is None:
         return x
@@ -120,21 +112,12 @@ def carry(motion: Motion | None, shape: Indices, x: Vec3s) -> Vec3s:
 
 
 def turn(motion: Motion | None, shape: Indices, n: Vec3s) -> Vec3s:
-    """Directions that turn with their shapes.
+    """Directions that turn with their shapes, (N, 3) float64; after.
 
     Parameters
     ----------
-    motion : Motion or None
-        From one frame to another.
-    shape : (N,) int
-        Shape that each direction belongs to.
-    n : (N, 3) float64
-        Before.
-
-    Returns
-    -------
-    (N, 3) float64
-        After.
+    shape : (N,) int; shape that each direction belongs to
+    n : (N, 3) float64; before
     """
     if motion is None:
         return n

@@ -18,16 +18,10 @@ class Named:
 
     Attributes
     ----------
-    name : str
-        Built-in, or a file.
-    lenient : bool
-        Replace what the file holds and the project does not model.
-    width, height : int, pixels
-        Of the picture.
-    frame : int
-        Of an animated scene the frame to begin at.
-    allow_outside : bool
-        Read files outside the scene's folder, if it names them.
+    name : str; built-in, or a file
+    lenient : bool; replace what the file holds and the project does not model
+    frame : int; of an animated scene the frame to begin at
+    allow_outside : bool; read files outside the scene's folder, if it names them
     """
 
     name: str
@@ -41,26 +35,15 @@ class Named:
 def find_scene_or_file(
     name: str, lenient: bool = False, allow_outside: bool = False
 ) -> Scene:
-    """Scene that a word on the command line names.
+    """Scene that a word on the command line names, not validated.
+
+    Raises UsageError: there is none, or it cannot be read.
 
     Parameters
     ----------
-    name : str
-        Built-in, or a file.
-    lenient : bool
-        Replace what the file holds and the project does not model.
-    allow_outside : bool
-        Read files outside the scene's folder, if it names them.
-
-    Returns
-    -------
-    Scene
-        Not validated.
-
-    Raises
-    ------
-    UsageError
-        There is none, or it cannot be read.
+    name : str; built-in, or a file
+    lenient : bool; replace what the file holds and the project does not model
+    allow_outside : bool; read files outside the scene's folder, if it names them
     """
     path = Path(name)
     is_file = path.suffix.lower() in LOADERS or os.path.exists(path)
@@ -75,25 +58,15 @@ def find_scene_or_file(
 
 
 def frames_of(named: Named, scene: Scene) -> Animation:
-    """Scenes of all frames, of the size asked for.
+    """Scenes of all frames, of the size asked for; frame 0 is frame ``named.frame``.
+
+    Each frame is validated when it is asked for; that of ``scene`` now.
+
+    Raises UsageError: it cannot be rendered.
 
     Parameters
     ----------
-    named : Named
-        What is asked for.
-    scene : Scene
-        Found by its name.
-
-    Returns
-    -------
-    Animation
-        Its frame 0 is frame ``named.frame``.  Each frame is validated when it is asked
-        for; that of ``scene`` now.
-
-    Raises
-    ------
-    UsageError
-        It cannot be rendered.
+    scene : Scene; found by its name
     """
     camera = replace(scene.camera, width=named.width, height=named.height)
     scene = validate(replace(scene, camera=camera))

@@ -25,10 +25,7 @@ def step_before(
 
     Parameters
     ----------
-    geometry : Geometry
-        The scene.
-    primitive : (N,) int32
-        What was hit; rays are exact on spheres and need no step.
+    primitive : (N,) int32; what was hit; rays are exact on spheres and need no step
     normal, wo : (N, 3) float64
         Unit normal on the side that was seen, and direction back along the ray.
 
@@ -47,17 +44,7 @@ def step_before(
 def contact(geometry: Geometry, points: SurfacePoints) -> Vec3s:
     """Points on the surfaces themselves, without the step.
 
-    Parameters
-    ----------
-    geometry : Geometry
-        The scene.
-    points : SurfacePoints
-        N points.
-
-    Returns
-    -------
-    (N, 3) float64, m
-        Where the rays met the surface.
+    Returns (N, 3) float64, m; where the rays met the surface.
     """
     offset = step_before(geometry, points.primitive, points.normal, points.wo)
     touched: Vec3s = points.position - offset
@@ -69,12 +56,7 @@ def leaving(geometry: Geometry, points: SurfacePoints, direction: Vec3s) -> Vec3
 
     Parameters
     ----------
-    geometry : Geometry
-        The scene.
-    points : SurfacePoints
-        N points.
-    direction : (N, 3) float64
-        Unit vectors.
+    direction : (N, 3) float64; unit vectors
 
     Returns
     -------
@@ -93,15 +75,12 @@ def approach(o: Vec3s, d: Vec3s) -> tuple[Vec3s, Scalars]:
 
     Parameters
     ----------
-    o : (N, 3) float64, half extents from the middle of the scene
-        Origins.
-    d : (N, 3) float64
-        Unit directions.
+    o : (N, 3) float64, half extents from the middle of the scene; origins
+    d : (N, 3) float64; unit directions
 
     Returns
     -------
-    (N, 3), (N,) float64
-        Origins, and how far they were advanced.
+    (N, 3), (N,) float64; origins, and how far they were advanced
     """
     outside = dot(o, o) > FAR * FAR
     if not outside.any():

@@ -15,8 +15,7 @@ class Plan:
     occlusion : bool
         Rays tell whether two points of surfaces see each other; else all do, unless a
         horizon parts them.
-    chance : bool
-        A last ray looks for lights that paths may meet.
+    chance : bool; a last ray looks for lights that paths may meet
     glossy : bool
         Sample points are told apart by whether they send the same radiance into all
         directions; light of those that do not is added without reuse.
@@ -53,13 +52,7 @@ def plan_of(scene: Scene) -> Plan:
 
     Parameters
     ----------
-    scene : Scene
-        Validated.
-
-    Returns
-    -------
-    Plan
-        See :mod:`reference.scene.requirements`.
+    scene : Scene; validated
     """
     needed = {r.name for r in requirements(scene)}
     asked = {part: bool(needed & set(names)) for part, names in NEEDED_BY.items()}
@@ -71,23 +64,11 @@ def everything(scene: Scene) -> Plan:
 
     Parameters
     ----------
-    scene : Scene
-        Does not matter.
-
-    Returns
-    -------
-    Plan
-        `EVERYTHING`.
+    scene : Scene; does not matter
     """
     return EVERYTHING
 
 
 def parts() -> list[str]:
-    """Names of the parts.
-
-    Returns
-    -------
-    list of str
-        In the order of the fields of `Plan`.
-    """
+    """Names of the parts, in the order of the fields of `Plan`."""
     return [field.name for field in fields(Plan)]

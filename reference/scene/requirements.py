@@ -29,13 +29,10 @@ class Requirement:
 
     Attributes
     ----------
-    name : str
-        The feature.
     why : str
         Which shape, material or light asks for it; what it does without it, where it
         is left out.
-    left_out : bool
-        The scene does not need it.
+    left_out : bool; the scene does not need it
     """
 
     name: str
@@ -44,33 +41,21 @@ class Requirement:
 
 
 def requirements(scene: Scene) -> tuple[Requirement, ...]:
-    """Features that a scene needs.
+    """Features that a scene needs, each with who asks, in the order of :func:`survey`.
 
     Parameters
     ----------
-    scene : Scene
-        Validated.
-
-    Returns
-    -------
-    tuple of Requirement
-        In the order of :func:`survey`, each with who asks for it.
+    scene : Scene; validated
     """
     return tuple(r for r in survey(scene) if not r.left_out)
 
 
 def left_out(scene: Scene) -> tuple[Requirement, ...]:
-    """Features that a scene does not need.
+    """Features that a scene does not need, and why not, in the order of :func:`survey`.
 
     Parameters
     ----------
-    scene : Scene
-        Validated.
-
-    Returns
-    -------
-    tuple of Requirement
-        In the order of :func:`survey`, each with what makes it needless.
+    scene : Scene; validated
     """
     return tuple(r for r in survey(scene) if r.left_out)
 
@@ -78,16 +63,12 @@ def left_out(scene: Scene) -> tuple[Requirement, ...]:
 def survey(scene: Scene) -> tuple[Requirement, ...]:
     """All features of the model, needed by a scene or not.
 
+    Always the same names in the same order: shapes, materials, lights, and what follows
+    from them.
+
     Parameters
     ----------
-    scene : Scene
-        Validated.
-
-    Returns
-    -------
-    tuple of Requirement
-        Always the same names in the same order: shapes, materials, lights, and what
-        follows from them.
+    scene : Scene; validated
     """
     found = [(name, asks(scene), without) for name, asks, without in _FEATURES]
     return tuple(

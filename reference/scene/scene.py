@@ -19,24 +19,10 @@ class Scene:
 
     Attributes
     ----------
-    name : str
-        For messages and file headers.
-    camera : Camera
-        The eye.
-    meshes : tuple of Mesh
-        Triangles.
-    spheres : tuple of Sphere
-        Analytic spheres.
-    points : tuple of PointLight
-        Point lights.
-    spots : tuple of SpotLight
-        Spot lights.
-    suns : tuple of DirectionalLight
-        Directional lights.
+    name : str; for messages and file headers
     environment : Environment or None
         What rays see that leave the scene; ``None`` is black.
-    notes : tuple of str
-        What a loader dropped or replaced, a sentence each.
+    notes : tuple of str; what a loader dropped or replaced, a sentence each
     """
 
     name: str

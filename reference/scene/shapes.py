@@ -19,29 +19,20 @@ class Mesh:
 
     Attributes
     ----------
-    name : str
-        For messages.
-    vertices : (V, 3) float64, m
-        In the mesh's own frame.
-    faces : (F, 3) int
-        Counter-clockwise seen from the front, the side that emits.
+    vertices : (V, 3) float64, m; in the mesh's own frame
+    faces : (F, 3) int; counter-clockwise seen from the front, the side that emits
     material : Material
         How both sides scatter (the front alone where the material is one-sided).
-    emission : Texture, W/(m² sr)
-        Radiance that leaves the front in every direction.
-    two_sided_emission : bool
-        The back emits as the front does.
+    emission : Texture, W/(m² sr); radiance that leaves the front in every direction
+    two_sided_emission : bool; the back emits as the front does
     colors : (V, 3) float64 or None
         Linear factors on the reflectance, interpolated over each triangle.
     opacity : Bitmap or None
         Where the mean of its channels is below ``opacity_cutoff``, there is no
         surface.
-    opacity_cutoff : float
-        Between 0 and 1.
-    normals : (V, 3) float64 or None
-        Unit vertex normals; ``None`` for flat faces.
-    uv : (V, 2) float64 or None
-        Texture coordinates.
+    opacity_cutoff : float; between 0 and 1
+    normals : (V, 3) float64 or None; unit vertex normals; ``None`` for flat faces
+    uv : (V, 2) float64 or None; texture coordinates
     pose : (4, 4) float64
         Own frame to world; rotation, translation and (when loaded) scale.
     """
@@ -66,20 +57,12 @@ class Sphere:
 
     Attributes
     ----------
-    name : str
-        For messages.
-    center : (float, float, float), m
-        In the world.
-    radius : float, m
-        Positive.
-    material : Material
-        How both sides scatter.
-    emission : Texture, W/(m² sr)
-        Radiance that leaves the front.
-    two_sided_emission : bool
-        The back emits as the front does.
-    inward : bool
-        The front is the inside.
+    center : (float, float, float), m; in the world
+    radius : float, m; positive
+    material : Material; how both sides scatter
+    emission : Texture, W/(m² sr); radiance that leaves the front
+    two_sided_emission : bool; the back emits as the front does
+    inward : bool; the front is the inside
     """
 
     name: str
@@ -94,15 +77,7 @@ class Sphere:
 def emits(shape: Mesh | Sphere) -> bool:
     """Whether any point of a shape emits.
 
-    Parameters
-    ----------
-    shape : Mesh or Sphere
-        Any.
-
-    Returns
-    -------
-    bool
-        Its texture may still be dark wherever the shape shows it.
+    Its texture may still be dark wherever the shape shows it.
     """
     return shines(shape.emission)
 
@@ -119,19 +94,13 @@ def quad(
 
     Parameters
     ----------
-    name : str
-        For messages.
     corner, edge_u, edge_v : (float, float, float), m
         One corner and the two edges that leave it.
-    material : Material
-        How it scatters.
-    emission : Texture, W/(m² sr)
-        Radiance that leaves the front.
+    emission : Texture, W/(m² sr); radiance that leaves the front
 
     Returns
     -------
-    Mesh
-        With (u, v) from 0 to 1 along the edges.
+    Mesh; with (u, v) from 0 to 1 along the edges
     """
     o, u, v = (np.asarray(x, float) for x in (corner, edge_u, edge_v))
     return Mesh(
@@ -151,21 +120,9 @@ def box(
 
     Parameters
     ----------
-    name : str
-        For messages.
-    size : (float, float, float), m
-        Extents along its own axes.
-    pose : (4, 4) float64
-        Own frame to world.
-    material : Material
-        How it scatters.
-    inward : bool
-        The front is the inside.
-
-    Returns
-    -------
-    Mesh
-        Twelve triangles.
+    size : (float, float, float), m; extents along its own axes
+    pose : (4, 4) float64; own frame to world
+    inward : bool; the front is the inside
     """
     signs = np.array([[x, y, z] for z in (-1, 1) for y in (-1, 1) for x in (-1, 1)])
     corners = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4)]

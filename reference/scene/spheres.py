@@ -12,14 +12,10 @@ def first_sphere(
 
     Parameters
     ----------
-    o, d : (N, 3) float64
-        Origins and directions.
-    center : (S, 3) float64
-        Of the spheres, in the unit of ``o``.
-    radius : (S,) float64
-        Of the spheres.
-    start : (N,) int
-        Sphere that each ray leaves; negative for none.
+    o, d : (N, 3) float64; origins and directions
+    center : (S, 3) float64; of the spheres, in the unit of ``o``
+    radius : (S,) float64; of the spheres
+    start : (N,) int; sphere that each ray leaves; negative for none
 
     Returns
     -------

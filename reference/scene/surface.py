@@ -13,10 +13,8 @@ class Viewpoints:
 
     Attributes
     ----------
-    position : (N, 3) float64, m
-        Where rays leave the surface.
-    primitive : (N,) int32
-        Triangle, or sphere after the last triangle.
+    position : (N, 3) float64, m; where rays leave the surface
+    primitive : (N,) int32; triangle, or sphere after the last triangle
     """
 
     position: Vec3s
@@ -32,21 +30,16 @@ class SurfacePoints:
     position : (N, 3) float64, m
         Where rays leave the surface: on spheres a point of it, on triangles a tiny
         step before it (:func:`reference.scene.origins.contact` takes it back).
-    normal : (N, 3) float64
-        Unit geometric normal on the side that the ray came from.
+    normal : (N, 3) float64; unit geometric normal on the side that the ray came from
     smooth : (N, 3) float64 or None
         Unit interpolated normal, in the hemisphere of ``normal``; ``None`` in scenes
         of flat faces.
-    wo : (N, 3) float64
-        Unit direction back along the ray.
-    color : (N, 3) float64
-        Reflectance of the material here.
-    material : (N,) int32
-        Row of the material table.
+    wo : (N, 3) float64; unit direction back along the ray
+    color : (N, 3) float64; reflectance of the material here
+    material : (N,) int32; row of the material table
     primitive : (N,) int32
         Triangle, or sphere after the last triangle; -1 where the ray left the scene.
-    front : (N,) bool
-        The ray came from the front.
+    front : (N,) bool; the ray came from the front
     """
 
     position: Vec3s
@@ -85,10 +78,8 @@ class VisiblePoints:
 
     Attributes
     ----------
-    surface : SurfacePoints
-        First hits.
-    depth : (N,) float64, m
-        Along the camera's axis; 0 where nothing is seen.
+    surface : SurfacePoints; first hits
+    depth : (N,) float64, m; along the camera's axis; 0 where nothing is seen
     """
 
     surface: SurfacePoints
@@ -100,8 +91,7 @@ def direction_and_distance(x_from: Vec3s, x_to: Vec3s) -> tuple[Vec3s, Scalars]:
 
     Parameters
     ----------
-    x_from, x_to : (N, 3) float64, m
-        Points.
+    x_from, x_to : (N, 3) float64, m; points
 
     Returns
     -------

@@ -21,15 +21,7 @@ SLACK = 2.0**-10
 def texels(texture: Pattern) -> Vec3s:
     """Texels of a pattern.
 
-    Parameters
-    ----------
-    texture : Bitmap or Checker
-        Any.
-
-    Returns
-    -------
-    (h, w, 3) float64
-        Row 0 is the top; a checker has two rows of two.
+    Returns (h, w, 3) float64; row 0 is the top; a checker has two rows of two.
     """
     if isinstance(texture, Bitmap):
         return texture.pixels
@@ -45,16 +37,11 @@ class TexelSums:
     ----------
     sums : (h + 1, w + 1) float64
         Sums of the luminance of texels over all rows and columns before.
-    lit : (h + 1, w + 1) int64
-        As many of these texels are above 0 in any channel.
-    scale : (float, float)
-        Repetitions along u and v.
-    wrap : (Wrap, Wrap)
-        How the texture goes on beyond the unit square along u and v.
-    reach : float
-        Texels by which a rectangle is widened: what interpolation blends in.
-    least : float
-        Least mean around a rectangle that any light reaches into.
+    lit : (h + 1, w + 1) int64; as many of these texels are above 0 in any channel
+    scale : (float, float); repetitions along u and v
+    wrap : (Wrap, Wrap); how the texture goes on beyond the unit square along u and v
+    reach : float; texels by which a rectangle is widened: what interpolation blends in
+    least : float; least mean around a rectangle that any light reaches into
     """
 
     sums: Scalars
@@ -66,18 +53,7 @@ class TexelSums:
 
     @staticmethod
     def of(texture: Pattern) -> "TexelSums":
-        """Sum up a texture.
-
-        Parameters
-        ----------
-        texture : Bitmap or Checker
-            Of radiance.
-
-        Returns
-        -------
-        TexelSums
-            Of it.
-        """
+        """Sum up a texture."""
         pixels = texels(texture)
         luminance = pixels @ np.array(luminance_weights())
         lit = (pixels > 0).any(axis=2).astype(np.int64)
@@ -96,13 +72,11 @@ class TexelSums:
 
         Parameters
         ----------
-        low, high : (N, 2) float64
-            Corners in (u, v).
+        low, high : (N, 2) float64; corners in (u, v)
 
         Returns
         -------
-        (N,) float64
-            Positive wherever the texture is above 0 anywhere in the rectangle.
+        (N,) float64; positive wherever the texture is above 0 anywhere in the rectangle
         """
         height, width = self.sums.shape[0] - 1, self.sums.shape[1] - 1
         (u0, v0), (u1, v1) = low.T, high.T

@@ -21,12 +21,9 @@ class Bitmap:
     ----------
     pixels : (h, w, 3) float64
         Linear Rec. 709, of reflectance or of radiance; row 0 is the top, v = 1.
-    filter : 'bilinear' or 'nearest'
-        How it is read between the texel centres.
-    scale : (float, float)
-        Repetitions along u and v.
-    wrap : (Wrap, Wrap)
-        How it goes on beyond the unit square along u and v.
+    filter : 'bilinear' or 'nearest'; how it is read between the texel centres
+    scale : (float, float); repetitions along u and v
+    wrap : (Wrap, Wrap); how it goes on beyond the unit square along u and v
     """
 
     pixels: Vec3s
@@ -43,8 +40,7 @@ class Checker:
     ----------
     color0, color1 : Color
         ``color0`` where both coordinates fall into the same half of their unit.
-    scale : (float, float)
-        Repetitions along u and v.
+    scale : (float, float); repetitions along u and v
     """
 
     color0: Color
@@ -57,18 +53,7 @@ Texture = Color | Pattern
 
 
 def mean_color(texture: Texture) -> Vec3s:
-    """Average colour of a texture.
-
-    Parameters
-    ----------
-    texture : Texture
-        Any kind.
-
-    Returns
-    -------
-    (3,) float64
-        Over one repetition.
-    """
+    """Average colour of a texture, (3,) float64; over one repetition."""
     mean: Vec3s
     if isinstance(texture, Bitmap):
         mean = texture.pixels.mean(axis=(0, 1))
@@ -83,15 +68,7 @@ def mean_color(texture: Texture) -> Vec3s:
 def color_range(texture: Texture) -> tuple[float, float]:
     """Smallest and largest value that a texture takes in any channel.
 
-    Parameters
-    ----------
-    texture : Texture
-        Any kind.
-
-    Returns
-    -------
-    float, float
-        NaN if any value is.
+    NaN if any value is.
     """
     if isinstance(texture, Bitmap):
         values = texture.pixels
@@ -103,55 +80,18 @@ def color_range(texture: Texture) -> tuple[float, float]:
 
 
 def shines(texture: Texture) -> bool:
-    """Whether a texture of radiance is above 0 anywhere.
-
-    Parameters
-    ----------
-    texture : Texture
-        Any kind.
-
-    Returns
-    -------
-    bool
-        False if a value is NaN.
-    """
+    """Whether a texture of radiance is above 0 anywhere; False if a value is NaN."""
     return color_range(texture)[1] > 0
 
 
 def scaled_color(color: Color, factor: float) -> Color:
-    """A colour, brighter or darker.
-
-    Parameters
-    ----------
-    color : Color
-        Any.
-    factor : float
-        On each channel.
-
-    Returns
-    -------
-    Color
-        The product.
-    """
+    """A colour, brighter or darker."""
     r, g, b = color
     return factor * r, factor * g, factor * b
 
 
 def scaled(texture: Texture, factor: float) -> Texture:
-    """The same texture, brighter or darker.
-
-    Parameters
-    ----------
-    texture : Texture
-        Any kind.
-    factor : float
-        On each channel.
-
-    Returns
-    -------
-    Texture
-        Of the same kind.
-    """
+    """The same texture, brighter or darker."""
     if isinstance(texture, Bitmap):
         return replace(texture, pixels=factor * texture.pixels)
     if isinstance(texture, Checker):
@@ -166,16 +106,13 @@ def read(texture: Texture, uv: Scalars) -> Vec3s:
 
     Parameters
     ----------
-    texture : Texture
-        Any kind.
     uv : (N, 2) float
         Up to 1e50 in magnitude; where float64 does not resolve texels any more, some
         colour of the texture.
 
     Returns
     -------
-    (N, 3) float64
-        Interpolated between texel centres where the bitmap asks for it.
+    (N, 3) float64; interpolated between texel centres where the bitmap asks for it
     """
     if isinstance(texture, Bitmap):
         u, v = (uv * texture.scale).T
@@ -193,15 +130,12 @@ def read_latitudes(pixels: Vec3s, u: Scalars, v: Scalars) -> Vec3s:
 
     Parameters
     ----------
-    pixels : (h, w, 3) float64
-        A latitude-longitude map.
-    u, v : (N,) float64
-        In [0, 1]; v runs downwards from row 0.
+    pixels : (h, w, 3) float64; a latitude-longitude map
+    u, v : (N,) float64; in [0, 1]; v runs downwards from row 0
 
     Returns
     -------
-    (N, 3) float64
-        Interpolated between texel centres.
+    (N, 3) float64; interpolated between texel centres
     """
     return _blend(pixels, u, v, ("repeat", "clamp"))
 

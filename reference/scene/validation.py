@@ -27,26 +27,18 @@ which rays start.
 def validate(scene: Scene, may_be_dark: bool = False) -> Scene:
     """Scene that can be rendered: every number has a meaning, and light can be seen.
 
+    Everything that renders takes a validated scene and checks nothing again.
+
+    The same without triangles that have no area; its notes count them.
+
+    Raises UsageError: what is wrong, in which shape and where in it, and what would be
+    right.
+
     Parameters
     ----------
-    scene : Scene
-        As an author or a loader gives it.
+    scene : Scene; as an author or a loader gives it
     may_be_dark : bool
         Let pass a scene in which no light shines: in an animation lights may go out.
-
-    Returns
-    -------
-    Scene
-        The same without triangles that have no area; its notes count them.
-
-    Raises
-    ------
-    UsageError
-        What is wrong, in which shape and where in it, and what would be right.
-
-    Notes
-    -----
-    Everything that renders takes a validated scene and checks nothing again.
     """
     for mesh in scene.meshes:
         check_mesh(f'{scene.name}: mesh "{mesh.name}"', mesh)
@@ -68,26 +60,18 @@ def validate(scene: Scene, may_be_dark: bool = False) -> Scene:
 def validate_frames(animation: Animation) -> Animation:
     """Animation whose every frame is validated before it is handed out.
 
-    Parameters
-    ----------
-    animation : Animation
-        Of a scene that :func:`validate` has passed.
-
-    Returns
-    -------
-    Animation
-        The very scenes of ``animation``.  A scene that stays the same object is
-        validated once, and one that stands still not again.
-
-    Raises
-    ------
-    UsageError
-        When a frame is asked for: what is wrong with it, and which frame it is.
-
-    Notes
-    -----
     Only frame 0 must be lit.  All frames must have its triangles, moved rigidly, and
     its size of picture.
+
+    The very scenes of ``animation``.  A scene that stays the same object is validated
+    once, and one that stands still not again.
+
+    Raises UsageError when a frame is asked for: what is wrong with it, and which frame
+    it is.
+
+    Parameters
+    ----------
+    animation : Animation; of a scene that :func:`validate` has passed
     """
     if animation.changes == "nothing":
         return animation
@@ -121,20 +105,15 @@ def _check_frame(first: Scene, scene: Scene, may_be_dark: bool) -> None:
 def check_extent(scene: Scene) -> float:
     """Require a scene that has a size, and lies where numbers resolve it.
 
+    Raises UsageError: there is no shape, or the scene is too small or too far out.
+
     Parameters
     ----------
-    scene : Scene
-        Its shapes checked, without flat triangles.
+    scene : Scene; its shapes checked, without flat triangles
 
     Returns
     -------
-    float, m
-        Half of the longest side of its bounding box.
-
-    Raises
-    ------
-    UsageError
-        There is no shape, or the scene is too small or too far out.
+    float, m; half of the longest side of its bounding box
     """
     boxes = [world_corners(mesh).reshape(-1, 3) for mesh in scene.meshes]
     for sphere in scene.spheres:

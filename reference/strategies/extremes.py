@@ -19,15 +19,11 @@ def extreme_weights(
 
     Parameters
     ----------
-    rows : int
-        Size of the batch.
-    dtype : type
-        float16, float32 or float64.
+    dtype : type; float16, float32 or float64
 
     Returns
     -------
-    strategy of (rows,) dtype
-        Finite and not negative; what is simple stands first.
+    strategy of (rows,) dtype; finite and not negative; what is simple stands first
     """
     info = np.finfo(np.dtype(dtype))
     one = info.dtype.type(1)
@@ -48,11 +44,6 @@ def extreme_weights(
 def extreme_uniforms(rows: int = ROWS) -> st.SearchStrategy[Scalars]:
     """Random numbers at the ends of [0, 1), and on both sides of a half.
 
-    Parameters
-    ----------
-    rows : int
-        Size of the batch.
-
     Returns
     -------
     strategy of (rows,) float64
@@ -67,17 +58,7 @@ def extreme_uniforms(rows: int = ROWS) -> st.SearchStrategy[Scalars]:
 def extreme_offsets(draw: st.DrawFn, rows: int = ROWS) -> Vec3s:
     """Offsets between points: none, along an axis, and of any size that has a square.
 
-    Parameters
-    ----------
-    draw : callable
-        Supplied by Hypothesis.
-    rows : int
-        Size of the batch.
-
-    Returns
-    -------
-    strategy of (rows, 3) float64
-        m.
+    Returns strategy of (rows, 3) float64; m.
     """
     corner = st.sampled_from([0.0, 1.0, -1.0])
     direction: Vec3s = draw(arrays(np.float64, (rows, 3), elements=corner))
@@ -92,15 +73,11 @@ def grazing_directions(draw: st.DrawFn, normals: Vec3s) -> Vec3s:
 
     Parameters
     ----------
-    draw : callable
-        Supplied by Hypothesis.
-    normals : (N, 3) float64
-        Unit vectors.
+    normals : (N, 3) float64; unit vectors
 
     Returns
     -------
-    strategy of (N, 3) float64
-        Cosines from −2⁻²⁰ to 2⁻²⁰ with the normals.
+    strategy of (N, 3) float64; cosines from −2⁻²⁰ to 2⁻²⁰ with the normals
     """
     rows = len(normals)
     ends = [0.0, 2.0**-52, -(2.0**-52), 2.0**-24, -(2.0**-24), 2.0**-20, -(2.0**-20)]

@@ -19,17 +19,7 @@ def unit_vectors(draw: st.DrawFn, rows: int = ROWS) -> Vec3s:
     Axes, diagonals and the edges between octants are simple examples, so that shrinking
     leads there.
 
-    Parameters
-    ----------
-    draw : callable
-        Supplied by Hypothesis.
-    rows : int
-        Size of the batch.
-
-    Returns
-    -------
-    strategy of (rows, 3) float64
-        To rounding.
+    Returns strategy of (rows, 3) float64; to rounding.
     """
     face = draw(arrays(np.int64, rows, elements=st.integers(0, 5)))
     sides = draw(arrays(np.float64, (rows, 2), elements=st.floats(-1, 1)))
@@ -40,19 +30,11 @@ def unit_vectors(draw: st.DrawFn, rows: int = ROWS) -> Vec3s:
 
 
 def points(reach: float = 10.0, rows: int = ROWS) -> st.SearchStrategy[Vec3s]:
-    """Points of a cube about the origin.
+    """Points of a cube about the origin, strategy of (rows, 3) float64; any.
 
     Parameters
     ----------
-    reach : float, m
-        Half its side.
-    rows : int
-        Size of the batch.
-
-    Returns
-    -------
-    strategy of (rows, 3) float64
-        Any.
+    reach : float, m; half its side
     """
     return arrays(np.float64, (rows, 3), elements=st.floats(-reach, reach))
 
@@ -60,20 +42,7 @@ def points(reach: float = 10.0, rows: int = ROWS) -> st.SearchStrategy[Vec3s]:
 def colors(
     low: float = 0.0, high: float = 1.0, rows: int = ROWS
 ) -> st.SearchStrategy[Vec3s]:
-    """Linear colours.
-
-    Parameters
-    ----------
-    low, high : float
-        Bounds of each channel.
-    rows : int
-        Size of the batch.
-
-    Returns
-    -------
-    strategy of (rows, 3) float64
-        Each channel on its own.
-    """
+    """Linear colours, strategy of (rows, 3) float64; each channel on its own."""
     return arrays(np.float64, (rows, 3), elements=st.floats(low, high))
 
 
@@ -83,17 +52,12 @@ def directions_above(draw: st.DrawFn, normals: Vec3s, least: float = 0.0) -> Vec
 
     Parameters
     ----------
-    draw : callable
-        Supplied by Hypothesis.
-    normals : (N, 3) float64
-        Unit vectors.
-    least : float
-        Smallest cosine with them.
+    normals : (N, 3) float64; unit vectors
+    least : float; smallest cosine with them
 
     Returns
     -------
-    strategy of (N, 3) float64
-        Cosine at least ``least``, to rounding.
+    strategy of (N, 3) float64; cosine at least ``least``, to rounding
     """
     rows = len(normals)
     cosine: Scalars = draw(scalars(least, 1.0, rows))
@@ -114,10 +78,8 @@ class Views:
 
     Attributes
     ----------
-    position, normal : (N, 3) float64
-        Of the patch; unit normal.
-    eyes : tuple of (N, 3) float64
-        Points on the side of the normal.
+    position, normal : (N, 3) float64; of the patch; unit normal
+    eyes : tuple of (N, 3) float64; points on the side of the normal
     """
 
     position: Vec3s
@@ -138,21 +100,13 @@ def views_of_a_patch(
 
     Parameters
     ----------
-    draw : callable
-        Supplied by Hypothesis.
-    eyes : int
-        How many points look at the patch.
-    near, far : float, m
-        Smallest and largest distance.
-    least : float
-        Smallest cosine at the patch.
-    rows : int
-        Size of the batch.
+    eyes : int; how many points look at the patch
+    near, far : float, m; smallest and largest distance
+    least : float; smallest cosine at the patch
 
     Returns
     -------
-    strategy of Views
-        Constructed from patch, cosine, azimuth and distance.
+    strategy of Views; constructed from patch, cosine, azimuth and distance
     """
     position, normal = draw(points(rows=rows)), draw(unit_vectors(rows))
     places = []
@@ -165,21 +119,11 @@ def views_of_a_patch(
 
 @st.composite
 def samples(draw: st.DrawFn, rows: int = ROWS, brightest: float = 100.0) -> Samples:
-    """Sample points, some of them black, which are nulls.
+    """Sample points with unit normals, some of them black, which are nulls.
 
     Parameters
     ----------
-    draw : callable
-        Supplied by Hypothesis.
-    rows : int
-        Size of the batch.
-    brightest : float, W/(m² sr)
-        Largest channel.
-
-    Returns
-    -------
-    strategy of Samples
-        Unit normals.
+    brightest : float, W/(m² sr); largest channel
     """
     radiance = draw(colors(0, brightest, rows))
     return Samples(draw(points(rows=rows)), draw(unit_vectors(rows)), radiance)

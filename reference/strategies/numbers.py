@@ -17,21 +17,12 @@ ROWS = 5
 def scalars(
     low: float, high: float, rows: int = ROWS, dtype: DTypeLike = np.float64
 ) -> st.SearchStrategy[Scalars]:
-    """Numbers between two bounds, both included.
+    """Numbers between two bounds, both included, strategy of (rows,) dtype; finite.
 
     Parameters
     ----------
-    low, high : float
-        Bounds, which ``dtype`` can represent.
-    rows : int
-        Size of the batch.
-    dtype : type
-        float16, float32 or float64.
-
-    Returns
-    -------
-    strategy of (rows,) dtype
-        Finite.
+    low, high : float; bounds, which ``dtype`` can represent
+    dtype : type; float16, float32 or float64
     """
     kind = np.dtype(dtype)
     width: Any = 8 * kind.itemsize
@@ -41,15 +32,7 @@ def scalars(
 def uniforms(rows: int = ROWS) -> st.SearchStrategy[Scalars]:
     """Multiples of 2⁻²⁴ in [0, 1): the numbers that :mod:`reference.rng` makes.
 
-    Parameters
-    ----------
-    rows : int
-        Size of the batch.
-
-    Returns
-    -------
-    strategy of (rows,) float64
-        Exact in float32.
+    Returns strategy of (rows,) float64; exact in float32.
     """
     words = arrays(np.uint32, rows, elements=st.integers(0, 2**24 - 1))
 
@@ -62,15 +45,7 @@ def uniforms(rows: int = ROWS) -> st.SearchStrategy[Scalars]:
 def draws(rows: int = ROWS) -> st.SearchStrategy[Draw]:
     """Four uniforms a row, as :class:`reference.rng.Uniforms` hands them out.
 
-    Parameters
-    ----------
-    rows : int
-        Size of the batch.
-
-    Returns
-    -------
-    strategy of four (rows,) float64
-        In [0, 1).
+    Returns strategy of four (rows,) float64; in [0, 1).
     """
     u = uniforms(rows)
     return st.tuples(u, u, u, u)
@@ -81,17 +56,7 @@ def tabled_uniforms(
 ) -> st.SearchStrategy[TabledUniforms]:
     """Tables of uniforms for a whole pass.
 
-    Parameters
-    ----------
-    dimensions : int
-        Dimensions that the pass draws.
-    rows : int
-        Size of the batch.
-
-    Returns
-    -------
-    strategy of TabledUniforms
-        (dimensions, 4, rows) float64.
+    (dimensions, 4, rows) float64.
     """
     return uniforms(dimensions * 4 * rows).map(
         lambda u: TabledUniforms(u.reshape(dimensions, 4, rows))
@@ -101,13 +66,6 @@ def tabled_uniforms(
 @st.composite
 def cuts(draw: st.DrawFn, rows: int = ROWS) -> list[Indices]:
     """Ways to cut rows into pieces and shuffle them.
-
-    Parameters
-    ----------
-    draw : callable
-        Supplied by Hypothesis.
-    rows : int
-        Size of the batch.
 
     Returns
     -------

@@ -21,14 +21,8 @@ def candidates(
 
     Parameters
     ----------
-    draw : callable
-        Supplied by Hypothesis.
-    rows : int
-        Size of the batch.
-    first : int
-        The samples are numbered from here: row i holds ``first + i``.
-    y : strategy or None
-        Of samples to hold in place of numbers.
+    first : int; the samples are numbered from here: row i holds ``first + i``
+    y : strategy or None; of samples to hold in place of numbers
 
     Returns
     -------
@@ -51,23 +45,12 @@ def reservoirs(
     first: int = 0,
     y: st.SearchStrategy[Any] | None = None,
 ) -> Reservoirs:
-    """Closed reservoirs; every so often with W = 0.
+    """Closed reservoirs; every so often with W = 0.  M from 1 to 500.
 
     Parameters
     ----------
-    draw : callable
-        Supplied by Hypothesis.
-    rows : int
-        Size of the batch.
-    first : int
-        The samples are numbered from here: row i holds ``first + i``.
-    y : strategy or None
-        Of samples to hold in place of numbers.
-
-    Returns
-    -------
-    strategy of Reservoirs
-        M from 1 to 500.
+    first : int; the samples are numbered from here: row i holds ``first + i``
+    y : strategy or None; of samples to hold in place of numbers
     """
     alive = draw(arrays(bool, rows))
     W = np.where(alive, draw(scalars(2.0**-20, 2.0**20, rows)), 0.0)

@@ -57,15 +57,7 @@ EXAMPLES: dict[Kind, list[Material]] = {
 def materials(*kinds: Kind) -> st.SearchStrategy[Material]:
     """Materials of given kinds, of all kinds where none is named.
 
-    Parameters
-    ----------
-    *kinds : Kind
-        Which.
-
-    Returns
-    -------
-    strategy of Material
-        One of ``EXAMPLES``: the tables of a coat are not cheap.
+    One of ``EXAMPLES``: the tables of a coat are not cheap.
     """
     chosen = kinds or tuple(Kind)
     return st.sampled_from([m for kind in chosen for m in EXAMPLES[kind]])
@@ -73,15 +65,7 @@ def materials(*kinds: Kind) -> st.SearchStrategy[Material]:
 
 @dataclass(frozen=True, slots=True)
 class Surfaces:
-    """Points on surfaces, with the table of their materials.
-
-    Attributes
-    ----------
-    table : MaterialTable
-        Of the materials.
-    points : SurfacePoints
-        N rows.
-    """
+    """Points on surfaces, with the table of their materials."""
 
     table: MaterialTable
     points: SurfacePoints
@@ -97,23 +81,14 @@ def surfaces(
 ) -> Surfaces:
     """Points seen from above, on materials of given kinds.
 
+    Fronts and backs; the viewer is above geometric and shading normal.
+
     Parameters
     ----------
-    draw : callable
-        Supplied by Hypothesis.
-    *kinds : Kind
-        Kinds of material, all where none is named.
-    rows : int
-        Size of the batch.
+    *kinds : Kind; kinds of material, all where none is named
     smooth : bool or None
         Whether the points have shading normals of their own; ``None``: either.
-    least : float
-        Smallest cosine of the viewer with the shading normal.
-
-    Returns
-    -------
-    strategy of Surfaces
-        Fronts and backs; the viewer is above geometric and shading normal.
+    least : float; smallest cosine of the viewer with the shading normal
     """
     table = tabulate(draw(st.lists(materials(*kinds), min_size=1, max_size=3)))
     index = st.integers(0, len(table.kind) - 1)

@@ -87,17 +87,7 @@ def recoveries(
 
     Parameters
     ----------
-    sweep : Sweep
-        All of whose runs are there.
-    store : Store
-        Where.
-    truths : mapping of 'center' and 'box' to Moments
-        Of the light after the change.
-
-    Returns
-    -------
-    list of Recovery
-        One a point.
+    truths : mapping of 'center' and 'box' to Moments; of the light after the change
     """
     found = []
     for point in sweep.changed:
@@ -117,13 +107,11 @@ def draw_recoveries(found: Sequence[Recovery]) -> "Figure":
 
     Parameters
     ----------
-    found : sequence of Recovery
-        At least one.
+    found : sequence of Recovery; at least one
 
     Returns
     -------
-    Figure
-        Left the error of tiles, right that of the whole picture.
+    Figure; left the error of tiles, right that of the whole picture
     """
     picture = blank(11, 3.8)
     parts = (

@@ -77,6 +77,8 @@ def _curve(
 def bars(groups: Sequence[tuple[str, Sequence[DesignScore]]], light: float) -> "Figure":
     """Squared bias and variance, stacked, a panel a knob.
 
+    The line over each bar is the interval of their sum, the MSE.
+
     Parameters
     ----------
     groups : sequence of (str, sequence of DesignScore)
@@ -115,6 +117,9 @@ def bars(groups: Sequence[tuple[str, Sequence[DesignScore]]], light: float) -> "
 
 def front(scores: Sequence[DesignScore], light: float) -> "Figure":
     """All points by time, standard deviation and certain bias; dominated ones grey.
+
+    Names stand at the points that nothing dominates, where there is something to be
+    seen of them.
 
     Parameters
     ----------
@@ -156,6 +161,8 @@ def front(scores: Sequence[DesignScore], light: float) -> "Figure":
 
 def neighbours(groups: Sequence[tuple[str, Sequence[DesignScore]]]) -> "Figure":
     """How far, and for how long, pixels err alike.
+
+    A row a knob: correlation length, and lag.
 
     Parameters
     ----------

@@ -45,6 +45,11 @@ def at_random(
 ) -> list[Design]:
     """Points that differ from the base in all knobs.
 
+    A Latin hypercube: [McKay79].  Levels that cannot go together, such as a coarse
+    lattice without spatial reuse, are drawn again.
+
+    Raises UsageError: hardly any go together.
+
     Parameters
     ----------
     base : Design

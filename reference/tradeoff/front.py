@@ -69,7 +69,7 @@ def fastest_for(scores: Sequence[DesignScore], mse: float) -> DesignScore | None
 def advice(
     scores: Sequence[DesignScore], light: float, percent: float | None, ms: float | None
 ) -> str:
-    """The sentence at the end.
+    """The sentence at the end: what to take for that error, and what in that time.
 
     Parameters
     ----------
@@ -79,13 +79,7 @@ def advice(
         Mean of the truth.
     percent : float, optional
         Error that is allowed, of the mean; by default that of the base.
-    ms : float, optional
-        Time that is allowed; by default that of the base.
-
-    Returns
-    -------
-    str
-        What to take for that error, and what in that time.
+    ms : float, optional; time that is allowed; by default that of the base
     """
     base = scores[0]
     percent = rms_percent(base, light) if percent is None else percent

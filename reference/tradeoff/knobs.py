@@ -15,10 +15,7 @@ class Knob:
 
     Attributes
     ----------
-    name : str
-        Of the knob.
-    levels : tuple of (str, tuple of str)
-        A label, and the settings that it stands for.
+    levels : tuple of (str, tuple of str); a label, and the settings that it stands for
     """
 
     name: str
@@ -81,18 +78,12 @@ LONG = (_levels("roulette", 1, 0.5, 0.25),)
 def built_in_knobs(changes: Changes, bounces: int) -> tuple[Knob, ...]:
     """Knobs that can matter.
 
+    Those of motion where something moves, validation where light may change, and
+    roulette where paths are long enough for it.
+
     Parameters
     ----------
-    changes : 'nothing', 'camera' or 'scene'
-        What may differ between frames.
-    bounces : int
-        Of indirect light.
-
-    Returns
-    -------
-    tuple of Knob
-        Those of motion where something moves, validation where light may change, and
-        roulette where paths are long enough for it.
+    changes : 'nothing', 'camera' or 'scene'; what may differ between frames
     """
     moving = IN_MOTION if changes != "nothing" else ()
     validated = VALIDATED if changes == "scene" else ()
@@ -102,20 +93,11 @@ def built_in_knobs(changes: Changes, bounces: int) -> tuple[Knob, ...]:
 def knobs_of(words: Iterable[str]) -> tuple[Knob, ...]:
     """Knobs as they are written on the command line.
 
+    Raises UsageError: it is not of that form.
+
     Parameters
     ----------
-    words : iterable of str
-        Each ``KEY=VALUE,VALUE,...``.
-
-    Returns
-    -------
-    tuple of Knob
-        One a word.
-
-    Raises
-    ------
-    UsageError
-        It is not of that form.
+    words : iterable of str; each ``KEY=VALUE,VALUE,...``
     """
     found = []
     for word in words:
@@ -127,20 +109,9 @@ def knobs_of(words: Iterable[str]) -> tuple[Knob, ...]:
 
 
 def usable(knobs: Iterable[Knob], method: Method) -> tuple[Knob, ...]:
-    """Knobs that a method has.
+    """Knobs that a method has, without the levels that it does not take.
 
-    Parameters
-    ----------
-    knobs : iterable of Knob
-        Any.
-    method : Method
-        With settings.
-
-    Returns
-    -------
-    tuple of Knob
-        Without the levels that it does not take, and without the knobs that are left
-        with fewer than two.
+    Knobs that are left with fewer than two levels are left out.
     """
     found = []
     for knob in knobs:

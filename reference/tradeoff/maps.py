@@ -25,15 +25,12 @@ def deviations(colors: Scalars, truth: Moments) -> Scalars:
 
     Parameters
     ----------
-    colors : (R, N, 3) float
-        Runs.
-    truth : Moments
-        Path-traced.
+    colors : (R, N, 3) float; runs
+    truth : Moments; path-traced
 
     Returns
     -------
-    (N,) float64
-        Of the luminance; 0 where neither has met any light.
+    (N,) float64; of the luminance; 0 where neither has met any light
     """
     rows = np.array([luminance(c.astype(np.float64)) for c in colors])
     off = rows.mean(axis=0) - luminance(truth.mean)
@@ -49,10 +46,7 @@ def draw_maps(maps: Sequence[tuple[str, Scalars]], width: int) -> "Figure":
 
     Parameters
     ----------
-    maps : sequence of (str, (N,) float64)
-        A name, and deviations in standard errors.
-    width : int, pixels
-        Of the picture.
+    maps : sequence of (str, (N,) float64); a name, and deviations in standard errors
 
     Returns
     -------

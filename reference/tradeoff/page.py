@@ -29,19 +29,11 @@ NEAR = ("radius", "temporal_cap", "spatial_cap")
 def write_results(out: Path, results: Results, store: Store) -> None:
     """Write ``numbers.json``, ``numbers.csv``, a PNG a figure, and ``index.html``.
 
+    Raises UsageError: a file cannot be written.
+
     Parameters
     ----------
-    out : Path
-        Folder that exists.
-    results : Results
-        Of a sweep.
-    store : Store
-        Its runs, for the maps.
-
-    Raises
-    ------
-    UsageError
-        A file cannot be written.
+    out : Path; folder that exists
     """
     figures = [
         (name, title, words, _png(draw(results, store)))

@@ -19,14 +19,10 @@ class Design:
 
     Attributes
     ----------
-    method : str
-        Its name.
     values : tuple of str
         Settings, as of ``--set KEY=VALUE``; of two with one key the last one counts.
-    knob : str
-        Which knob was turned: its name, ``"several"``, or ``""`` for the base.
-    label : str
-        What it was turned to.
+    knob : str; which knob was turned: its name, ``"several"``, or ``""`` for the base
+    label : str; what it was turned to
     """
 
     method: str
@@ -68,6 +64,8 @@ def settings_of(point: Design) -> Any:
 
 def can_run(point: Design) -> bool:
     """Whether the settings of a point go together.
+
+    Its settings exist, and none rules out another.
 
     Parameters
     ----------

@@ -17,16 +17,8 @@ from reference.tradeoff.scores import DesignScore
 def as_plain(results: Results) -> dict[str, Any]:
     """All numbers, for JSON.
 
-    Parameters
-    ----------
-    results : Results
-        Of a sweep.
-
-    Returns
-    -------
-    dict
-        Intervals are [value, low, high]; of times the median and the quartiles, of all
-        else 95 %.
+    Intervals are [value, low, high]; of times the median and the quartiles, of all else
+    95 %.
     """
     sweep = results.sweep
     return {
@@ -60,18 +52,7 @@ def as_plain(results: Results) -> dict[str, Any]:
 
 
 def rows(results: Results) -> list[dict[str, Any]]:
-    """Numbers of all points.
-
-    Parameters
-    ----------
-    results : Results
-        Of a sweep.
-
-    Returns
-    -------
-    list of dict
-        For JSON, one a point.
-    """
+    """Numbers of all points."""
     once = results.once
     best = {s.point.key for s, good in zip(once, on_front(once), strict=True) if good}
     return [_row(s, results.light, s.point.key in best) for s in results.scores]
@@ -101,15 +82,7 @@ def _row(score: DesignScore, light: float, is_best: bool) -> dict[str, Any]:
 def as_csv(results: Results) -> str:
     """The same points, a line each, for spreadsheets.
 
-    Parameters
-    ----------
-    results : Results
-        Of a sweep.
-
-    Returns
-    -------
-    str
-        The first line names the columns.
+    The first line names the columns.
     """
     lines = [_flat(numbers) for numbers in rows(results)]
     names = list(dict.fromkeys(name for line in lines for name in line))
@@ -151,18 +124,10 @@ COLUMNS = (
 
 
 def cells(results: Results) -> list[tuple[str, ...]]:
-    """The points as text, a cell a column.
+    """The points as text, a cell a column, in the order of `COLUMNS`.
 
-    Parameters
-    ----------
-    results : Results
-        Of a sweep.
-
-    Returns
-    -------
-    list of tuple of str
-        In the order of `COLUMNS`; error: the root of the MSE over the mean light, and
-        the squared bias as a share of the MSE with its interval.
+    The error is the root of the MSE over the mean light; the squared bias is a share of
+    the MSE, with its interval.
     """
     found: list[tuple[str, ...]] = []
     for score, numbers in zip(results.scores, rows(results), strict=True):
@@ -186,18 +151,7 @@ def cells(results: Results) -> list[tuple[str, ...]]:
 
 
 def table(results: Results) -> Table:
-    """The points as a table for a terminal.
-
-    Parameters
-    ----------
-    results : Results
-        Of a sweep.
-
-    Returns
-    -------
-    Table
-        To be shown.
-    """
+    """The points as a table for a terminal."""
     made = Table(title=f"Speed against accuracy: {results.sweep.named.name}")
     for index, column in enumerate(COLUMNS):
         made.add_column(column, justify="left" if index < 2 else "right")

@@ -23,8 +23,7 @@ class Results:
         One a point, the first that of the base.
     recoveries : list of Recovery
         After a change of light; none where the scene changes by itself.
-    percent, ms : float or None
-        Error and time that the user allows.
+    percent, ms : float or None; error and time that the user allows
     """
 
     sweep: Sweep

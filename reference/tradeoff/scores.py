@@ -46,8 +46,7 @@ class DesignScore:
     lag : Interval, frames
         For how long a pixel errs alike: T Var[mean of T frames] / Var[frame]; 1 for
         independent frames, at most T, half the frames of a run.
-    worst : float
-        Share of the squared error in the worst thousandth of the pixels.
+    worst : float; share of the squared error in the worst thousandth of the pixels
     """
 
     point: Design

@@ -37,15 +37,12 @@ def products(images: Scalars, truth: Scalars) -> Scalars:
 
     Parameters
     ----------
-    images : (R, N, 3) float
-        Runs.
-    truth : (N, 3) float64
-        t.
+    images : (R, N, 3) float; runs
+    truth : (N, 3) float64; t
 
     Returns
     -------
-    (R, R) float64
-        Symmetric.
+    (R, R) float64; symmetric
     """
     d = (images.astype(np.float64) - truth).reshape(len(images), -1)
     found: Scalars = d @ d.T / d.shape[1]
@@ -57,15 +54,12 @@ def split_error(images: Scalars, truth: Moments) -> Split:
 
     Parameters
     ----------
-    images : (R, N, 3) float
-        R independent runs, at least 3.
-    truth : Moments
-        Path-traced, independent of all of them.
+    images : (R, N, 3) float; R independent runs, at least 3
+    truth : Moments; path-traced, independent of all of them
 
     Returns
     -------
-    Split
-        95 % intervals: BCa bootstrap over runs [Efron93, chapter 14].
+    Split; 95 % intervals: BCa bootstrap over runs [Efron93, chapter 14]
     """
     G = products(images, truth.mean)
     whole = float((G.sum() - np.trace(G)) / (len(G) * (len(G) - 1)))

@@ -25,42 +25,20 @@ class Store:
 
     Attributes
     ----------
-    folder : Path
-        Where they are.
+    folder : Path; where they are
     """
 
     folder: Path
 
     def path(self, task: Task) -> Path:
-        """File of a run.
-
-        Parameters
-        ----------
-        task : Task
-            The run.
-
-        Returns
-        -------
-        Path
-            It need not exist.
-        """
+        """File of a run; it need not exist."""
         name = f"{task.seed}-after-{task.change}" if task.change else f"{task.seed}"
         return self.folder / task.point.key / f"{name}.npz"
 
     def put(self, task: Task, trial: Trial) -> None:
         """Keep a run.
 
-        Parameters
-        ----------
-        task : Task
-            The run.
-        trial : Trial
-            What it left.
-
-        Raises
-        ------
-        UsageError
-            The file cannot be written.
+        Raises UsageError: the file cannot be written.
         """
         words = {"seconds": trial.seconds, "rays": trial.rays, "kept": trial.kept}
         buffer = BytesIO()
@@ -78,20 +56,7 @@ class Store:
     def get(self, task: Task) -> Trial:
         """A run that is kept.
 
-        Parameters
-        ----------
-        task : Task
-            The run.
-
-        Returns
-        -------
-        Trial
-            As it was put there.
-
-        Raises
-        ------
-        UsageError
-            It is not there, or damaged.
+        Raises UsageError: it is not there, or damaged.
         """
         path = self.path(task)
         contents = read_file(path)
@@ -110,22 +75,16 @@ class Store:
 def open_store(folder: Path, identity: Mapping[str, str]) -> Store:
     """Open the folder of a sweep, and only of the same sweep.
 
+    What was done before is there.
+
+    Raises UsageError: it holds runs of another scene, size or version: the message says
+    what differs.
+
     Parameters
     ----------
-    folder : Path
-        Made if it is missing.
+    folder : Path; made if it is missing
     identity : mapping of str to str
         Everything but point and seed that decides what a run is.
-
-    Returns
-    -------
-    Store
-        With the runs that were done before.
-
-    Raises
-    ------
-    UsageError
-        It holds runs of another scene, size or version: the message says what differs.
     """
     path = folder / "identity.json"
     if path.exists():

@@ -87,12 +87,9 @@ class Sweep:
         return [Task(*scene, seed, change=self.frames) for seed in seeds]
 
     def tasks(self) -> list[Task]:
-        """All runs: the first of all points, the second of all, and so on.
+        """All runs: the first of all points, the second of all, and so on; none twice.
 
-        Returns
-        -------
-        list of Task
-            So that what slows the machine for a while slows all points.  None twice.
+        So what slows the machine for a while slows all points.
         """
         rows = [
             *map(self.runs_of, _once(self.points)),
@@ -105,21 +102,11 @@ class Sweep:
 def run_sweep(sweep: Sweep, store: Store, executor: Executor, tick: Tick) -> None:
     """Do the runs that are not there yet, and keep each as soon as it is done.
 
+    Raises Interrupted by Ctrl-C or SIGTERM; runs that are done are kept.
+
     Parameters
     ----------
-    sweep : Sweep
-        What is measured.
-    store : Store
-        Of the same sweep.
-    executor : Executor
-        See `reference.workers`.
-    tick : callable
-        Told how many runs there are, of how many, and their unit.
-
-    Raises
-    ------
-    Interrupted
-        By Ctrl-C or SIGTERM; runs that are done are kept.
+    tick : callable; told how many runs there are, of how many, and their unit
     """
     tasks = sweep.tasks()
     missing = [task for task in tasks if not store.path(task).exists()]

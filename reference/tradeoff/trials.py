@@ -63,18 +63,12 @@ class Trial:
 
     Attributes
     ----------
-    color : (N, 3) float32, W/(m² sr)
-        Its last frame.
-    mean : (N, 3) float32, W/(m² sr)
-        Mean of the frames that are counted.
-    tiles : (frames, T, 3) float32, W/(m² sr)
-        Means of the tiles of all frames.
-    seconds : float
-        Median time of those.
-    rays : dict of str to float
-        A pixel and frame, by kind.
-    kept : float
-        Bytes a pixel from frame to frame.
+    color : (N, 3) float32, W/(m² sr); its last frame
+    mean : (N, 3) float32, W/(m² sr); mean of the frames that are counted
+    tiles : (frames, T, 3) float32, W/(m² sr); means of the tiles of all frames
+    seconds : float; median time of those
+    rays : dict of str to float; a pixel and frame, by kind
+    kept : float; bytes a pixel from frame to frame
     """
 
     color: Vec3s
@@ -88,15 +82,7 @@ class Trial:
 def run_trial(task: Task) -> Trial:
     """Render, and look at the clock.
 
-    Parameters
-    ----------
-    task : Task
-        What, and how.
-
-    Returns
-    -------
-    Trial
-        Time on one thread; pixels, rays and bytes are the same on every machine.
+    Time on one thread; pixels, rays and bytes are the same on every machine.
     """
     world, animation = opened(task.named)
     if task.change:
@@ -145,17 +131,7 @@ def job_of(task: Task, world: World, animation: Animation) -> Job:
 
     Parameters
     ----------
-    task : Task
-        What, and how.
-    world : World
-        Of frame 0.
-    animation : Animation
-        Of all frames.
-
-    Returns
-    -------
-    Job
-        On one thread.
+    world : World; of frame 0
     """
     return Job(
         world=world,
@@ -173,18 +149,7 @@ def job_of(task: Task, world: World, animation: Animation) -> Job:
 
 @lru_cache(maxsize=2)
 def opened(named: Named) -> tuple[World, Animation]:
-    """A scene ready for rays, kept for the next task of this process.
-
-    Parameters
-    ----------
-    named : Named
-        The scene.
-
-    Returns
-    -------
-    World, Animation
-        Of frame 0, and all frames.
-    """
+    """Frame 0 ready for rays, and all frames, kept for the next task of the process."""
     scene = find_scene_or_file(named.name, named.lenient, named.allow_outside)
     animation = frames_of(named, scene)
     return build_world(animation(0)), animation

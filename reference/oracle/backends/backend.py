@@ -25,9 +25,6 @@ class Backend(Protocol):
     def close(self) -> int:
         """Let go of processes and files.
 
-        Returns
-        -------
-        int
-            Processes that it had left running, and that were ended.
+        Returns how many processes it had left running, which were ended.
         """
         ...

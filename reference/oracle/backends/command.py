@@ -28,14 +28,8 @@ class ProgramBackend:
 
     Parameters
     ----------
-    template : str
-        Its command line, in which ``{directory}`` stands for the folder.
-    limits : Limits
-        Of time and memory.
-    precision : 'float32' or 'float64'
-        In which it calculates.
-    remaining : callable
-        Seconds that are left: no call lasts longer.
+    template : str; its command line, in which ``{directory}`` stands for the folder
+    remaining : callable; seconds that are left: no call lasts longer
 
     Raises
     ------
@@ -59,20 +53,10 @@ class ProgramBackend:
         self._workspace = Workspace("cases")
 
     def run(self, passes: Passes, cases: list[Case]) -> list[Outcome]:
-        """Outcome of each case.
+        """Outcome of each case, in the same order.
 
-        Parameters
-        ----------
-        passes : mapping of str to Pass
-            The contract.
-        cases : list of Case
-            Calls.
-
-        Returns
-        -------
-        list of Outcome
-            In the same order.  Where the program fails on all cases at once, each
-            case is given to it alone, but none of a pass that took too long before.
+        Where the program fails on all cases at once, each case is given to it alone,
+        but none of a pass that took too long before.
         """
         asked = [case for case in cases if case.pass_name not in self._too_slow]
         if len(asked) > 1 and self.remaining() > 0:

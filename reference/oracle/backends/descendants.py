@@ -18,17 +18,11 @@ ROUNDS = 100  # of ending what goes on to start others
 
 
 def marked(mark: str) -> list[int]:
-    """Processes that have inherited a mark.
+    """Running processes that inherited a mark; none if the system does not tell.
 
     Parameters
     ----------
-    mark : str
-        A variable of their environment.
-
-    Returns
-    -------
-    list of int
-        Of those that run; none where the system does not tell.
+    mark : str; a variable of their environment
     """
     wanted, found = f"{mark}=".encode(), []
     with suppress(OSError):
@@ -46,13 +40,7 @@ def end_marked(mark: str) -> int:
 
     Parameters
     ----------
-    mark : str
-        A variable of their environment.
-
-    Returns
-    -------
-    int
-        How many there were.
+    mark : str; a variable of their environment
     """
     ended: set[int] = set()
     for _ in range(ROUNDS):

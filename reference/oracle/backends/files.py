@@ -14,10 +14,7 @@ class FilesBackend:
 
     Parameters
     ----------
-    folder : Path
-        Holds ``CASE/out/*.raw``, ``CASE/out.npz`` or ``CASE/out/out.exr``.
-    precision : 'float32' or 'float64'
-        In which they were calculated.
+    folder : Path; holds ``CASE/out/*.raw``, ``CASE/out.npz`` or ``CASE/out/out.exr``
     """
 
     def __init__(self, folder: Path, precision: Precision) -> None:
@@ -25,20 +22,7 @@ class FilesBackend:
         self.precision: Precision = precision
 
     def run(self, passes: Passes, cases: list[Case]) -> list[Outcome]:
-        """Read the outputs of cases.
-
-        Parameters
-        ----------
-        passes : mapping of str to Pass
-            The contract.
-        cases : list of Case
-            Calls.
-
-        Returns
-        -------
-        list of Outcome
-            ``None`` where nothing was written.
-        """
+        """Read the outputs of cases; ``None`` where nothing was written."""
         return [self._read(passes, case) for case in cases]
 
     def remaining(self) -> float:

@@ -28,15 +28,11 @@ def backend_names() -> list[str]:
 def is_python(spec: str) -> bool:
     """Whether a word on the command line means a Python object.
 
+    Its form decides; whether the object exists is found out where it runs.
+
     Parameters
     ----------
-    spec : str
-        As `find_object` takes it, or anything else.
-
-    Returns
-    -------
-    bool
-        Its form decides; whether the object exists is found out where it runs.
+    spec : str; as `find_object` takes it, or anything else
     """
     path, _, _ = spec.partition(":")
     module = ":" in spec and all(part.isidentifier() for part in path.split("."))
@@ -46,21 +42,13 @@ def is_python(spec: str) -> bool:
 def find_object(spec: str) -> Any:
     """The object that a backend is.
 
+    Raises UsageError: there is none.
+
     Parameters
     ----------
     spec : str
         A name of `backend_names`, ``module:attribute`` or ``file.py[:attribute]``; the
         attribute is ``BACKEND`` where it is not given.
-
-    Returns
-    -------
-    object
-        With one method a pass.
-
-    Raises
-    ------
-    UsageError
-        There is none.
     """
     if spec in BUILT_IN:
         from reference.oracle.builtin.backend import FLOAT32, FLOAT64

@@ -23,8 +23,7 @@ class InsideBackend:
     target : object
         The backend.  If it takes the process down, the tests go with it; a call that
         does not return cannot be stopped.
-    remaining : callable
-        Seconds that are left: no call begins after that.
+    remaining : callable; seconds that are left: no call begins after that
     """
 
     def __init__(self, target: Any, remaining: Remaining = for_ever) -> None:
@@ -32,20 +31,7 @@ class InsideBackend:
         self.precision: Precision = getattr(target, "precision", "float32")
 
     def run(self, passes: Passes, cases: list[Case]) -> list[Outcome]:
-        """Outcome of each case.
-
-        Parameters
-        ----------
-        passes : mapping of str to Pass
-            The contract.
-        cases : list of Case
-            Calls.
-
-        Returns
-        -------
-        list of Outcome
-            An exception is a failure.
-        """
+        """Outcome of each case."""
         return [self._call(case) for case in cases]
 
     def close(self) -> int:

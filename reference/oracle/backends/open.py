@@ -22,28 +22,12 @@ def open_backend(
 ) -> Backend:
     """Reach a backend.
 
+    Raises UsageError: there is none.
+    Raises UnaskedError: it was not ready before the time was over.
+
     Parameters
     ----------
-    backend : object or str
-        As for `judge`.
-    limits : Limits
-        Of time and memory.
-    precision : 'float32' or 'float64'
-        Of a program.
-    remaining : callable
-        Seconds that are left: no call lasts longer.
-
-    Returns
-    -------
-    Backend
-        To be closed.
-
-    Raises
-    ------
-    UsageError
-        There is none.
-    UnaskedError
-        It was not ready before the time was over.
+    remaining : callable; seconds that are left: no call lasts longer
     """
     if not isinstance(backend, str):
         inside: Backend = InsideBackend(backend, remaining)

@@ -46,12 +46,8 @@ class PythonBackend:
 
     Parameters
     ----------
-    spec : str
-        As :func:`reference.oracle.backends.find.find_object` takes it.
-    limits : Limits
-        Of time and memory.
-    remaining : callable
-        Seconds that are left: no call lasts longer.
+    spec : str; as :func:`reference.oracle.backends.find.find_object` takes it
+    remaining : callable; seconds that are left: no call lasts longer
 
     Raises
     ------
@@ -74,20 +70,10 @@ class PythonBackend:
             raise
 
     def run(self, passes: Passes, cases: list[Case]) -> list[Outcome]:
-        """Outcome of each case.
+        """Outcome of each case, in the same order.
 
-        Parameters
-        ----------
-        passes : mapping of str to Pass
-            The contract.
-        cases : list of Case
-            Calls.
-
-        Returns
-        -------
-        list of Outcome
-            In the same order.  After a death or a time-out a new process goes on with
-            the next case, but none of a pass that took too long before.
+        After a death or a time-out a new process goes on with the next case, but none
+        of a pass that took too long before.
         """
         outcomes: list[Outcome] = []
         while len(outcomes) < len(cases):

@@ -33,10 +33,8 @@ class Limits:
 
     Attributes
     ----------
-    seconds : float
-        For one case, and for starting.
-    memory : int, bytes
-        Of private data, where the system can limit it.
+    seconds : float; for one case, and for starting
+    memory : int, bytes; of private data, where the system can limit it
     """
 
     seconds: float = 30.0
@@ -67,22 +65,7 @@ def bind(memory: int) -> None:
 def started(words: list[str], **options: Any) -> "subprocess.Popen[bytes]":
     """Start a program.
 
-    Parameters
-    ----------
-    words : list of str
-        Its command line.
-    **options
-        Of `subprocess.Popen`.
-
-    Returns
-    -------
-    subprocess.Popen
-        It runs.
-
-    Raises
-    ------
-    UsageError
-        There is no such program, or this machine has no room for it.
+    Raises UsageError: there is no such program, or this machine has no room for it.
     """
     try:
         return subprocess.Popen(words, **options)
@@ -103,8 +86,7 @@ class LastWords:
 
     Parameters
     ----------
-    stream : binary file
-        A pipe, read until all who hold its other end are gone.
+    stream : binary file; a pipe, read until all who hold its other end are gone
 
     Raises
     ------
@@ -151,29 +133,15 @@ def run_program(
 ) -> Failure | Unasked | None:
     """Run a program to its end.
 
+    Returns what went wrong, as the end of a sentence; ``None`` if nothing did.  The
+    program is waited for, not those that it leaves behind, nor their ends of its pipes.
+
+    Raises UsageError: there is no such program, or no room for it.
+
     Parameters
     ----------
-    words : list of str
-        Its command line.
-    limits : Limits
-        Of one call.
-    left : float
-        Seconds that are left for all.
-    environment : dict of str to str, optional
-        By default that of this process.
-    calls : int
-        That it does at once.
-
-    Returns
-    -------
-    Failure, Unasked or None
-        What went wrong, as the end of a sentence; ``None`` if nothing did.  The program
-        is waited for, not those that it leaves behind, nor their ends of its pipes.
-
-    Raises
-    ------
-    UsageError
-        There is no such program, or no room for it.
+    left : float; seconds that are left for all
+    environment : dict of str to str, optional; by default that of this process
     """
     process = started(
         words,
@@ -205,8 +173,7 @@ def stop(process: "subprocess.Popen[bytes]") -> None:
 
     Parameters
     ----------
-    process : subprocess.Popen
-        Started with ``start_new_session``; it may have ended.
+    process : subprocess.Popen; started with ``start_new_session``; it may have ended
     """
     # A wrapper may have children, which hold its pipes.
     if hasattr(os, "killpg"):
@@ -220,18 +187,12 @@ def stop(process: "subprocess.Popen[bytes]") -> None:
 def how_it_ended(code: int, last_words: str) -> Failure | Unasked:
     """Why a process is no more.
 
+    "was killed by SIGSEGV", "ended with exit code 1: MemoryError", ... Nothing is known
+    of a process that was killed from outside.
+
     Parameters
     ----------
-    code : int
-        As `subprocess` gives it: negative for a signal.
-    last_words : str
-        Of its stderr.
-
-    Returns
-    -------
-    Failure or Unasked
-        "was killed by SIGSEGV", "ended with exit code 1: MemoryError", ...  Nothing is
-        known of a process that was killed from outside.
+    code : int; as `subprocess` gives it: negative for a signal
     """
     if code < 0:
         try:

@@ -24,10 +24,7 @@ def main(spec: str, memory: int) -> None:
 
     Parameters
     ----------
-    spec : str
-        Of the backend.
-    memory : int, bytes
-        That it may use.
+    memory : int, bytes; that it may use
     """
     bind(memory)
     channel = os.fdopen(os.dup(1), "w", buffering=1, errors="backslashreplace")

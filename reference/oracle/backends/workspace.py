@@ -26,15 +26,7 @@ ROOM = 64 * 2**10
 class Workspace:
     """Folder and processes of one backend, gone also if this process is killed.
 
-    Parameters
-    ----------
-    kind : str
-        As for `scratch_folder`.
-
-    Raises
-    ------
-    UsageError
-        No folder can be made, or no process started.
+    Raises UsageError: no folder can be made, or no process started.
     """
 
     def __init__(self, kind: str) -> None:
@@ -60,13 +52,7 @@ class Workspace:
 
     @contextmanager
     def batch(self) -> Iterator[Path]:
-        """A folder for some calls.
-
-        Yields
-        ------
-        Path
-            New; removed in the end.
-        """
+        """New folder for some calls, removed in the end."""
         self._batches += 1
         folder = self.folder / str(self._batches)
         try:
@@ -83,15 +69,11 @@ class Workspace:
     def need_room(self, count: int = 0) -> None:
         """Refuse to go on if the disk is full, which is no fault of a backend.
 
+        Raises UsageError: they cannot be written here either.
+
         Parameters
         ----------
-        count : int
-            Bytes that it was to write.
-
-        Raises
-        ------
-        UsageError
-            They cannot be written here either.
+        count : int; bytes that it was to write
         """
         probe = self.folder / "probe"
         try:
@@ -111,10 +93,7 @@ class Workspace:
     def close(self) -> int:
         """End all processes, and remove the folder.
 
-        Returns
-        -------
-        int
-            Processes that were still running.
+        Returns how many processes were still running.
         """
         with self._stack:
             self._ended += end_marked(self._mark)

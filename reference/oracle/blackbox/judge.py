@@ -49,15 +49,11 @@ def renderer_levels(
 
     Parameters
     ----------
-    renderer : Renderer
-        A command.
-    truth : callable
-        Traces it; asked for when it is wanted.
+    truth : callable; traces it; asked for when it is wanted
     bound : float or None
         The user's word that no mean of a tile of one picture exceeds so many times its
         truth; ``None`` where there is none.
-    remaining : callable
-        Seconds that are left.
+    remaining : callable; seconds that are left
     pictures : callable, optional
         From seeds to the renderer's pictures, in order; by default one after the
         other is rendered here.

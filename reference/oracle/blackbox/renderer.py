@@ -40,22 +40,13 @@ class Renderer:
 
     Attributes
     ----------
-    template : str
-        With `PLACES` in it.
-    scene : str
-        What the renderer knows the scene by.
-    frames : int
-        From an empty history to the picture.
-    size : (int, int), pixels
-        Width and height.
-    limits : Limits
-        Of time and memory.
-    remaining : callable
-        Seconds that are left: no picture takes longer.
+    template : str; with `PLACES` in it
+    scene : str; what the renderer knows the scene by
+    frames : int; from an empty history to the picture
+    remaining : callable; seconds that are left: no picture takes longer
     left_running : list of int
         Takes how many processes each picture left, which were ended.
-    layer : str, optional
-        Which of several pictures in its file is meant.
+    layer : str, optional; which of several pictures in its file is meant
     """
 
     template: str
@@ -68,17 +59,11 @@ class Renderer:
     layer: str | None = None
 
     def render(self, seed: int) -> NDArray[Any] | Failure:
-        """One picture, from nothing.
+        """One picture, from nothing, (height, width, 3) float32, or Failure; radiance.
 
         Parameters
         ----------
-        seed : int
-            Runs of different seeds are independent.
-
-        Returns
-        -------
-        (height, width, 3) float32, or Failure
-            Radiance.
+        seed : int; runs of different seeds are independent
 
         Raises
         ------

@@ -33,8 +33,7 @@ class Truth:
     ----------
     mean, standard_error : (1 + TILES²,) float64
         Of the picture and of its tiles, as the mean over channels.
-    samples : int
-        Of each pixel, from which the error was estimated.
+    samples : int; of each pixel, from which the error was estimated
     """
 
     mean: Scalars
@@ -47,13 +46,11 @@ def statistics(color: NDArray[np.floating]) -> Scalars:
 
     Parameters
     ----------
-    color : (height, width, 3)
-        Of sides that `TILES` divides.
+    color : (height, width, 3); of sides that `TILES` divides
 
     Returns
     -------
-    (1 + TILES²,) float64
-        Over all channels.
+    (1 + TILES²,) float64; over all channels
     """
     grey = color.astype(np.float64).mean(axis=2)
     height, width = (side // TILES for side in grey.shape)
@@ -72,21 +69,13 @@ def path_traced(
 
     Parameters
     ----------
-    scene : Scene
-        Any that can be rendered.
-    size : (int, int), pixels
-        Width and height.
-    bounces : int
-        Of indirect light.
-    samples : int
-        Of each pixel, at most.
-    remaining : callable
-        Seconds that are left: half of them are spent here.
+    scene : Scene; any that can be rendered
+    samples : int; of each pixel, at most
+    remaining : callable; seconds that are left: half of them are spent here
 
     Returns
     -------
-    Truth
-        The error is that of the mean of independent pictures.
+    Truth; the error is that of the mean of independent pictures
 
     Raises
     ------

@@ -17,8 +17,7 @@ class BuiltIn:
 
     Attributes
     ----------
-    precision : 'float32' or 'float64'
-        Of all reals.
+    precision : 'float32' or 'float64'; of all reals
     """
 
     precision: Precision = "float32"

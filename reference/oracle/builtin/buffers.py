@@ -23,33 +23,22 @@ def as_real(precision: Precision, values: Array) -> Array:
 
     Parameters
     ----------
-    precision : 'float32' or 'float64'
-        Of the backend.
-    values : array
-        Reals.
+    values : array; reals
 
     Returns
     -------
-    array
-        In C order.
+    array; in C order
     """
     return np.ascontiguousarray(values.astype(dtype_of("real", precision)))
 
 
 def bit(words: Array, place: int) -> Masks:
-    """One bit of each word.
+    """One bit of each word, (N,) bool; whether it is set.
 
     Parameters
     ----------
-    words : (N,) uint32
-        Words.
-    place : int
-        From 0.
-
-    Returns
-    -------
-    (N,) bool
-        Whether it is set.
+    words : (N,) uint32; words
+    place : int; from 0
     """
     found: Masks = (words >> np.uint32(place)) & np.uint32(1) != 0
     return found
@@ -60,15 +49,7 @@ def samples_of(buffers: Arrays, prefix: str = "") -> Samples:
 
     Parameters
     ----------
-    buffers : mapping of str to array
-        With ``position``, ``normal`` and ``radiance``.
-    prefix : str
-        Before each name.
-
-    Returns
-    -------
-    Samples
-        N rows.
+    buffers : mapping of str to array; with ``position``, ``normal`` and ``radiance``
     """
     return Samples(
         buffers[f"{prefix}position"],
@@ -109,36 +90,13 @@ def pixels_of(buffers: Arrays, kind: Any, known: Sequence[Known] = ()) -> Pixels
 def target_of(kind: Any, buffers: Arrays) -> Scalars:
     """Target of sample points at visible points.
 
-    Parameters
-    ----------
-    kind : 'scattered' or 'outgoing'
-        Which.
-    buffers : mapping of str to array
-        With both.
-
-    Returns
-    -------
-    (N,)
-        In the precision of the buffers.
+    Returns (N,); in the precision of the buffers.
     """
     return pixels_of(buffers, kind).target(samples_of(buffers))
 
 
 def reservoirs_out(precision: Precision, r: Reservoirs) -> dict[str, Array]:
-    """Reservoirs as the buffers of an output.
-
-    Parameters
-    ----------
-    precision : 'float32' or 'float64'
-        Of the backend.
-    r : Reservoirs
-        N rows.
-
-    Returns
-    -------
-    dict of str to array
-        Five buffers.
-    """
+    """Reservoirs as the buffers of an output."""
     found = {
         "position": r.y.position,
         "normal": r.y.normal,

@@ -23,10 +23,8 @@ class Known:
     ----------
     viewer : (Q,) int
         Number of the visible point, as ``primitive`` of its surface point says it.
-    position : (Q, 3)
-        Sample point.
-    seen : (Q,) bool
-        The answer.
+    position : (Q, 3); sample point
+    seen : (Q,) bool; the answer
     """
 
     viewer: Indices
@@ -40,10 +38,8 @@ class WrittenVisibility:
 
     Attributes
     ----------
-    known : Known
-        All that may be asked, sorted by `_keys`.
-    keys : (Q,) uint64
-        Of the questions, rising.
+    known : Known; all that may be asked, sorted by `_keys`
+    keys : (Q,) uint64; of the questions, rising
     """
 
     known: Known
@@ -57,23 +53,15 @@ class WrittenVisibility:
         active: Masks,
         kind: str,
     ) -> Masks:
-        """Whether surface points see other points.
+        """Whether surface points see other points, (N,) bool; False where nobody looks.
 
         Parameters
         ----------
         points : SurfacePoints or Viewpoints
             N points, whose ``primitive`` is the viewer's number.
-        x_to, n_to : (N, 3), m and 1
-            Points looked at, and normals, which are not used.
-        active : (N,) bool
-            Who looks.
-        kind : str
-            Not used.
-
-        Returns
-        -------
-        (N,) bool
-            False where nobody looks.
+        x_to, n_to : (N, 3), m and 1; points looked at, and normals, which are not used
+        active : (N,) bool; who looks
+        kind : str; not used
 
         Raises
         ------
@@ -125,18 +113,7 @@ class _Buffers:
 
 
 def world_of(known: Sequence[Known] = ()) -> World:
-    """A world that answers from buffers.
-
-    Parameters
-    ----------
-    known : sequence of Known
-        Visibility.
-
-    Returns
-    -------
-    World
-        As far as the passes look at it.
-    """
+    """A world that answers from buffers, as far as the passes look at it."""
     nothing = Known(np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros(0, bool))
     parts = [nothing, *known]
     joined = Known(
@@ -157,13 +134,7 @@ def surface_of(position: Vec3s, normal: Vec3s, albedo: Vec3s) -> SurfacePoints:
 
     Parameters
     ----------
-    position, normal, albedo : (N, 3), m, 1 and 1
-        Buffers.
-
-    Returns
-    -------
-    SurfacePoints
-        Numbered by row.
+    position, normal, albedo : (N, 3), m, 1 and 1; buffers
     """
     rows = len(position)
     return SurfacePoints(

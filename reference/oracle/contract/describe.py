@@ -59,18 +59,7 @@ How to connect a backend, and the form of the files, stands in
 
 
 def describe(passes: Passes) -> str:
-    """Page of the contract.
-
-    Parameters
-    ----------
-    passes : mapping of str to Pass
-        The contract.
-
-    Returns
-    -------
-    str
-        Markdown.
-    """
+    """Page of the contract, in Markdown."""
     return INTRODUCTION + "".join(_section(one) for one in passes.values())
 
 

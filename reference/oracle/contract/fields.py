@@ -18,20 +18,7 @@ Value = str | int | float
 
 
 def dtype_of(kind: Kind, precision: Precision) -> np.dtype[np.generic]:
-    """Number type of a buffer.
-
-    Parameters
-    ----------
-    kind : 'real', 'index' or 'bits'
-        What it holds.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    dtype
-        Little-endian: ``<f4`` or ``<f8``, ``<i4``, ``<u4``.
-    """
+    """Number type of a buffer, little-endian: ``<f4`` or ``<f8``, ``<i4``, ``<u4``."""
     types: dict[Kind, DTypeLike] = {
         "real": "<f4" if precision == "float32" else "<f8",
         "index": "<i4",
@@ -46,15 +33,11 @@ class Field:
 
     Attributes
     ----------
-    name : str
-        Of the argument, of the key, and of the file.
+    name : str; of the argument, of the key, and of the file
     columns : tuple of int or str
         Shape of a row: ``()`` one number, ``(3,)`` a vector, ``("K",)`` as many as
         there are neighbours, ``("K+2",)`` two more.
-    kind : 'real', 'index' or 'bits'
-        What it holds.
-    meaning : str
-        With its unit.
+    kind : 'real', 'index' or 'bits'; what it holds
     """
 
     name: str
@@ -69,12 +52,7 @@ class Setting:
 
     Attributes
     ----------
-    name : str
-        Of the argument.
-    values : str
-        What it may be, for the reader.
-    meaning : str
-        With its unit.
+    values : str; what it may be, for the reader
     """
 
     name: str
@@ -88,18 +66,11 @@ class Pass:
 
     Attributes
     ----------
-    name : str
-        Of the method, and in the case's file.
-    summary : str
-        One line, without a full stop.
-    formula : str
-        What is asked for, line by line.
-    inputs, outputs : tuple of Field
-        In the order of the documentation.
-    settings : tuple of Setting
-        Likewise.
-    source : str
-        Where the formula comes from.
+    name : str; of the method, and in the case's file
+    summary : str; one line, without a full stop
+    formula : str; what is asked for, line by line
+    inputs, outputs : tuple of Field; in the order of the documentation
+    source : str; where the formula comes from
     terms : tuple of Field
         What a backend may give besides: not judged, but shown beside ours.
     """
@@ -122,32 +93,13 @@ def real(name: str, meaning: str, *columns: int | str) -> Field:
 
     Parameters
     ----------
-    name, meaning : str
-        Of the field.
-    *columns : int or str
-        Shape of a row.
-
-    Returns
-    -------
-    Field
-        Of kind ``"real"``.
+    *columns : int or str; shape of a row
     """
     return Field(name, columns, "real", meaning)
 
 
 def vector(name: str, meaning: str) -> Field:
-    """Buffer of three reals a row.
-
-    Parameters
-    ----------
-    name, meaning : str
-        Of the field.
-
-    Returns
-    -------
-    Field
-        Of kind ``"real"``.
-    """
+    """Buffer of three reals a row."""
     return real(name, meaning, 3)
 
 
@@ -156,15 +108,7 @@ def index(name: str, meaning: str, *columns: int | str) -> Field:
 
     Parameters
     ----------
-    name, meaning : str
-        Of the field.
-    *columns : int or str
-        Shape of a row.
-
-    Returns
-    -------
-    Field
-        Of kind ``"index"``.
+    *columns : int or str; shape of a row
     """
     return Field(name, columns, "index", meaning)
 
@@ -174,14 +118,6 @@ def bits(name: str, meaning: str, *columns: int | str) -> Field:
 
     Parameters
     ----------
-    name, meaning : str
-        Of the field.
-    *columns : int or str
-        Shape of a row.
-
-    Returns
-    -------
-    Field
-        Of kind ``"bits"``.
+    *columns : int or str; shape of a row
     """
     return Field(name, columns, "bits", meaning)

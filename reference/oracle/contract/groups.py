@@ -22,19 +22,11 @@ RESERVOIR = (
 
 
 def prefixed(prefix: str, fields: tuple[Field, ...]) -> tuple[Field, ...]:
-    """The same buffers under longer names.
+    """The same buffers under longer names, in the same order.
 
     Parameters
     ----------
-    prefix : str
-        Put before each name, with an underscore.
-    fields : tuple of Field
-        A group.
-
-    Returns
-    -------
-    tuple of Field
-        In the same order.
+    prefix : str; put before each name, with an underscore
     """
     return tuple(
         Field(f"{prefix}_{f.name}", f.columns, f.kind, f.meaning) for f in fields

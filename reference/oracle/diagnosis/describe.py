@@ -22,13 +22,7 @@ def describe(hypotheses: Iterable[Hypothesis]) -> str:
 
     Parameters
     ----------
-    hypotheses : iterable of Hypothesis
-        In the order of the page.
-
-    Returns
-    -------
-    str
-        Markdown, an anchor each.
+    hypotheses : iterable of Hypothesis; in the order of the page
     """
     return INTRODUCTION + "".join(_paragraph(h) for h in hypotheses)
 

@@ -30,13 +30,7 @@ HYPOTHESES: tuple[Hypothesis, ...] = (
 
 
 def known_mistakes() -> tuple[Hypothesis, ...]:
-    """Hypotheses of all parts of the contract.
-
-    Returns
-    -------
-    tuple of Hypothesis
-        Those of the core first.
-    """
+    """Hypotheses of all parts of the contract, those of the core first."""
     return (*HYPOTHESES, *(h for part in parts() for h in part.hypotheses))
 
 
@@ -46,8 +40,6 @@ class Diagnosis:
 
     Attributes
     ----------
-    pass_name : str
-        Which pass.
     matches : tuple of Hypothesis
         Those that reproduce every answer of the pass, to rounding; several where the
         cases do not tell them apart, none where it is no known mistake.
@@ -62,21 +54,13 @@ def diagnose(
 ) -> Diagnosis:
     """Replay a pass that is wrong under every hypothesis.
 
+    A hypothesis is named if it explains *all* answers.  So what it explains by accident
+    in one case it must explain in the others, and a second mistake beside the first
+    leaves none.
+
     Parameters
     ----------
-    pass_name : str
-        Which pass.
-    answers : iterable of Answer
-        All that the backend gave for it, right and wrong.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Diagnosis
-        A hypothesis is named if it explains *all* answers.  So what it explains by
-        accident in one case it must explain in the others, and a second mistake beside
-        the first leaves none.
+    answers : iterable of Answer; all that the backend gave for it, right and wrong
     """
     judge = judge_of(pass_name)
     # Short cases that failed refute most hypotheses, and soonest.

@@ -24,18 +24,12 @@ class Hypothesis:
 
     Attributes
     ----------
-    name : str
-        Also the anchor of its paragraph in the documentation.
-    mistake : str
-        What was done, in one line.
-    wrong, right : str
-        The formula as it was, and as it should be.
-    passes : tuple of str
-        Where it can show.
-    rules : Rules
-        The contract with the mistake in it.
-    seen : tuple of str
-        Where it has happened: papers, projects, changes.
+    name : str; also the anchor of its paragraph in the documentation
+    mistake : str; what was done, in one line
+    wrong, right : str; the formula as it was, and as it should be
+    passes : tuple of str; where it can show
+    rules : Rules; the contract with the mistake in it
+    seen : tuple of str; where it has happened: papers, projects, changes
     departure : str
         Whether it is no mistake but a departure from the contract, and of which kind.
     """
@@ -64,21 +58,9 @@ def mistake(
 
     Parameters
     ----------
-    name, what, wrong, right : str
-        Name and mistake, and both formulas.
-    passes : tuple of str
-        Where it can show.
-    *seen : str
-        Where it has happened.
-    departure : str
-        What it leaves alone.
-    **rules : Any
-        Fields of `Rules`.
-
-    Returns
-    -------
-    Hypothesis
-        The mistake.
+    name, what, wrong, right : str; name and mistake, and both formulas
+    passes : tuple of str; where it can show
+    **rules : Any; fields of `Rules`
     """
     changed = replace(CONTRACT_RULES, **rules)
     return Hypothesis(name, what, wrong, right, passes, changed, seen, departure)

@@ -14,18 +14,7 @@ JacobianFormula = Callable[[ReceiverPoint, ReceiverPoint, SamplePoint], Bounded]
 
 
 def clamped(least: float, most: float) -> JacobianFormula:
-    """Jacobian of Equation 11 between two limits.
-
-    Parameters
-    ----------
-    least, most : float
-        The limits.
-
-    Returns
-    -------
-    callable
-        A formula as that of Equation 11.
-    """
+    """Formula of the Jacobian, Equation 11, clamped between two limits."""
 
     def limited(x_from: ReceiverPoint, x_to: ReceiverPoint, y: SamplePoint) -> Bounded:
         J = jacobian(x_from, x_to, y)
@@ -37,17 +26,11 @@ def clamped(least: float, most: float) -> JacobianFormula:
 
 
 def rejected(least: float, most: float) -> JacobianFormula:
-    """Jacobian of Equation 11, or 0 outside of two limits.
+    """Formula of the Jacobian, Equation 11, or 0 outside of two limits.
 
     Parameters
     ----------
-    least, most : float
-        The limits, which belong to what is kept.
-
-    Returns
-    -------
-    callable
-        A formula as that of Equation 11.
+    least, most : float; the limits, which belong to what is kept
     """
 
     def limited(x_from: ReceiverPoint, x_to: ReceiverPoint, y: SamplePoint) -> Bounded:

@@ -34,10 +34,8 @@ class DistributionTest:
 
     Attributes
     ----------
-    finding : Finding
-        Of the smallest p-value.
-    p : float
-        That of the scene, for all its functionals together.
+    finding : Finding; of the smallest p-value
+    p : float; that of the scene, for all its functionals together
     """
 
     finding: Finding
@@ -53,6 +51,9 @@ def same_distribution(
     seed: int = 0,
 ) -> DistributionTest:
     """Compare independent runs of a backend with as many of the reference.
+
+    The functionals are the means of tiles, capped and not, how many pixels are black,
+    the spread within the image and the mean of M.
 
     Parameters
     ----------

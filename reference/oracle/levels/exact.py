@@ -87,20 +87,8 @@ def judged_exactly(case: Case, judgement: Judgement) -> Judgement:
 def examined_exactly(case: Case, outputs: Buffers, precision: Precision) -> Finding:
     """Examine a kernel's answer beside exact numbers.
 
-    Parameters
-    ----------
-    case : Case
-        As for `exact_outputs`.
-    outputs : mapping of str to array
-        By the backend.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Finding
-        Passed where each number is within the replay's bound of the exact one; with
-        the judgement that says so.
+    Passed where each number is within the replay's bound of the exact one; with the
+    judgement that says so.
     """
     judged = replayed("L0", case).examine(case, outputs, precision)
     assert judged.judgement is not None

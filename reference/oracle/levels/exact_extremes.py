@@ -18,18 +18,8 @@ STEP = 2.0**-24
 def direction_case(source: str, precision: Precision) -> Case:
     """Directions about axes, normals beside the poles and the equator, and others.
 
-    Parameters
-    ----------
-    source : 'uniform' or 'cosine'
-        Density.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Case
-        The first row of each normal is the origin of its azimuths, and so leans away
-        from it.
+    The first row of each normal is the origin of its azimuths, and so leans away from
+    it.
     """
     rng = np.random.default_rng(2027)
     ends = [0.0, STEP, 0.5, 1 - STEP]
@@ -60,18 +50,8 @@ def _normals() -> Vec3s:
 def target_extremes(kind: str, precision: Precision) -> Case:
     """Points that touch or are far, grazing light, radiance at the ends of the type.
 
-    Parameters
-    ----------
-    kind : 'scattered' or 'outgoing'
-        Target.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Case
-        About the origin, where all distances are kept, and beside it, where positions
-        are rounded and the nearest points touch.
+    About the origin, where all distances are kept, and beside it, where positions are
+    rounded and the nearest points touch.
     """
     tiny = float(np.finfo(precision).tiny)
     distances = [0.0, 1e-25, 1e-15, 1e-3, 1.0, 1e10]
@@ -120,16 +100,8 @@ def jacobian_reaches() -> dict[str, Vec3s]:
 def similar_extremes(precision: Precision) -> Case:
     """At the limits of angle and depth and some roundings beside them, and depth 0.
 
-    Parameters
-    ----------
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Case
-        The limits are binary numbers, cosine 1/2 and depth 1/16, so that they are met;
-        once along each axis.
+    The limits are binary numbers, cosine 1/2 and depth 1/16, so that they are met; once
+    along each axis.
     """
     beside = np.array([-64, -8, -1, 0, 1, 8, 64]) * float(np.finfo(precision).eps)
     ends = [0.0, float(np.finfo(precision).tiny), 1.0, 1e30]

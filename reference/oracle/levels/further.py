@@ -24,17 +24,12 @@ from reference.rng import KeyedUniforms, Stream
 
 
 def further_cases(precision: Precision) -> list[Case]:
-    """Cases of all further passes, with the extremes.
+    """Cases of all further passes, with the extremes, in the order of the contract.
 
     Parameters
     ----------
     precision : 'float32' or 'float64'
         In which the inputs are given; most are numbers that float32 holds.
-
-    Returns
-    -------
-    list of Case
-        In the order of the contract.
     """
     rng = np.random.default_rng(2027)
     makers = (

@@ -58,36 +58,12 @@ def _triangles(
 
 
 def unit_vectors(rng: np.random.Generator, rows: int) -> Vec3s:
-    """Directions, all alike.
-
-    Parameters
-    ----------
-    rng : Generator
-        Draws them.
-    rows : int
-        How many.
-
-    Returns
-    -------
-    (N, 3)
-        Unit vectors.
-    """
+    """Directions, all alike, (N, 3); unit vectors."""
     return normalize(rng.normal(size=(rows, 3)))
 
 
 def gbuffer_cases(rng: np.random.Generator) -> Iterator[Parts]:
-    """Triangles in front of pixels.
-
-    Parameters
-    ----------
-    rng : Generator
-        Draws them.
-
-    Yields
-    ------
-    Parts
-        Ordinary ones, then the extremes.
-    """
+    """Triangles in front of pixels: ordinary ones, then the extremes."""
     pixel = np.arange(ROWS)
     # A tenth behind the camera.
     reach = 2.0 ** rng.uniform(-2, 6, ROWS) * np.where(rng.random(ROWS) < 0.1, -1, 1)
@@ -119,18 +95,7 @@ def gbuffer_cases(rng: np.random.Generator) -> Iterator[Parts]:
 
 
 def reproject_cases(rng: np.random.Generator) -> Iterator[Parts]:
-    """Points of this frame, and what the last one saw.
-
-    Parameters
-    ----------
-    rng : Generator
-        Draws them.
-
-    Yields
-    ------
-    Parts
-        Ordinary ones, then the extremes.
-    """
+    """Points of this frame and what the last one saw: ordinary ones, then extremes."""
     depth = 10.0 ** rng.uniform(-1, 2, ROWS)
     normal = unit_vectors(rng, ROWS)
     depth_before = depth * (rng.random(ROWS) < 0.95)

@@ -40,7 +40,7 @@ errors cosines of at least 0.15 magnify; a term with its neighbour's J has two."
 
 
 def lattice_probes(precision: Precision) -> list[Probe]:
-    """Expectations of the passes that choose.
+    """Expectations of the passes that choose, of rung L1.
 
     Parameters
     ----------

@@ -55,14 +55,9 @@ class Mean:
 
     Attributes
     ----------
-    finding : Finding
-        Of the bets.
-    certified : float
-        Bound on the relative bias of the image's mean.
-    runs : int
-        Independent ones.
-    more : str
-        What more time would buy; empty where the bound is small enough.
+    certified : float; bound on the relative bias of the image's mean
+    runs : int; independent ones
+    more : str; what more time would buy; empty where the bound is small enough
     """
 
     finding: Finding
@@ -84,13 +79,7 @@ class _Banded(InsideSphere):
 
 
 def truth() -> float:
-    """Mean radiance of the bands: areas on a sphere go with heights.
-
-    Returns
-    -------
-    float
-        Exact.
-    """
+    """Mean radiance of the bands: areas on a sphere go with heights."""
     total, low = 0.0, -1.0
     for high, radiance in BANDS:
         total += (high - low) / 2 * radiance
@@ -109,30 +98,19 @@ def mean_over_runs(
 ) -> Mean:
     """Run the loop over and over, from nothing each time, and bet on the mean.
 
+    The statistics are the image's mean and those of 4 groups of pixels, whose e-values
+    are averaged: an e-value under any dependence [Vovk21].
+
     Parameters
     ----------
-    ask : callable
-        The backend.
-    precision : 'float32' or 'float64'
-        Of the backend.
-    remaining : callable
-        Seconds that are left.
+    remaining : callable; seconds that are left
     batches : callable, optional
         From a seed to the replicates of its batch and of those after it, where others
         make them; the first batch is made here, so that a backend which does not
         answer is known before.
-    target : float
-        Certified bound at which to stop.
-    alpha : float
-        Probability of a false alarm, over all times and statistics together.
-    first_seed : int
-        Of the first batch; batches are numbered on.
-
-    Returns
-    -------
-    Mean
-        The statistics are the image's mean and those of 4 groups of pixels, whose
-        e-values are averaged: an e-value under any dependence [Vovk21].
+    target : float; certified bound at which to stop
+    alpha : float; probability of a false alarm, over all times and statistics together
+    first_seed : int; of the first batch; batches are numbered on
     """
     exact = truth()
     most = max(radiance for _, radiance in BANDS) * (1 + room(precision))
@@ -173,15 +151,6 @@ def _until_the_time_is_over(
 
 def replicates(ask: Ask, precision: Precision, seed: int) -> NDArray[np.float64]:
     """Statistics of independent runs, each from nothing.
-
-    Parameters
-    ----------
-    ask : callable
-        The backend.
-    precision : 'float32' or 'float64'
-        Of the backend.
-    seed : int
-        Of the batch.
 
     Returns
     -------

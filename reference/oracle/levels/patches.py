@@ -36,12 +36,9 @@ class Theory:
 
     Attributes
     ----------
-    mu : (3, 4)
-        Solid angle of each patch from each pixel; 0 where it is not held.
-    light : (5,)
-        Radiance of each patch, and of nothing.
-    normal : (5, 3)
-        Of each patch.
+    mu : (3, 4); solid angle of each patch from each pixel; 0 where it is not held
+    light : (5,); radiance of each patch, and of nothing
+    normal : (5, 3); of each patch
     """
 
     mu: Scalars
@@ -50,13 +47,7 @@ class Theory:
 
 
 def theory() -> Theory:
-    """Solid angles from their definition, and the radiances that make weights whole.
-
-    Returns
-    -------
-    Theory
-        In float64.
-    """
+    """Solid angles from their definition, and the radiances that make weights whole."""
     normal = FACING / np.linalg.norm(FACING, axis=1, keepdims=True)
     v = PLACE[None] - EYE[:, None]
     d = np.linalg.norm(v, axis=-1)
@@ -78,15 +69,11 @@ def patch_reservoirs(who: int, cells: Indices) -> dict[str, NDArray[np.float64]]
 
     Parameters
     ----------
-    who : int
-        The pixel.
-    cells : (N,) int
-        Patches, or `NOTHING`.
+    cells : (N,) int; patches, or `NOTHING`
 
     Returns
     -------
-    dict of str to array
-        Five buffers; empty where the pixel does not hold the patch.
+    dict of str to array; five buffers; empty where the pixel does not hold the patch
     """
     known = theory()
     place = np.concatenate([PLACE, [[0.0, 1.0, 0.0]]])
@@ -106,15 +93,7 @@ def eye(who: int, rows: int) -> dict[str, NDArray[np.float64]]:
 
     Parameters
     ----------
-    who : int
-        The pixel.
-    rows : int
-        N.
-
-    Returns
-    -------
-    dict of str to array
-        Three buffers.
+    rows : int; N
     """
     return {
         "visible_position": np.tile(EYE[who], (rows, 1)),
@@ -128,15 +107,11 @@ def whole_weight(who: int, cells: Indices) -> Indices:
 
     Parameters
     ----------
-    who : int
-        The pixel.
-    cells : (N,) int
-        Patches, or `NOTHING`.
+    cells : (N,) int; patches, or `NOTHING`
 
     Returns
     -------
-    (N,) int
-        A whole number by construction.
+    (N,) int; a whole number by construction
     """
     return np.where(np.append(theory().mu[who], 0.0)[cells] > 0, WHOLE[cells], 0)
 
@@ -146,15 +121,8 @@ def visible_bits(viewers: Indices, cells: list[Indices]) -> NDArray[np.uint32]:
 
     Parameters
     ----------
-    viewers : (V,) int
-        Pixels, a column each.
-    cells : list of (N,) int
-        Patches, a bit each.
-
-    Returns
-    -------
-    (N, V) uint32
-        Words.
+    viewers : (V,) int; pixels, a column each
+    cells : list of (N,) int; patches, a bit each
     """
     sees = np.concatenate([SEES, np.zeros((3, 1), bool)], axis=1)
     words = np.zeros((len(cells[0]), len(viewers)), np.uint32)

@@ -14,12 +14,8 @@ class Finding:
 
     Attributes
     ----------
-    passed : bool
-        Nothing is wrong with it.
-    text : str
-        One line: what is wrong, and where; empty where nothing is.
-    judgement : Judgement or None
-        Of a replay.
+    passed : bool; nothing is wrong with it
+    text : str; one line: what is wrong, and where; empty where nothing is
     """
 
     passed: bool
@@ -55,12 +51,8 @@ class Answer:
 
     Attributes
     ----------
-    probe : Probe
-        The question.
-    outputs : Buffers or None
-        What the backend gave, if it can be judged.
-    finding : Finding or None
-        ``None`` where the backend does not have the pass.
+    outputs : Buffers or None; what the backend gave, if it can be judged
+    finding : Finding or None; ``None`` where the backend does not have the pass
     """
 
     probe: Probe
@@ -74,24 +66,7 @@ def examined(
     probe: Probe,
     outcome: Buffers | Failure | None,
 ) -> Answer:
-    """Examine what came of a question.
-
-    Parameters
-    ----------
-    passes : mapping of str to Pass
-        The contract.
-    precision : 'float32' or 'float64'
-        Of the backend.
-    probe : Probe
-        The question.
-    outcome : Buffers, Failure or None
-        What came of it.
-
-    Returns
-    -------
-    Answer
-        A failure to answer is a finding too.
-    """
+    """Examine what came of a question; a failure to answer is a finding too."""
     if outcome is None:
         return Answer(probe, None, None)
     if isinstance(outcome, Failure):

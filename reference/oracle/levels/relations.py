@@ -29,16 +29,11 @@ class Relation:
 
     Attributes
     ----------
-    name : str
-        In one line.
-    passes : tuple of str
-        Where it holds.
-    change : callable
-        From inputs to inputs.
+    passes : tuple of str; where it holds
+    change : callable; from inputs to inputs
     factors : mapping of str to float or tuple of float
         By which outputs change, or their components; 1 where they are not named.
-    settings : mapping of str to float
-        By which settings change.
+    settings : mapping of str to float; by which settings change
     """
 
     name: str
@@ -143,15 +138,7 @@ Test = Callable[[Ask], Finding]
 def relations_of(case: Case) -> list[Test]:
     """What can be asked of a case and its changes.
 
-    Parameters
-    ----------
-    case : Case
-        Of a scene.
-
-    Returns
-    -------
-    list of callable
-        Each asks a backend, and cannot fail a right one: no tolerance is wanted.
+    Each asks a backend, and cannot fail a right one: no tolerance is wanted.
     """
     tests: list[Test] = [
         partial(_holds, relation, case)

@@ -18,23 +18,15 @@ class InsideSphere:
 
     Attributes
     ----------
-    position : (N, 3)
-        Visible points.
-    lit_below : float
-        The sphere shines with 1 where z is at most that.
+    position : (N, 3); visible points
+    lit_below : float; the sphere shines with 1 where z is at most that
     """
 
     position: Vec3s
     lit_below: float
 
     def receivers(self) -> dict[str, NDArray[Any]]:
-        """Buffers of the visible points.
-
-        Returns
-        -------
-        dict of str to array
-            N rows.
-        """
+        """Buffers of the visible points."""
         albedo = np.tile(ALBEDO, (len(self.position), 1))
         return {
             "visible_position": self.position,
@@ -47,15 +39,8 @@ class InsideSphere:
 
         Parameters
         ----------
-        direction : (N, 3)
-            Unit vectors.
-        frame : int
-            Not used: nothing else is drawn.
-
-        Returns
-        -------
-        dict of str to array
-            Buffers of the sample points.
+        direction : (N, 3); unit vectors
+        frame : int; not used: nothing else is drawn
         """
         chord = -2 * (self.position * direction).sum(axis=1)
         met = self.position + chord[:, None] * direction
@@ -64,17 +49,11 @@ class InsideSphere:
         return {"position": met, "normal": -met, "radiance": radiance}
 
     def shine(self, z: Scalars) -> Scalars:
-        """Radiance of the sphere at heights.
+        """Radiance of the sphere at heights, (N,); 1 or 0.
 
         Parameters
         ----------
-        z : (N,)
-            From -1 to 1.
-
-        Returns
-        -------
-        (N,)
-            1 or 0.
+        z : (N,); from -1 to 1
         """
         return np.where(z <= self.lit_below, 1.0, 0.0)
 
@@ -83,33 +62,22 @@ class InsideSphere:
 
         Parameters
         ----------
-        viewer : (N,) int
-            Rows.
-        position, normal : (N, 3), m and 1
-            Sample points.
+        viewer : (N,) int; rows
+        position, normal : (N, 3), m and 1; sample points
 
         Returns
         -------
-        (N,) bool
-            True.
+        (N,) bool; True
         """
         return np.ones(len(viewer), bool)
 
 
 def points_inside(rows: int, seed: int) -> Vec3s:
-    """Points of the unit sphere.
+    """Points of the unit sphere, (N, 3) float64; independent and uniform.
 
     Parameters
     ----------
-    rows : int
-        How many.
-    seed : int
-        Of the random numbers.
-
-    Returns
-    -------
-    (N, 3) float64
-        Independent and uniform.
+    seed : int; of the random numbers
     """
     v = np.random.default_rng(seed).normal(size=(rows, 3))
     unit: Vec3s = v / np.linalg.norm(v, axis=1)[:, None]
@@ -117,21 +85,13 @@ def points_inside(rows: int, seed: int) -> Vec3s:
 
 
 def ring(rows: int, count: int, frame: int) -> Indices:
-    """Neighbours on a ring, others in each frame.
+    """Neighbours on a ring, others in each frame, (N, K) int; none is the row itself.
 
     Parameters
     ----------
-    rows : int
-        N.
-    count : int
-        K.
-    frame : int
-        From 0.
-
-    Returns
-    -------
-    (N, K) int
-        None is the row itself.
+    rows : int; N
+    count : int; K
+    frame : int; from 0
     """
     row = np.arange(rows)
     steps = [1 + (7 * k + 3 * frame) % (rows - 1) for k in range(count)]

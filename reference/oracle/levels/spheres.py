@@ -29,19 +29,7 @@ LEAST_COSINE = 1 / 8
 def furnace(ask: Ask, precision: Precision, rows: int = 512) -> Finding:
     """The sphere shines everywhere: every pixel is ρ, in every frame.
 
-    Parameters
-    ----------
-    ask : callable
-        The backend.
-    precision : 'float32' or 'float64'
-        Of the backend.
-    rows : int
-        Pixels.
-
-    Returns
-    -------
-    Finding
-        A right backend cannot fail.
+    A right backend cannot fail.
     """
     sphere = InsideSphere(points_inside(rows, 1), 2.0)
     frames = run_frames(ask, sphere, lambda f: ring(rows, 3, f), Run(), precision)
@@ -63,19 +51,7 @@ def furnace(ask: Ask, precision: Precision, rows: int = 512) -> Finding:
 def half_lit(ask: Ask, precision: Precision, rows: int = 512) -> Finding:
     """Half of the sphere shines: M times a pixel over ρ is a whole number.
 
-    Parameters
-    ----------
-    ask : callable
-        The backend.
-    precision : 'float32' or 'float64'
-        Of the backend.
-    rows : int
-        Pixels.
-
-    Returns
-    -------
-    Finding
-        A right backend cannot fail; M here is no larger than the caps.
+    A right backend cannot fail; M here is no larger than the caps.
     """
     sphere = InsideSphere(points_inside(rows, 2), 0.0)
     run = Run(temporal_cap=1e4, spatial_cap=1e4)
@@ -109,15 +85,7 @@ def half_lit(ask: Ask, precision: Precision, rows: int = 512) -> Finding:
 def room(precision: Precision) -> float:
     """Relative error that rounding may have in the estimate of a clear pixel.
 
-    Parameters
-    ----------
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    float
-        `ROUNDINGS` half units, times the largest 1 / cos.
+    Returns float; `ROUNDINGS` half units, times the largest 1 / cos.
     """
     return ROUNDINGS * float(np.finfo(precision).eps) / 2 / LEAST_COSINE
 

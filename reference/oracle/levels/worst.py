@@ -26,17 +26,14 @@ _ASKED: tuple[tuple[str, str, dict[str, Value], tuple[str, ...]], ...] = (
 
 
 def worst_cases(precision: Precision) -> list[Case]:
-    """One case for each kernel that a pass of the contract is.
+    """One case of few rows for each kernel that a pass of the contract is.
+
+    Numbers that the kernel does not look at are 1.
 
     Parameters
     ----------
     precision : 'float32' or 'float64'
         Of the backend: the rows that were found in that type.
-
-    Returns
-    -------
-    list of Case
-        Of few rows each; numbers that the kernel does not look at are 1.
     """
     return [
         Case(

@@ -28,10 +28,8 @@ class Rounding:
 
     Attributes
     ----------
-    unit : float
-        Relative error of an operation.
-    tiny : float
-        Absolute error of an operation: results below it may be flushed to 0.
+    unit : float; relative error of an operation
+    tiny : float; absolute error of an operation: results below it may be flushed to 0
     """
 
     unit: float
@@ -41,16 +39,8 @@ class Rounding:
 def rounding_of(precision: Precision) -> Rounding:
     """Rounding of IEEE arithmetic, in any sensible order, subnormals kept or not.
 
-    Parameters
-    ----------
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Rounding
-        `ORDERS` half units in the last place; twice that in float64, in which the
-        replay itself calculates.
+    The unit is `ORDERS` half units in the last place; twice that in float64, in which
+    the replay itself calculates.
     """
     info = np.finfo(precision)
     own = 2.0 if precision == "float64" else 1.0
@@ -63,12 +53,8 @@ class Bounded:
 
     Attributes
     ----------
-    value : array of float64
-        Exact arithmetic on the given numbers, to 2⁻⁵³.
-    error : array of float64
-        A backend's number differs by no more.
-    rounding : Rounding
-        Of each operation.
+    value : array of float64; exact arithmetic on the given numbers, to 2⁻⁵³
+    error : array of float64; a backend's number differs by no more
     """
 
     value: Scalars
@@ -124,31 +110,23 @@ class Bounded:
 
     @property
     def surely_positive(self) -> Masks:
-        """Whether every number within the bound is above 0."""
+        """Whether every number within the bound is above 0, (N,) bool."""
         sure: Masks = self.value > self.error
         return sure
 
     @property
     def surely_not_positive(self) -> Masks:
-        """Whether none is."""
+        """Whether none is, (N,) bool."""
         sure: Masks = self.value <= -self.error
         return sure
 
 
 def exact(values: NDArray[Any], rounding: Rounding) -> Bounded:
-    """Numbers that the backend was given, or that it gave.
+    """Numbers that the backend was given, or that it gave, without error.
 
     Parameters
     ----------
-    values : array
-        Any type that float64 holds.
-    rounding : Rounding
-        Of what is done with them.
-
-    Returns
-    -------
-    Bounded
-        Without error.
+    values : array; any type that float64 holds
     """
     wide = np.asarray(values).astype(np.float64)
     return Bounded(wide, np.zeros_like(wide), rounding)
@@ -157,17 +135,11 @@ def exact(values: NDArray[Any], rounding: Rounding) -> Bounded:
 def constant(value: float, like: Bounded) -> Bounded:
     """A number that a backend writes as a literal, rounded once.
 
+    A small whole number is not rounded.
+
     Parameters
     ----------
-    value : float
-        The number.
-    like : Bounded
-        Gives shape and rounding.
-
-    Returns
-    -------
-    Bounded
-        With one rounding, or none if it is a small whole number.
+    like : Bounded; gives shape and rounding
     """
     values = np.full(like.value.shape, float(value))
     whole = float(value).is_integer() and abs(value) < 2**11

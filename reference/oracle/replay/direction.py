@@ -21,22 +21,6 @@ def judge_direction(
     The cosine with the normal, the length, and the density follow from the numbers.
     The azimuth does up to a turn, or a reflection, that is the same for all rows with
     one normal: so it is judged against the first such row.
-
-    Parameters
-    ----------
-    case : Case
-        The call.
-    outputs : mapping of str to array
-        By the backend.
-    rules : Rules
-        What is calculated with.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Judgement
-        N rows.
     """
     rounding = rounding_of(precision)
     source = case.settings["source"]

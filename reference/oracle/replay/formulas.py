@@ -83,18 +83,7 @@ def jacobian(x_from: ReceiverPoint, x_to: ReceiverPoint, y: SamplePoint) -> Boun
 
 
 def weight(p_hat: Bounded, W: Bounded, M: Bounded, J: Bounded) -> Bounded:
-    """Resampling weight w = p̂ W M J of a reservoir.
-
-    Parameters
-    ----------
-    p_hat, W, M, J : Bounded
-        (N,) each.
-
-    Returns
-    -------
-    Bounded
-        (N,)
-    """
+    """Resampling weight w = p̂ W M J of a reservoir, (N,)."""
     return p_hat * W * M * J
 
 
@@ -103,10 +92,8 @@ def preference(u: Bounded, w_before: Bounded, w: Bounded) -> Bounded:
 
     Parameters
     ----------
-    u : Bounded
-        (N,), in [0, 1).
-    w_before, w : Bounded
-        (N,): sum so far, and the candidate's weight.
+    u : Bounded; (N,), in [0, 1)
+    w_before, w : Bounded; (N,): sum so far, and the candidate's weight
 
     Returns
     -------
@@ -126,48 +113,22 @@ def fresh_confidence(w: Bounded) -> Bounded:
 
     Parameters
     ----------
-    w : Bounded
-        (N,), its weight.
+    w : Bounded; (N,), its weight
 
     Returns
     -------
-    Bounded
-        (N,)
+    Bounded; (N,)
     """
     return constant(1.0, w)
 
 
 def capped(M: Bounded, cap: float) -> Bounded:
-    """Confidence at most the cap.
-
-    Parameters
-    ----------
-    M : Bounded
-        (N,)
-    cap : float
-        The limit.
-
-    Returns
-    -------
-    Bounded
-        (N,)
-    """
+    """Confidence at most the cap, (N,)."""
     return Bounded(np.minimum(M.value, cap), M.error, M.rounding)
 
 
 def finalized(w: Bounded, p_hat: Bounded, Z: Bounded) -> Bounded:
-    """Contribution weight W = w / (Z p̂).
-
-    Parameters
-    ----------
-    w, p_hat, Z : Bounded
-        (N,) each.
-
-    Returns
-    -------
-    Bounded
-        (N,)
-    """
+    """Contribution weight W = w / (Z p̂), (N,)."""
     return w / p_hat / Z
 
 
@@ -176,46 +137,26 @@ def merged(a: Bounded, b: Bounded) -> Bounded:
 
     Parameters
     ----------
-    a, b : Bounded
-        (N,) each: what came before, and the next.
+    a, b : Bounded; (N,) each: what came before, and the next
 
     Returns
     -------
-    Bounded
-        (N,)
+    Bounded; (N,)
     """
     return a + b
 
 
 def fresh_weight(p_hat: Bounded, pdf: Bounded) -> Bounded:
-    """Resampling weight w = p̂ / p of a new sample.
-
-    Parameters
-    ----------
-    p_hat, pdf : Bounded
-        (N,) each.
-
-    Returns
-    -------
-    Bounded
-        (N,)
-    """
+    """Resampling weight w = p̂ / p of a new sample, (N,)."""
     return p_hat / pdf
 
 
 def shaded(f: Bounded, W: Bounded) -> Bounded:
-    """Estimate f W of the pixel.
+    """Estimate f W of the pixel, (N, 3).
 
     Parameters
     ----------
-    f : Bounded
-        (N, 3)
-    W : Bounded
-        (N,)
-
-    Returns
-    -------
-    Bounded
-        (N, 3)
+    f : Bounded; (N, 3)
+    W : Bounded; (N,)
     """
     return f * W[:, None]

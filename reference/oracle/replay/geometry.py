@@ -10,17 +10,11 @@ LUMINANCE = (0.2126, 0.7152, 0.0722)
 
 
 def luminance(color: Bounded) -> Bounded:
-    """Luminance Y of colours.
+    """Luminance Y of colours, (N,).
 
     Parameters
     ----------
-    color : Bounded
-        (N, 3)
-
-    Returns
-    -------
-    Bounded
-        (N,)
+    color : Bounded; (N, 3)
     """
     return sum_of_shares(color, LUMINANCE)
 

@@ -21,14 +21,9 @@ class Compared:
 
     Attributes
     ----------
-    name : str
-        Of the buffer.
-    found : (N, ...) array
-        By the backend.
-    expected : (N, ...) array
-        By the contract, from the same inputs.
-    allowed : (N, ...) array
-        Largest difference that rounding explains.
+    found : (N, ...) array; by the backend
+    expected : (N, ...) array; by the contract, from the same inputs
+    allowed : (N, ...) array; largest difference that rounding explains
     """
 
     name: str
@@ -79,8 +74,7 @@ class Judgement:
 
     Attributes
     ----------
-    compared : tuple of Compared
-        Every output of the pass.
+    compared : tuple of Compared; every output of the pass
     terms : mapping of str to (N,) or (N, ...) array
         What the expected values are made of, for the report.
     decisions : Decisions or None
@@ -116,39 +110,22 @@ class Judgement:
 
 
 def beside(name: str, found: NDArray[Any], expected: Bounded) -> Compared:
-    """A buffer beside bounded numbers.
+    """A buffer beside bounded numbers, whose bound is what is allowed.
 
     Parameters
     ----------
-    name : str
-        Of the buffer.
-    found : (N, ...) array
-        By the backend.
-    expected : Bounded
-        Of the same shape.
-
-    Returns
-    -------
-    Compared
-        The bound is what is allowed.
+    expected : Bounded; of the same shape
+    found : (N, ...) array; by the backend
     """
     return Compared(name, found, expected.value, expected.error)
 
 
 def exactly(name: str, found: NDArray[Any], expected: NDArray[Any]) -> Compared:
-    """A buffer beside numbers that leave no room.
+    """A buffer beside numbers that leave no room: nothing is allowed.
 
     Parameters
     ----------
-    name : str
-        Of the buffer.
-    found, expected : (N, ...) array
-        By the backend, and by the contract.
-
-    Returns
-    -------
-    Compared
-        Nothing is allowed.
+    found, expected : (N, ...) array; by the backend, and by the contract
     """
     wide = expected.astype(np.float64)
     return Compared(name, found, wide, np.zeros_like(wide))
@@ -159,17 +136,12 @@ def either(name: str, found: NDArray[Any], positive: Bounded) -> Compared:
 
     Parameters
     ----------
-    name : str
-        Of the buffer.
-    found : (N,) array
-        0 or 1, by the backend.
-    positive : Bounded
-        (N,), above 0 where the flag is 1.
+    found : (N,) array; 0 or 1, by the backend
+    positive : Bounded; (N,), above 0 where the flag is 1
 
     Returns
     -------
-    Compared
-        Both are allowed where the sign is within the bound of error.
+    Compared; both are allowed where the sign is within the bound of error
     """
     sure = positive.surely_positive | positive.surely_not_positive
     expected = (positive.value > 0).astype(np.float64)

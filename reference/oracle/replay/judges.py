@@ -96,15 +96,11 @@ def saturated(x: Bounded, precision: Precision) -> Bounded:
 
     Parameters
     ----------
-    x : Bounded
-        Not negative.
-    precision : 'float32' or 'float64'
-        Of the backend.
+    x : Bounded; not negative
 
     Returns
     -------
-    Bounded
-        Beyond a quarter of the largest number anything above that is allowed.
+    Bounded; beyond a quarter of the largest number anything above that is allowed
     """
     most = float(np.finfo(precision).max)
     beyond = x.value + x.error > most / 4

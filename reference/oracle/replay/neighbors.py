@@ -30,16 +30,11 @@ def similarity(
 
     Parameters
     ----------
-    normal_a, normal_b : Bounded
-        (N, 3) unit normals.
-    depth_a, depth_b : Bounded
-        (N,), m.
-    least_cosine : float
-        Of the largest angle.
-    max_depth : float
-        Relative difference.
-    rules : Rules
-        What the difference is relative to.
+    normal_a, normal_b : Bounded; (N, 3) unit normals
+    depth_a, depth_b : Bounded; (N,), m
+    least_cosine : float; of the largest angle
+    max_depth : float; relative difference
+    rules : Rules; what the difference is relative to
 
     Returns
     -------
@@ -84,21 +79,7 @@ def judge_neighbors(
 ) -> Judgement:
     """Judge pass ``neighbors``.
 
-    Parameters
-    ----------
-    case : Case
-        The call.
-    outputs : mapping of str to array
-        By the backend.
-    rules : Rules
-        What is calculated with.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Judgement
-        N rows.  The radius goes on from the backend's own success or failure.
+    The radius goes on from the backend's own success or failure.
     """
     rounding, s = rounding_of(precision), case.settings
     found = outputs["neighbors"]

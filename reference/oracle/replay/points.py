@@ -13,8 +13,7 @@ class ReceiverPoint:
 
     Attributes
     ----------
-    position, normal, albedo : Bounded
-        (N, 3) each.
+    position, normal, albedo : Bounded; (N, 3) each
     """
 
     position: Bounded
@@ -43,8 +42,7 @@ class SamplePoint:
 
     Attributes
     ----------
-    position, normal, radiance : Bounded
-        (N, 3) each.
+    position, normal, radiance : Bounded; (N, 3) each
     """
 
     position: Bounded
@@ -123,8 +121,7 @@ def same_points(buffers: Buffers, y: SamplePoint) -> Masks:
 
     Returns
     -------
-    (N,) bool
-        Copying does not round.
+    (N,) bool; copying does not round
     """
     same: Masks = (buffers["position"] == y.position.value).all(axis=1)
     same &= (buffers["normal"] == y.normal.value).all(axis=1)

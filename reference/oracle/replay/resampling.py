@@ -22,16 +22,9 @@ def judge_resampling(
 
     Parameters
     ----------
-    outputs : mapping of str to array
-        Reservoirs of N rows, by the backend.
-    slots : list of Slot
-        In the order of the stream.
-    closing : Closing
-        How it ends.
-    rules : Rules
-        What is calculated with.
-    counted : bool
-        The numbers that decide are random.
+    outputs : mapping of str to array; reservoirs of N rows, by the backend
+    slots : list of Slot; in the order of the stream
+    counted : bool; the numbers that decide are random
 
     Returns
     -------

@@ -30,24 +30,7 @@ from reference.oracle.replay.verbs import choose
 def judge_temporal(
     case: Case, outputs: Buffers, rules: Rules, precision: Precision
 ) -> Judgement:
-    """Judge pass ``temporal``.
-
-    Parameters
-    ----------
-    case : Case
-        The call.
-    outputs : mapping of str to array
-        By the backend.
-    rules : Rules
-        What is calculated with.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Judgement
-        N rows.
-    """
+    """Judge pass ``temporal``."""
     x = receiver_of(case.inputs, rounding_of(precision))
     past = _reused(case, x, rules, precision, "past_", u="u")
     slots = [counted_nulls(past, rules), _new(case, x, rules, precision)]
@@ -58,24 +41,7 @@ def judge_temporal(
 def judge_moved(
     case: Case, outputs: Buffers, rules: Rules, precision: Precision
 ) -> Judgement:
-    """Judge pass ``moved``.
-
-    Parameters
-    ----------
-    case : Case
-        The call.
-    outputs : mapping of str to array
-        By the backend.
-    rules : Rules
-        What is calculated with.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Judgement
-        N rows.
-    """
+    """Judge pass ``moved``."""
     rounding = rounding_of(precision)
     x = receiver_of(case.inputs, rounding)
     x_past = receiver_of(case.inputs, rounding, "past_")
@@ -96,24 +62,7 @@ def judge_moved(
 def judge_spatial(
     case: Case, outputs: Buffers, rules: Rules, precision: Precision
 ) -> Judgement:
-    """Judge pass ``spatial``.
-
-    Parameters
-    ----------
-    case : Case
-        The call.
-    outputs : mapping of str to array
-        By the backend.
-    rules : Rules
-        What is calculated with.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Judgement
-        N rows.
-    """
+    """Judge pass ``spatial``."""
     x = receiver_of(case.inputs, rounding_of(precision))
     neighbors = case.inputs["neighbors"]
     count = neighbors.shape[1]

@@ -25,18 +25,7 @@ from reference.oracle.replay.sources import density, drawn_cosine
 
 
 def as_it_is(M: Bounded) -> Bounded:
-    """A confidence, unchanged.
-
-    Parameters
-    ----------
-    M : Bounded
-        (N,)
-
-    Returns
-    -------
-    Bounded
-        (N,)
-    """
+    """A confidence, unchanged, (N,)."""
     return M
 
 
@@ -46,22 +35,18 @@ class Rules:
 
     Attributes
     ----------
-    target, reflected, jacobian, weight, preference, fresh_confidence, capped, \
-finalized, density, drawn_cosine, fresh_weight, shaded : callable
+    finalized, density, drawn_cosine, fresh_weight, shaded : callable
         Formulas, as the functions of this module.
     reuse_target, domain_target : callable
         Target of reused samples at the receiver, and of the kept sample at sources.
     merged_weight, merged_confidence : callable
         What a merge leaves of two weights, and of two confidences.
-    reused_confidence : callable
-        M of a reservoir that arrives.
+    reused_confidence : callable; M of a reservoir that arrives
     hidden_counts : 'all', 'nulls' or 'none'
         Which samples that the receiver does not see have their M counted: those with no
         light alone are nulls.
-    nulls_count : bool
-        M of a reused reservoir whose sample arrives with no weight.
-    visibility_in_weight, visibility_in_z : bool
-        Whether the bits are heeded.
+    nulls_count : bool; M of a reused reservoir whose sample arrives with no weight
+    visibility_in_weight, visibility_in_z : bool; whether the bits are heeded
     canonical_in_z, maker_in_z : bool
         The receiver's own reservoir, and that of who made the kept sample.
     receivers_domain : bool
@@ -91,22 +76,17 @@ finalized, density, drawn_cosine, fresh_weight, shaded : callable
         Factor on M of neighbours in their weight.
     shared_decision : '', 'neighbors' or 'all'
         One number decides on all neighbours, or on all reservoirs.
-    ignored_words : tuple of int
-        Words of the random key that are taken for 0.
+    ignored_words : tuple of int; words of the random key that are taken for 0
     cap_when : 'closed', 'never', 'first', 'late' or 'arrival'
         M is capped when the reservoir is closed, never, before W is calculated, after
         it with the sum of weights left as it was, or where the pixel's own reservoir
         arrives.
     depth_test : 'symmetric' or 'own'
         Relative to the larger depth, or to the pixel's own.
-    turn : float
-        Azimuth of the second number 1, in radians.
-    azimuth_number : int
-        Which of the two numbers the azimuth takes.
-    inward : bool
-        Directions are on the other side of the surface.
-    narrows : bool
-        The search radius is halved after a failure.
+    turn : float; azimuth of the second number 1, in radians
+    azimuth_number : int; which of the two numbers the azimuth takes
+    inward : bool; directions are on the other side of the surface
+    narrows : bool; the search radius is halved after a failure
     part : object
         What passes of another part of the contract calculate with; ``None`` for theirs.
     """

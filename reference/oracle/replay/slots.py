@@ -77,17 +77,11 @@ class Closing:
 
 
 def nothing(like: Bounded) -> Bounded:
-    """Zeros.
+    """Zeros, without error.
 
     Parameters
     ----------
-    like : Bounded
-        Gives shape and rounding.
-
-    Returns
-    -------
-    Bounded
-        Without error.
+    like : Bounded; gives shape and rounding
     """
     none = np.zeros_like(like.value)
     return Bounded(none, none, like.rounding)
@@ -96,17 +90,11 @@ def nothing(like: Bounded) -> Bounded:
 def backwards(slots: list[Slot], closing: Closing) -> tuple[list[Slot], Closing]:
     """The stream from its end; each place keeps its random number.
 
+    Whoever is asked about the samples is asked in the new order.
+
     Parameters
     ----------
-    slots : list of Slot
-        In the order of the contract.
-    closing : Closing
-        How it ends.
-
-    Returns
-    -------
-    slots, closing
-        Whoever is asked about the samples is asked in the new order.
+    slots : list of Slot; in the order of the contract
     """
     found = [replace(b, u=a.u) for a, b in zip(slots, slots[::-1], strict=True)]
     turned = [
@@ -123,17 +111,12 @@ def with_hidden(slot: Slot, seen: Masks, rules: Rules) -> Slot:
 
     Parameters
     ----------
-    slot : Slot
-        As if it were seen.
-    seen : (N,) bool
-        Whether it is.
-    rules : Rules
-        What becomes of weight and confidence.
+    slot : Slot; as if it were seen
+    seen : (N,) bool; whether it is
 
     Returns
     -------
-    Slot
-        The weight is 0 where it is hidden; M counts.
+    Slot; the weight is 0 where it is hidden; M counts
     """
     none = nothing(slot.w)
     w = choose(seen, slot.w, none) if rules.visibility_in_weight else slot.w
@@ -147,20 +130,7 @@ def with_hidden(slot: Slot, seen: Masks, rules: Rules) -> Slot:
 
 
 def counted_nulls(slot: Slot, rules: Rules) -> Slot:
-    """A slot whose null may not count.
-
-    Parameters
-    ----------
-    slot : Slot
-        Any.
-    rules : Rules
-        Whether nulls count.
-
-    Returns
-    -------
-    Slot
-        The same by the contract.
-    """
+    """A slot whose null may not count."""
     if rules.nulls_count:
         return slot
     found: Scalars = slot.w.value > 0

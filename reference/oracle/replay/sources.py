@@ -8,37 +8,21 @@ from reference.oracle.replay.verbs import square_root
 
 
 def drawn_cosine(source: Value, u: Bounded) -> Bounded:
-    """Cosine with the normal of a direction that is drawn.
+    """Cosine with the normal of a direction that is drawn, (N,).
 
     Parameters
     ----------
-    source : 'uniform' or 'cosine'
-        Density.
-    u : Bounded
-        (N,), the first random number.
-
-    Returns
-    -------
-    Bounded
-        (N,)
+    u : Bounded; (N,), the first random number
     """
     return u if source == "uniform" else square_root(constant(1.0, u) - u)
 
 
 def density(source: Value, cosine: Bounded) -> Bounded:
-    """Source density of a direction.
+    """Source density of a direction, (N,).
 
     Parameters
     ----------
-    source : 'uniform' or 'cosine'
-        Which.
-    cosine : Bounded
-        (N,), with the normal.
-
-    Returns
-    -------
-    Bounded
-        (N,)
+    cosine : Bounded; (N,), with the normal
     """
     if source == "uniform":
         return constant(1 / (2 * pi), cosine)

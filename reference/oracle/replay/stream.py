@@ -23,19 +23,11 @@ class Weighted(Protocol):
 
 
 def sums_of(slots: Sequence[Weighted], rules: Rules) -> list[Bounded]:
-    """Running sums of weights.
+    """Running sums of weights, as many; the last is that of all.
 
     Parameters
     ----------
-    slots : sequence of Weighted
-        In the order of the stream.
-    rules : Rules
-        What is calculated with.
-
-    Returns
-    -------
-    list of Bounded
-        As many; the last is that of all.
+    slots : sequence of Weighted; in the order of the stream
     """
     sums = [slots[0].w]
     for slot in slots[1:]:
@@ -50,19 +42,12 @@ def choices_of(
 
     Parameters
     ----------
-    slots : sequence of Weighted
-        S, in the order of the stream.
-    sums : list of Bounded
-        As of `sums_of`.
-    rules : Rules
-        What is calculated with.
+    slots : sequence of Weighted; S, in the order of the stream
 
     Returns
     -------
-    may : (S, N) bool
-        Whether rounding allows that each slot is.
-    exactly : (N,) int
-        Which one is in exact arithmetic.
+    may : (S, N) bool; whether rounding allows that each slot is
+    exactly : (N,) int; which one is in exact arithmetic
     """
     rows = len(slots[0].w.value)
     may = np.zeros((len(slots), rows), bool)
@@ -82,15 +67,7 @@ def left_open(slots: Sequence[Weighted], sums: list[Bounded]) -> float:
 
     Parameters
     ----------
-    slots : sequence of Weighted
-        In the order of the stream.
-    sums : list of Bounded
-        As of `sums_of`.
-
-    Returns
-    -------
-    float
-        Over all rows.
+    slots : sequence of Weighted; in the order of the stream
     """
     mean = 0.0
     for k, slot in enumerate(slots[1:], start=1):

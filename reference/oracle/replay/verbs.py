@@ -7,17 +7,11 @@ from reference.oracle.replay.bounded import Bounded
 
 
 def square_root(x: Bounded) -> Bounded:
-    """Square root of each number.
+    """Square root of each number; at 0 the error is the root of the error.
 
     Parameters
     ----------
-    x : Bounded
-        Not negative.
-
-    Returns
-    -------
-    Bounded
-        At 0 the error is the root of the error.
+    x : Bounded; not negative
     """
     value = np.sqrt(np.maximum(x.value, 0.0))
     above = np.sqrt(np.maximum(x.value, 0.0) + x.error)
@@ -27,36 +21,23 @@ def square_root(x: Bounded) -> Bounded:
 
 
 def inner(a: Bounded, b: Bounded) -> Bounded:
-    """Inner product of the rows of two arrays of vectors.
+    """Inner product of the rows of two arrays of vectors, (N,).
 
     Parameters
     ----------
-    a, b : Bounded
-        (N, 3) each.
-
-    Returns
-    -------
-    Bounded
-        (N,)
+    a, b : Bounded; (N, 3) each
     """
     product = a * b
     return product[:, 0] + product[:, 1] + product[:, 2]
 
 
 def times(a: Bounded, factor: Bounded) -> Bounded:
-    """Vectors scaled row by row.
+    """Vectors scaled row by row, (N, 3).
 
     Parameters
     ----------
-    a : Bounded
-        (N, 3)
-    factor : Bounded
-        (N,)
-
-    Returns
-    -------
-    Bounded
-        (N, 3)
+    a : Bounded; (N, 3)
+    factor : Bounded; (N,)
     """
     return a * factor[:, None]
 
@@ -66,15 +47,7 @@ def choose(mask: Masks, yes: Bounded, no: Bounded) -> Bounded:
 
     Parameters
     ----------
-    mask : (N,) bool
-        Take ``yes`` where true.
-    yes, no : Bounded
-        Of one shape.
-
-    Returns
-    -------
-    Bounded
-        Of that shape.
+    mask : (N,) bool; take ``yes`` where true
     """
     m = mask.reshape(mask.shape + (1,) * (yes.value.ndim - mask.ndim))
     return Bounded(
@@ -89,15 +62,12 @@ def where_positive(test: Bounded, x: Bounded) -> Bounded:
 
     Parameters
     ----------
-    test : Bounded
-        (N,)
-    x : Bounded
-        (N,) or (N, 3)
+    test : Bounded; (N,)
+    x : Bounded; (N,) or (N, 3)
 
     Returns
     -------
-    Bounded
-        In the uncertain rows the bound covers 0 and x.
+    Bounded; in the uncertain rows the bound covers 0 and x
     """
     shape = test.value.shape + (1,) * (x.value.ndim - test.value.ndim)
     yes = test.surely_positive.reshape(shape)

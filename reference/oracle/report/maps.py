@@ -25,17 +25,9 @@ DECISIONS = (
 def error_maps(answer: Answer) -> list[ErrorMap]:
     """Pictures of a case.
 
-    Parameters
-    ----------
-    answer : Answer
-        Of any pass.
-
-    Returns
-    -------
-    list of ErrorMap
-        One for each wrong output, or for each that differs if none is wrong; then one
-        of the decisions, if any differs.  None where the rows are no image or nothing
-        was replayed.
+    One for each wrong output, or for each that differs if none is wrong; then one of
+    the decisions, if any differs.  None where the rows are no image or nothing was
+    replayed.
     """
     judgement = answer.finding.judgement if answer.finding else None
     width = answer.probe.case.width
@@ -50,18 +42,7 @@ def error_maps(answer: Answer) -> list[ErrorMap]:
 def signed_map(compared: Compared, width: int) -> ErrorMap:
     """Signed difference of a buffer, mean over the components.
 
-    Parameters
-    ----------
-    compared : Compared
-        Of N rows.
-    width : int, pixels
-        Of the image; it divides N.
-
-    Returns
-    -------
-    ErrorMap
-        In units of what rounding allows; relative where for every number that is
-        nothing, or anything.
+    In units of what rounding allows; where it allows nothing or anything, relative.
     """
     found, expected, allowed = (
         _mean(array) for array in (compared.found, compared.expected, compared.allowed)

@@ -18,19 +18,11 @@ from reference.reports.page import render_page
 def write_page(out: Path, verdict: Verdict, plain: Mapping[str, Any]) -> None:
     """Write ``verdict.json``, and last ``index.html``.
 
+    Raises UsageError: the folder or a file cannot be written.
+
     Parameters
     ----------
-    out : Path
-        Folder; made if it is missing.
-    verdict : Verdict
-        For its pictures.
-    plain : mapping
-        Of `plain.as_plain`, of the same verdict.
-
-    Raises
-    ------
-    UsageError
-        The folder or a file cannot be written.
+    out : Path; folder; made if it is missing
     """
     maps = {one["name"]: _maps(verdict, one["name"]) for one in plain["passes"]}
     page = _page(plain, maps)
@@ -42,17 +34,11 @@ def write_page(out: Path, verdict: Verdict, plain: Mapping[str, Any]) -> None:
 def pieces(value: Any, missing: str = "–") -> list[str]:
     """A number of a verdict as it is read, or several.
 
+    One for each number, of nine digits: as many as tell two float32 apart.
+
     Parameters
     ----------
-    value : number, list or None
-        Of `plain.as_plain`.
-    missing : str
-        In place of what JSON cannot hold; once, if all are.
-
-    Returns
-    -------
-    list of str
-        One for each number, of nine digits: as many as tell two float32 apart.
+    missing : str; in place of what JSON cannot hold; once, if all are
     """
     if isinstance(value, list):
         each = [piece for item in value for piece in pieces(item, missing)]

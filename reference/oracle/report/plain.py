@@ -18,6 +18,8 @@ DOCUMENTATION = ""
 def as_plain(verdict: Verdict, name: str, passes: Passes) -> dict[str, Any]:
     """A verdict for programs.
 
+    JSON can hold it; numbers that are not finite are ``None``.
+
     Parameters
     ----------
     verdict : Verdict

@@ -18,15 +18,7 @@ SLOT = "w of slot "
 def worst_case(answer: Answer) -> dict[str, Any]:
     """A wrong replay for programs.
 
-    Parameters
-    ----------
-    answer : Answer
-        With a judgement.
-
-    Returns
-    -------
-    dict
-        Name of the case, how many rows are wrong, and the `MOST_ROWS` worst.
+    Name of the case, how many rows are wrong, and the `MOST_ROWS` worst.
     """
     assert answer.finding is not None
     case, judgement = answer.probe.case, answer.finding.judgement
@@ -43,17 +35,11 @@ def worst_case(answer: Answer) -> dict[str, Any]:
 
 
 def as_number(value: Any) -> Any:
-    """A number, or nested lists of them.
+    """A number, or nested lists of them; ``None`` in place of what JSON does not know.
 
     Parameters
     ----------
-    value : number or array
-        Of any type.
-
-    Returns
-    -------
-    int, float, bool, list or None
-        ``None`` in place of what JSON does not know.
+    value : number or array; of any type
     """
     plain = np.asarray(value).tolist()
     return [as_number(x) for x in plain] if isinstance(plain, list) else _finite(plain)

@@ -46,15 +46,7 @@ def table(plain: Mapping[str, Any]) -> Group:
 def printable(text: str) -> str:
     """A line that cannot steer a terminal, whatever a backend has said.
 
-    Parameters
-    ----------
-    text : str
-        From anywhere.
-
-    Returns
-    -------
-    str
-        With a mark in place of each control character.
+    A mark stands in place of each control character.
     """
     return "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
 
@@ -64,13 +56,7 @@ def left_running(count: int) -> str:
 
     Parameters
     ----------
-    count : int
-        One at least.
-
-    Returns
-    -------
-    str
-        A line.
+    count : int; one at least
     """
     many = "1 process" if count == 1 else f"{count} processes"
     return f"the backend left {many} running; they were ended"

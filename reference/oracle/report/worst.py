@@ -9,19 +9,9 @@ from reference.oracle.verdict import Verdict
 
 
 def answers_of(verdict: Verdict, pass_name: str) -> list[Answer]:
-    """Answers of a pass that show something.
+    """Answers of a pass that show something, each with a finding.
 
-    Parameters
-    ----------
-    verdict : Verdict
-        All steps.
-    pass_name : str
-        Which pass.
-
-    Returns
-    -------
-    list of Answer
-        In the order of the ladder; each has a finding.
+    In the order of the ladder.
     """
     return [
         answer
@@ -34,15 +24,7 @@ def answers_of(verdict: Verdict, pass_name: str) -> list[Answer]:
 def excess_of(compared: Compared) -> Scalars:
     """Largest difference of each row, in units of what rounding allows.
 
-    Parameters
-    ----------
-    compared : Compared
-        A buffer, N rows.
-
-    Returns
-    -------
-    (N,) float
-        Infinite where nothing was allowed; 0 where anything was.
+    Returns (N,) float; infinite where nothing was allowed; 0 where anything was.
     """
     with np.errstate(over="ignore"):
         excess = compared.excess
@@ -52,16 +34,8 @@ def excess_of(compared: Compared) -> Scalars:
 def worst_answer(answers: list[Answer]) -> Answer | None:
     """The wrong replay with the most wrong rows.
 
-    Parameters
-    ----------
-    answers : list of Answer
-        Of one pass.
-
-    Returns
-    -------
-    Answer or None
-        Has a judgement; ``None`` where no replay is wrong: a backend may have crashed,
-        or only an expectation may be off.
+    Has a judgement; ``None`` where no replay is wrong: a backend may have crashed, or
+    only an expectation may be off.
     """
     wrong = [a for a in answers if _judgement(a) and not _sure(a).passed]
     return max(wrong, key=lambda answer: _badness(_sure(answer)), default=None)
@@ -72,10 +46,8 @@ def worst_rows(judgement: Judgement, most: int) -> Indices:
 
     Parameters
     ----------
-    judgement : Judgement
-        Of N rows.
-    most : int
-        No more rows than that.
+    judgement : Judgement; of N rows
+    most : int; no more rows than that
 
     Returns
     -------
@@ -96,15 +68,7 @@ def worst_rows(judgement: Judgement, most: int) -> Indices:
 def other_decisions(judgement: Judgement) -> Masks:
     """Rows that kept another slot than exact arithmetic does.
 
-    Parameters
-    ----------
-    judgement : Judgement
-        Of N rows.
-
-    Returns
-    -------
-    (N,) bool
-        All false for a pass that keeps no slots.
+    Returns (N,) bool; all false for a pass that keeps no slots.
     """
     terms = judgement.terms
     if not {"kept slot", "slot in exact arithmetic"} <= set(terms):

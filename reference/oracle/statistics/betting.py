@@ -24,20 +24,15 @@ class Bets:
 
     Attributes
     ----------
-    bound : (columns,) float64
-        B: the variables lie in [0, B].
-    proven : (columns,) bool
-        Whether B is proved.  Else B is a guess, see `e_value`.
+    bound : (columns,) float64; B: the variables lie in [0, B]
+    proven : (columns,) bool; whether B is proved; else B is a guess, see `e_value`
     lowest, highest : (columns,) float64, in units of B
         Ends of the interval of the truth; equal where it is exact.
-    log_brighter, log_darker : (columns,) float64
-        Logarithms of the capitals.
-    count : (columns,) int64
-        Variables seen.
+    log_brighter, log_darker : (columns,) float64; logarithms of the capitals
+    count : (columns,) int64; variables seen
     mean : (columns,) float64, in units of B
         Their mean, after those above B were taken for B.
-    squares : (columns,) float64, in units of B²
-        Sum of squared deviations from it.
+    squares : (columns,) float64, in units of B²; sum of squared deviations from it
     """
 
     bound: Floats
@@ -52,21 +47,14 @@ class Bets:
 
 
 def open_bets(truth: ArrayLike, bound: ArrayLike, proven: ArrayLike = True) -> Bets:
-    """Capitals of 1 against exact truths μ.
+    """Capitals of 1 against exact truths μ, before the first variable.
 
     Parameters
     ----------
-    truth : (columns,) float64, or a number
-        μ.
+    truth : (columns,) float64, or a number; μ
     bound : (columns,) float64, or a number
         B >= μ.  A backend that rounds needs a bound with its rounding added.
-    proven : (columns,) bool, or a bool
-        Whether a correct backend can never exceed B.
-
-    Returns
-    -------
-    Bets
-        Before the first variable.
+    proven : (columns,) bool, or a bool; whether a correct backend can never exceed B
     """
     return interval_bets(truth, truth, bound, proven)
 
@@ -76,30 +64,25 @@ def interval_bets(
 ) -> Bets:
     """Capitals of 1 against truths that are only known to lie in an interval.
 
+    No bet gains from a mean on the near side of its end, so the test holds for every
+    truth in the interval at once.  The probability that the truth lies outside,
+    `intervals.outside_probability`, adds to the rate of false alarms.
+
     Parameters
     ----------
     lowest, highest : (columns,) float64, or numbers
         Ends, as from `intervals.truth_interval`.
-    bound : (columns,) float64, or a number
-        B, not below the lowest end.
-    proven : (columns,) bool, or a bool
-        As in `open_bets`.
+    bound : (columns,) float64, or a number; B, not below the lowest end
+    proven : (columns,) bool, or a bool; as in `open_bets`
 
     Returns
     -------
-    Bets
-        K⁺ plays against the upper end, K⁻ against the lower.
+    Bets; K⁺ plays against the upper end, K⁻ against the lower
 
     Raises
     ------
     ValueError
         Ends that are no interval of [0, B].
-
-    Notes
-    -----
-    No bet gains from a mean on the near side of its end, so the test holds for every
-    truth in the interval at once.  The probability that the truth lies outside,
-    `intervals.outside_probability`, adds to the rate of false alarms.
     """
     ends = np.broadcast_arrays(*np.atleast_1d(lowest, highest, bound, proven))
     low, high, B = (np.array(end, np.float64) for end in ends[:3])
@@ -115,8 +98,7 @@ def place(bets: Bets, y: ArrayLike) -> Bets:
 
     Parameters
     ----------
-    bets : Bets
-        Of the replicates before.
+    bets : Bets; of the replicates before
     y : (columns,) float64, or a number
         One independent replicate: a whole run under its own seed.
 
@@ -178,22 +160,15 @@ def _bet(gain: Floats, variance: Floats, most: Floats) -> Floats:
 def e_value(bets: Bets) -> Floats:
     """Evidence e against each column: E e <= 1 at any time if the claim is true.
 
-    Parameters
-    ----------
-    bets : Bets
-        So far.
+    Nothing can prove "too dark" under a guessed bound: the energy that is missing may
+    sit in a rare value above B that was not met yet.  To stop K⁻ at the first such
+    value does not help, for it has won until then; so it does not count at all.
 
     Returns
     -------
     (columns,) float64
         (K⁺ + K⁻) / 2 where the bound is proven, else K⁺.  Infinite if and only if
         refuted: what is more than exp(`LARGEST_LOG`) is given as that.
-
-    Notes
-    -----
-    Nothing can prove "too dark" under a guessed bound: the energy that is missing may
-    sit in a rare value above B that was not met yet.  To stop K⁻ at the first such
-    value does not help, for it has won until then; so it does not count at all.
     """
     both = np.logaddexp(bets.log_brighter, bets.log_darker) - np.log(2.0)
     log_e = np.where(bets.proven, both, bets.log_brighter)

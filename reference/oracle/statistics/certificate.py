@@ -22,12 +22,9 @@ class Certificate:
 
     Attributes
     ----------
-    biases : (columns,) float64
-        b of the candidates, rising.
-    ceiling : float
-        B / μ − 1, the largest bias that the bound leaves.
-    bets : Bets
-        A column a candidate.
+    biases : (columns,) float64; b of the candidates, rising
+    ceiling : float; B / μ − 1, the largest bias that the bound leaves
+    bets : Bets; a column a candidate
     peak_brighter, peak_darker : (columns,) float64
         The largest log K⁺ and log K⁻ so far: what was rejected once stays rejected.
     """
@@ -50,8 +47,7 @@ def bias_grid(steps: int = 32) -> Floats:
 
     Returns
     -------
-    (8 steps + 3,) float64
-        Rising.
+    (8 steps + 3,) float64; rising
     """
     sizes = 10.0 ** np.linspace(-DECADES, 0, DECADES * steps + 1)
     return np.concatenate([-sizes[::-1], np.zeros(1), sizes])
@@ -64,17 +60,14 @@ def open_certificate(
 
     Parameters
     ----------
-    truth : float
-        μ > 0.
-    bound : float
-        B >= μ, proven: a guess would certify nothing from above.
+    truth : float; μ > 0
+    bound : float; B >= μ, proven: a guess would certify nothing from above
     biases : (columns,) float64, optional
         Rising, not below −1; `bias_grid` if not given.
 
     Returns
     -------
-    Certificate
-        Without the candidates at B or above, which the bound refutes.
+    Certificate; without the candidates at B or above, which the bound refutes
 
     Raises
     ------
@@ -96,15 +89,8 @@ def extend(certificate: Certificate, y: float) -> Certificate:
 
     Parameters
     ----------
-    certificate : Certificate
-        Of the replicates before.
-    y : float
-        The statistic of one independent replicate.
-
-    Returns
-    -------
-    Certificate
-        With its bets placed.
+    certificate : Certificate; of the replicates before
+    y : float; the statistic of one independent replicate
     """
     bets = place(certificate.bets, y)
     return replace(
@@ -117,13 +103,6 @@ def extend(certificate: Certificate, y: float) -> Certificate:
 
 def certified_interval(certificate: Certificate, alpha: float) -> tuple[float, float]:
     """Ends of an interval that holds the bias, always, with probability 1 − α.
-
-    Parameters
-    ----------
-    certificate : Certificate
-        So far.
-    alpha : float
-        α.
 
     Returns
     -------
@@ -155,23 +134,11 @@ def certified_interval(certificate: Certificate, alpha: float) -> tuple[float, f
 def certified_bias(certificate: Certificate, alpha: float) -> float:
     """Bound on |b|, the larger end of `certified_interval`.
 
-    Parameters
-    ----------
-    certificate : Certificate
-        So far.
-    alpha : float
-        α.
-
-    Returns
-    -------
-    float
-        The smallest candidate that is rejected with all beyond it, so one step of the
-        grid more than the largest |b| that is still possible; at least 1e-4.
-
-    Notes
-    -----
     The probability that it is ever below the bias is at most α: sampling may stop when
     it is small enough.
+
+    The smallest candidate that is rejected with all beyond it, so one step of the grid
+    more than the largest |b| that is still possible; at least 1e-4.
     """
     low, high = certified_interval(certificate, alpha)
     return max(abs(low), abs(high))

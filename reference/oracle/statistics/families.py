@@ -12,27 +12,23 @@ Floats = NDArray[np.float64]
 def average_e(e: ArrayLike, weights: ArrayLike | None = None) -> float:
     """Weighted mean Σ w e of e-values, itself an e-value under any dependence.
 
+    Vovk and Wang 2021.  An e of its own level α needs m / α here: a mean over m
+    columns costs what a Bonferroni correction costs, and less if several are large.
+
     Parameters
     ----------
-    e : (columns,) float64
-        From 0 to infinity.
+    e : (columns,) float64; from 0 to infinity
     weights : (columns,) float64, optional
         w, chosen before the data; their sum is 1.  Equal if not given.
 
     Returns
     -------
-    float
-        Infinite if one e with a positive weight is.
+    float; infinite if one e with a positive weight is
 
     Raises
     ------
     ValueError
         A NaN, a negative e, or weights that are none.
-
-    Notes
-    -----
-    Vovk and Wang 2021.  An e of its own level α needs m / α here: a mean over m
-    columns costs what a Bonferroni correction costs, and less if several are large.
     """
     values = _checked(e)
     if weights is None:
@@ -51,10 +47,7 @@ def rejects(e: ArrayLike, alpha: float) -> NDArray[np.bool_]:
 
     Parameters
     ----------
-    e : (...) float64
-        E-values.
-    alpha : float
-        α.
+    e : (...) float64; e-values
 
     Returns
     -------
@@ -68,22 +61,17 @@ def rejects(e: ArrayLike, alpha: float) -> NDArray[np.bool_]:
 def e_benjamini_hochberg(e: ArrayLike, alpha: float) -> NDArray[np.bool_]:
     """Which columns to name: the k largest e, for the largest k with k e₍ₖ₎ / m >= 1/α.
 
+    Wang and Ramdas 2022.  It says where, after `average_e` has said whether.
+
     Parameters
     ----------
-    e : (columns,) float64
-        E-values.
-    alpha : float
-        α.
+    e : (columns,) float64; e-values
 
     Returns
     -------
     (columns,) bool
         Among the named, the expected share of innocent ones is at most α, under any
         dependence.
-
-    Notes
-    -----
-    Wang and Ramdas 2022.  It says where, after `average_e` has said whether.
     """
     values = _checked(e)
     falling = np.sort(values)[::-1]
@@ -98,38 +86,28 @@ def bonferroni(p: ArrayLike) -> float:
 
     Parameters
     ----------
-    p : (columns,) float64
-        P-values.
+    p : (columns,) float64; p-values
 
     Returns
     -------
-    float
-        A p-value of "all m claims are true".
+    float; a p-value of "all m claims are true"
     """
     return float(min(1.0, np.size(p) * np.min(_checked(p))))
 
 
 def p_to_e(p: ArrayLike, kappa: float = 0.05) -> Floats:
-    """E-value κ p^(κ − 1) of a p-value.
+    """E-value κ p^(κ − 1) of a p-value, (...) float64; infinite where p = 0.
 
-    Parameters
-    ----------
-    p : (...) float64
-        From 0 to 1.
-    kappa : float
-        κ in (0, 1), chosen before the data.  1 / ln(1 / p) gives the largest e at p:
-        0.05 is made for p near 1e-9.
-
-    Returns
-    -------
-    (...) float64
-        Infinite where p = 0.
-
-    Notes
-    -----
     Vovk and Wang 2021.  ∫₀¹ κ p^(κ − 1) dp = 1, and a p-value is at least uniform.
     With κ = 0.05, e = 1e6 takes p = 2.1e-8: where only p-values are combined,
     `bonferroni` is sharper.
+
+    Parameters
+    ----------
+    p : (...) float64; from 0 to 1
+    kappa : float
+        κ in (0, 1), chosen before the data.  1 / ln(1 / p) gives the largest e at p:
+        0.05 is made for p near 1e-9.
     """
     values = np.asarray(_checked(p))
     logs = np.log(values, out=np.full(values.shape, -np.inf), where=values > 0)

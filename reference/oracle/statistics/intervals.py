@@ -14,15 +14,12 @@ def truth_interval(
 
     Parameters
     ----------
-    mean, standard_error : (columns,) float64
-        Of the estimate of the truth.
-    deviations : float
-        k.
+    mean, standard_error : (columns,) float64; of the estimate of the truth
+    deviations : float; k
 
     Returns
     -------
-    ((columns,), (columns,)) float64
-        Its ends.
+    ((columns,), (columns,)) float64; its ends
     """
     center = np.asarray(mean, np.float64)
     width = deviations * np.asarray(standard_error, np.float64)
@@ -34,15 +31,12 @@ def student_deviations(deviations: float, samples: int) -> float:
 
     Parameters
     ----------
-    deviations : float
-        k, where the error is known.
-    samples : int
-        n ≥ 2, from which mean and error were estimated.
+    deviations : float; k, where the error is known
+    samples : int; n ≥ 2, from which mean and error were estimated
 
     Returns
     -------
-    float
-        k' ≥ k with P(t > k') = Φ(−k), of Student's t with n − 1 degrees of freedom.
+    float; k' ≥ k with P(t > k') = Φ(−k), of Student's t with n − 1 degrees of freedom
     """
     return float(-stdtrit(samples - 1, ndtr(-deviations)))
 
@@ -50,21 +44,13 @@ def student_deviations(deviations: float, samples: int) -> float:
 def outside_probability(deviations: float, truths: int) -> float:
     """Probability that one of m truths lies outside its interval, min(1, 2 m Φ(−k)).
 
+    It is to be added to α.  It takes the estimates for normal, which the means of many
+    samples of light are only nearly: this is the one part of the statement that is not
+    proved.
+
     Parameters
     ----------
-    deviations : float
-        k.
-    truths : int
-        m.
-
-    Returns
-    -------
-    float
-        To be added to α.
-
-    Notes
-    -----
-    It takes the estimates for normal, which the means of many samples of light are
-    only nearly: this is the one part of the statement that is not proved.
+    deviations : float; k
+    truths : int; m
     """
     return float(min(1.0, 2.0 * truths * ndtr(-deviations)))

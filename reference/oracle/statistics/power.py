@@ -11,16 +11,11 @@ def replicates_needed(
 
     Parameters
     ----------
-    variation : float
-        CV, the standard deviation of a replicate over its mean.
-    bias : float
-        b, relative.
-    alpha : float
-        α of all tests together.
-    tests : int
-        m.
-    power : float
-        P, the probability that it is shown.
+    variation : float; CV, the standard deviation of a replicate over its mean
+    bias : float; b, relative
+    alpha : float; α of all tests together
+    tests : int; m
+    power : float; P, the probability that it is shown
 
     Returns
     -------
@@ -38,21 +33,14 @@ def smallest_detectable(
 
     Parameters
     ----------
-    variation : float
-        CV.
-    replicates : int
-        n.
-    alpha : float
-        α of all tests together.
-    tests : int
-        m.
-    power : float
-        P.
+    replicates : int; n
+    alpha : float; α of all tests together
+    tests : int; m
+    power : float; P
 
     Returns
     -------
-    float
-        b, the inverse of `replicates_needed`.
+    float; b, the inverse of `replicates_needed`
     """
     return _factor(alpha, tests, power) * variation / float(np.sqrt(replicates))
 
@@ -68,16 +56,10 @@ def bets_needed(
 
     Parameters
     ----------
-    variation : float
-        CV.
-    bias : float
-        b, relative, with its sign.
-    headroom : float
-        B / μ, the bound over the truth.
-    alpha : float
-        α of all tests together.
-    tests : int
-        m.
+    bias : float; b, relative, with its sign
+    headroom : float; B / μ, the bound over the truth
+    alpha : float; α of all tests together
+    tests : int; m
 
     Returns
     -------

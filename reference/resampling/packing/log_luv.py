@@ -37,6 +37,10 @@ def encode_log_luv(color: Vec3s) -> NDArray[np.uint32]:
 
         u′ = 4 X / (X + 15 Y + 3 Z),  v′ = 9 Y / (X + 15 Y + 3 Z)
 
+    The format of RTXDI, RtxdiMath.hlsli, from which are the order of the fields, 409.6,
+    820, the truncation, and Rec. 709.  RTXDI computes in float32: for a colour within
+    rounding of the edge of a cell its word may be the neighbour of ours.
+
     Parameters
     ----------
     color : (N, 3) float
@@ -48,12 +52,6 @@ def encode_log_luv(color: Vec3s) -> NDArray[np.uint32]:
     (N,) uint32
         0 where L is 0, that is below the luminance 2^(1/409.6 - 20) = 9.553e-7; L is
         16383 from 2^(16383/409.6 - 20) = 1.0468e6 upwards.
-
-    Notes
-    -----
-    The format of RTXDI, RtxdiMath.hlsli, from which are the order of the fields, 409.6,
-    820, the truncation, and Rec. 709.  RTXDI computes in float32: for a colour within
-    rounding of the edge of a cell its word may be the neighbour of ours.
     """
     color = np.nan_to_num(color.astype(np.float64), nan=0.0)
     rgb = np.clip(color, 0.0, np.finfo(np.float32).max)
@@ -77,7 +75,6 @@ def decode_log_luv(words: NDArray[np.uint32]) -> Vec3s:
     Parameters
     ----------
     words : (N,) uint32
-        Any.
 
     Returns
     -------

@@ -27,8 +27,7 @@ def encode_normal(n: Vec3s) -> NDArray[np.int16]:
 
     Parameters
     ----------
-    n : (N, 3) float
-        Unit normals, or 0.
+    n : (N, 3) float; unit normals, or 0
 
     Returns
     -------
@@ -64,10 +63,12 @@ def encode_normal(n: Vec3s) -> NDArray[np.int16]:
 def decode_normal(codes: NDArray[np.int16]) -> Vec3s:
     """Unit normals of octahedral codes.
 
+    The point on the octahedron is a vector of whole numbers, |x| + |y| + |z| = 32767,
+    without an error; only its length is rounded.
+
     Parameters
     ----------
-    codes : (N, 2) int16
-        Any; -32768 is read as -32767.
+    codes : (N, 2) int16; any; -32768 is read as -32767
 
     Returns
     -------
@@ -75,11 +76,6 @@ def decode_normal(codes: NDArray[np.int16]) -> Vec3s:
         Of unit length to rounding.  `encode_normal` gives back the same codes, except
         for -32768 and for those halves of the square's sides that it does not write;
         other encoders write them for normals a hair beyond the planes x = 0 and y = 0.
-
-    Notes
-    -----
-    The point on the octahedron is a vector of whole numbers, |x| + |y| + |z| = 32767,
-    without an error; only its length is rounded.
     """
     u, v = (np.maximum(codes[:, i].astype(np.int32), -UNIT) for i in range(2))
     z = UNIT - abs(u) - abs(v)

@@ -38,14 +38,15 @@ BUFFERS = 5
 def pack(x_v: Vec3s, n_v: Vec3s, r: Reservoirs, seed: UInts) -> NDArray[np.void]:
     """Reservoirs as 48 bytes each.
 
+    [Ouyang21, section 5].  The running w is not stored: it is rebuilt from W and M.
+    Rounding is not dithered, so each error is a bias of its size at most.
+
     Parameters
     ----------
     x_v, n_v : (N, 3) float, m and 1
         Visible points that own the reservoirs, and their unit normals.
-    r : Reservoirs
-        N rows, whose samples are `Samples`.
-    seed : (N,) uint32
-        What the path of the sample was drawn with.
+    r : Reservoirs; N rows, whose samples are `Samples`
+    seed : (N,) uint32; what the path of the sample was drawn with
 
     Returns
     -------
@@ -60,11 +61,6 @@ def pack(x_v: Vec3s, n_v: Vec3s, r: Reservoirs, seed: UInts) -> NDArray[np.void]
     ------
     ValueError
         A column that does not have N rows; one row serves all.
-
-    Notes
-    -----
-    [Ouyang21, section 5].  The running w is not stored: it is rebuilt from W and M.
-    Rounding is not dithered, so each error is a bias of its size at most.
     """
     codes = np.zeros(len(r.W), RESERVOIR)
     codes["x_v"] = nearest_float(x_v, np.float32)
@@ -81,26 +77,20 @@ def pack(x_v: Vec3s, n_v: Vec3s, r: Reservoirs, seed: UInts) -> NDArray[np.void]
 def unpack(codes: NDArray[np.void]) -> tuple[Vec3s, Vec3s, Reservoirs, UInts]:
     """Reservoirs from 48 bytes each: all that `pack` was given, as it was rounded.
 
-    Parameters
-    ----------
-    codes : (N,) `RESERVOIR`
-        Made by `pack`, or read from elsewhere.
-
-    Returns
-    -------
-    x_v, n_v : (N, 3) float64, m and 1
-        Visible points and their unit normals.
-    r : Reservoirs
-        N rows of float64 and `Samples`.
-    seed : (N,) uint32
-        As stored.
-
-    Notes
-    -----
     [Ouyang21, section 5].  Any bits give finite numbers: an infinite half is read as
     ±65504, an infinite float as the largest one, NaN as 0.  `pack` gives back the same
     bits, unless there was one of these, or a normal whose code `encode_normal` does not
     write.
+
+    Parameters
+    ----------
+    codes : (N,) `RESERVOIR`; made by `pack`, or read from elsewhere
+
+    Returns
+    -------
+    x_v, n_v : (N, 3) float64, m and 1; visible points and their unit normals
+    r : Reservoirs; N rows of float64 and `Samples`
+    seed : (N,) uint32; as stored
     """
     y = Samples(
         position=widened(codes["x_s"]),
@@ -114,18 +104,8 @@ def unpack(codes: NDArray[np.void]) -> tuple[Vec3s, Vec3s, Reservoirs, UInts]:
 def buffer_bytes(width: int, height: int) -> int:
     """Memory of all reservoirs of a frame: 5 buffers of 48 bytes a pixel.
 
-    Parameters
-    ----------
-    width, height : int
-        Pixels.
-
-    Returns
-    -------
-    int
-        Bytes: 474.6 · 2²⁰ for 1920 × 1080.
-
-    Notes
-    -----
     [Ouyang21, section 5] prints 475 MB for it.  Without the G-buffer.
+
+    Bytes: 474.6 · 2²⁰ for 1920 × 1080.
     """
     return BUFFERS * RESERVOIR.itemsize * width * height

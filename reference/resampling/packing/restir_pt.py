@@ -46,15 +46,12 @@ def pack(x_v: Vec3s, n_v: Vec3s, r: Reservoirs, age: UInts) -> NDArray[np.void]:
     ----------
     x_v, n_v : (N, 3) float, m and 1
         Visible points that own the reservoirs, and their unit normals.
-    r : Reservoirs
-        N rows, whose samples are `Samples`.
-    age : (N,) uint32
-        Frames since the sample was drawn.
+    r : Reservoirs; N rows, whose samples are `Samples`
+    age : (N,) uint32; frames since the sample was drawn
 
     Returns
     -------
-    (N,) `RESERVOIR`
-        Rounded and saturated, with the errors of :func:`.paper.pack`.
+    (N,) `RESERVOIR`; rounded and saturated, with the errors of :func:`.paper.pack`
 
     Raises
     ------
@@ -67,22 +64,16 @@ def pack(x_v: Vec3s, n_v: Vec3s, r: Reservoirs, age: UInts) -> NDArray[np.void]:
 def unpack(codes: NDArray[np.void]) -> tuple[Vec3s, Vec3s, Reservoirs, UInts]:
     """Reservoirs as ReSTIR_PT stored them.
 
+    Any bits give finite numbers, as for :func:`.paper.unpack`.
+
     Parameters
     ----------
-    codes : (N,) `RESERVOIR`
-        As from ``np.fromfile(dump, RESERVOIR)``.
+    codes : (N,) `RESERVOIR`; as from ``np.fromfile(dump, RESERVOIR)``
 
     Returns
     -------
-    x_v, n_v : (N, 3) float64, m and 1
-        Visible points and their unit normals.
-    r : Reservoirs
-        N rows of float64 and `Samples`.
-    age : (N,) uint32
-        Frames since the sample was drawn.
-
-    Notes
-    -----
-    Any bits give finite numbers, as for :func:`.paper.unpack`.
+    x_v, n_v : (N, 3) float64, m and 1; visible points and their unit normals
+    r : Reservoirs; N rows of float64 and `Samples`
+    age : (N,) uint32; frames since the sample was drawn
     """
     return paper.unpack(codes.view(paper.RESERVOIR))

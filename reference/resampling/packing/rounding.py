@@ -15,10 +15,8 @@ def nearest_float(x: Scalars, dtype: DTypeLike) -> Scalars:
 
     Parameters
     ----------
-    x : (N,) or (N, 3) float16, float32 or float64
-        Any values.
-    dtype : float16 or float32
-        The narrower type, of p bits (11 or 24).
+    x : (N,) or (N, 3) float16, float32 or float64; any values
+    dtype : float16 or float32; the narrower type, of p bits (11 or 24)
 
     Returns
     -------
@@ -39,8 +37,7 @@ def widened(codes: Scalars) -> Scalars:
 
     Parameters
     ----------
-    codes : (N,) or (N, 3) float16 or float32
-        As stored, by whomever.
+    codes : (N,) or (N, 3) float16 or float32; as stored, by whomever
 
     Returns
     -------
@@ -56,10 +53,8 @@ def nearest_count(x: Scalars, most: int) -> UInts:
 
     Parameters
     ----------
-    x : (N,) float or int
-        A confidence M or an age.
-    most : int
-        Largest number that the field holds, below 2³².
+    x : (N,) float or int; a confidence M or an age
+    most : int; largest number that the field holds, below 2³²
 
     Returns
     -------

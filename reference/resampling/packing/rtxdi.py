@@ -45,10 +45,8 @@ def pack(r: Reservoirs, age: UInts, misc: UInts) -> NDArray[np.void]:
 
     Parameters
     ----------
-    r : Reservoirs
-        N rows, whose samples are `Samples`.
-    age : (N,) unsigned int
-        Frames that the sample has survived.
+    r : Reservoirs; N rows, whose samples are `Samples`
+    age : (N,) unsigned int; frames that the sample has survived
     misc : (N,) uint16
         The application's own; RTXDI writes 0.  Its functions take and return these bits
         shifted left by 16.
@@ -81,6 +79,10 @@ def pack(r: Reservoirs, age: UInts, misc: UInts) -> NDArray[np.void]:
 def unpack(codes: NDArray[np.void]) -> tuple[Reservoirs, UInts, UInts]:
     """Reservoirs as RTXDI stored them.
 
+    Any bits give finite numbers: an infinite float is read as the largest one, NaN as
+    0.  `pack` gives back the same bits, unless there was one of these, a normal or a
+    radiance whose code is not written, or something in the unused bytes.
+
     Parameters
     ----------
     codes : (N,) `RESERVOIR`
@@ -91,16 +93,8 @@ def unpack(codes: NDArray[np.void]) -> tuple[Reservoirs, UInts, UInts]:
     r : Reservoirs
         N rows of float64 and `Samples`.  W is what RTXDI calls the weight, after its
         finalization.
-    age : (N,) uint8
-        Frames that the sample has survived.
-    misc : (N,) uint16
-        The application's own.
-
-    Notes
-    -----
-    Any bits give finite numbers: an infinite float is read as the largest one, NaN as
-    0.  `pack` gives back the same bits, unless there was one of these, a normal or a
-    radiance whose code is not written, or something in the unused bytes.
+    age : (N,) uint8; frames that the sample has survived
+    misc : (N,) uint16; the application's own
     """
     y = Samples(
         position=widened(codes["x_s"]),
@@ -116,11 +110,6 @@ def buffer_index(width: int, height: int) -> Indices:
 
     Blocks of 16 × 16 pixels follow each other in rows of blocks, and within a block the
     pixels in rows; blocks at the right and lower edge are stored whole.
-
-    Parameters
-    ----------
-    width, height : int
-        Pixels.
 
     Returns
     -------

@@ -39,15 +39,7 @@ MORNING, EVENING = (2 / 3, -1 / 3, -2 / 3), (2 / 3, -2 / 3, 1 / 3)
 def moving_camera(scene: Scene) -> Animation:
     """The camera flies along an arc and turns with it; the blocks uncover the walls.
 
-    Parameters
-    ----------
-    scene : Scene
-        The Cornell box.
-
-    Returns
-    -------
-    Animation
-        Up to 0.7 m to each side, at most 0.035 m and 0.64 degrees a frame.
+    Up to 0.7 m to each side, at most 0.035 m and 0.64 degrees a frame.
     """
     x, y, z = scene.camera.position
 
@@ -63,18 +55,10 @@ def moving_camera(scene: Scene) -> Animation:
 def moving_block(scene: Scene) -> Animation:
     """The short block slides past the tall one and turns about itself.
 
-    Parameters
-    ----------
-    scene : Scene
-        The Cornell box.
-
-    Returns
-    -------
-    Animation
-        0.7 m to the left and 0.2 m to the front in half a period, and back: at most
-        0.036 m and 3 degrees a frame.  About its axis it needs 0.425 m; from there the
-        wall is never nearer than 0.65 m, and the axis of the tall block, which needs as
-        much, 0.86 m.
+    0.7 m to the left and 0.2 m to the front in half a period, and back: at most 0.036 m
+    and 3 degrees a frame.  About its axis it needs 0.425 m; from there the wall is
+    never nearer than 0.65 m, and the axis of the tall block, which needs as much, 0.86
+    m.
     """
     center = _center(scene, "short block")
 
@@ -91,15 +75,7 @@ def moving_block(scene: Scene) -> Animation:
 def moving_light(scene: Scene) -> Animation:
     """The light travels under the ceiling, from wall to wall.
 
-    Parameters
-    ----------
-    scene : Scene
-        The Cornell box.
-
-    Returns
-    -------
-    Animation
-        Up to 0.6 m to each side, at most 0.059 m a frame, and 0.15 m from the walls.
+    Up to 0.6 m to each side, at most 0.059 m a frame, and 0.15 m from the walls.
     """
 
     def move_at(frame: int) -> Scalars:
@@ -112,15 +88,7 @@ def moving_light(scene: Scene) -> Animation:
 def light_switch(scene: Scene) -> Animation:
     """The only light goes out at once, and for ever.
 
-    Parameters
-    ----------
-    scene : Scene
-        The Cornell box.
-
-    Returns
-    -------
-    Animation
-        Black from frame ``CHANGE`` on: whatever light is left is of the past.
+    Black from frame ``CHANGE`` on: whatever light is left is of the past.
     """
     dark = tuple(
         replace(mesh, emission=(0.0, 0.0, 0.0)) if emits(mesh) else mesh
@@ -131,21 +99,9 @@ def light_switch(scene: Scene) -> Animation:
 
 
 def sunlight_turns(scene: Scene) -> Animation:
-    """The sun changes its direction at once, as in Figure 11 of the paper.
+    """The sun changes its direction at once, as in [Ouyang21, Fig. 11].
 
-    Parameters
-    ----------
-    scene : Scene
-        The sunlit room.
-
-    Returns
-    -------
-    Animation
-        Its patch leaves the far wall and lies on the floor from frame ``CHANGE`` on.
-
-    Notes
-    -----
-    [Ouyang21, Fig. 11].
+    Its patch leaves the far wall and lies on the floor from frame ``CHANGE`` on.
     """
     after = replace(scene, suns=(replace(scene.suns[0], direction=EVENING),))
     return with_change(still(scene), CHANGE, lambda _: after)
@@ -154,10 +110,7 @@ def sunlight_turns(scene: Scene) -> Animation:
 def sunlit_room() -> Scene:
     """A room that the sun lights through a window, and nothing else.
 
-    Returns
-    -------
-    Scene
-        4 x 4 m and 2.5 m high; the window, 1 x 1.2 m, is in the wall on the left.
+    4 x 4 m and 2.5 m high; the window, 1 x 1.2 m, is in the wall on the left.
     """
     wall, floor = Lambertian((0.75, 0.73, 0.7)), Lambertian((0.5, 0.45, 0.4))
     wood = Lambertian((0.45, 0.25, 0.12))

@@ -22,22 +22,18 @@ def polygon_form_factor(x: Vec3s, n: Vec3s, polygon: Vec3s) -> Scalars:
     F = Σ Γ_i · n / 2π over the edges, where Γ_i is as long as the angle that edge i
     covers seen from x, and normal to the plane of edge and x.
 
+    Lambert's formula [Howell10].  Not for elements that touch the edge.
+
     Parameters
     ----------
-    x, n : (N, 3) float64, m and 1
-        Elements, and their unit normals.
-    polygon : (K, 3) float64, m
-        Corners of a convex polygon, in either order.
+    x, n : (N, 3) float64, m and 1; elements, and their unit normals
+    polygon : (K, 3) float64, m; corners of a convex polygon, in either order
 
     Returns
     -------
     (N,) float64
         0 to 1: what a polygon of radiance L sends is the irradiance π L F.  The part
         below the element's horizon is clipped away; 0 in the polygon's own plane.
-
-    Notes
-    -----
-    Lambert's formula [Howell10].  Not for elements that touch the edge.
     """
     corners = polygon[None] - x[:, None]
     height = np.stack([dot(n, corners[:, i]) for i in range(len(polygon))], axis=1)
@@ -117,15 +113,11 @@ def _lit_by(polygon: Vec3s, exitance: Vec3s, x: Vec3s, n: Vec3s) -> Vec3s:
 def sphere_furnace(bounces: int) -> tuple[float, float, float]:
     """Light of the sphere furnace: Σ albedo^i · emission, the same in all pixels.
 
+    Direct (i = 0 and 1), indirect (i = 2 to k + 1) and full light, W/(m² sr).
+
     Parameters
     ----------
-    bounces : int
-        Bounces k of indirect light, from 0.
-
-    Returns
-    -------
-    float, float, float
-        Direct (i = 0 and 1), indirect (i = 2 to k + 1) and full light, W/(m² sr).
+    bounces : int; bounces k of indirect light, from 0
     """
     direct = EMISSION * (1.0 + ALBEDO)
     indirect = sum(EMISSION * ALBEDO**i for i in range(2, bounces + 2))
@@ -135,13 +127,10 @@ def sphere_furnace(bounces: int) -> tuple[float, float, float]:
 def half_lit_sphere() -> tuple[float, float]:
     """One-bounce indirect light of the half-lit sphere: the unit, and its mean.
 
-    Returns
-    -------
-    float, float
-        What a pixel shows whose samples all lie on the grey half, albedo² I / π; and
-        its expectation, half of it.  With cosine-weighted samples and the target of
-        Equation 9, a pixel that has seen M independent samples shows n / M units,
-        where n is Binomial(M, 1/2), whatever is reused.
+    What a pixel shows whose samples all lie on the grey half, albedo² I / π; and its
+    expectation, half of it.  With cosine-weighted samples and the target of Equation 9,
+    a pixel that has seen M independent samples shows n / M units, where n is
+    Binomial(M, 1/2), whatever is reused.
     """
     unit = ALBEDO**2 * INTENSITY / np.pi
     return unit, unit / 2.0

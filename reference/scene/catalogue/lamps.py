@@ -13,15 +13,7 @@ BLACK = Lambertian((0.0, 0.0, 0.0))
 def numbers(count: int) -> list[Scalars]:
     """Random numbers that are the same everywhere.
 
-    Parameters
-    ----------
-    count : int
-        How many of each.
-
-    Returns
-    -------
-    eight (count,) float64
-        In [0, 1).
+    Returns eight (count,) float64; in [0, 1).
     """
     keys = np.arange(count, dtype=np.uint32)
     zero = np.uint32(0)
@@ -30,21 +22,14 @@ def numbers(count: int) -> list[Scalars]:
 
 
 def lamps(centre: Vec3s, u: list[Scalars], brightest: float) -> tuple[Mesh, ...]:
-    """Triangles of 5 to 20 mm, of many colours and powers.
+    """Triangles of 5 to 20 mm, of many colours and powers; 64 of them.
 
     Parameters
     ----------
-    centre : (L, 3) float64, m
-        Where they hang.
+    centre : (L, 3) float64, m; where they hang
     u : list of (L,) float64
         Random numbers, of which 3 to 5 are used: size, strength and colour.
-    brightest : float, W/(m² sr)
-        Radiance of the strongest.
-
-    Returns
-    -------
-    tuple of Mesh
-        64 of them.
+    brightest : float, W/(m² sr); radiance of the strongest
     """
     size = (0.005 + 0.015 * u[3])[:, None, None]
     # Facing down: counter-clockwise seen from below.

@@ -41,10 +41,7 @@ FACES = np.array(
 def night_market() -> Scene:
     """A square of 150 m with 900 stalls under 30,000 small coloured lamps.
 
-    Returns
-    -------
-    Scene
-        A power-proportional choice finds a lamp of the stall at hand once in 900 times.
+    A power-proportional choice finds a lamp of the stall at hand once in 900 times.
     """
     side = STEP * (np.arange(STALLS) - STALLS / 2 + 0.5)
     x, z = (a.ravel() for a in np.meshgrid(side, side))

@@ -24,12 +24,7 @@ class CatalogueScene:
 
     Attributes
     ----------
-    name : str
-        As on the command line.
-    build : callable
-        Makes the scene.
-    summary : str
-        What it shows.
+    build : callable; makes the scene
     answer : str or None
         What is known of its picture in closed form, see
         :mod:`reference.scene.catalogue.answers`.
@@ -169,22 +164,10 @@ CATALOGUE: dict[str, CatalogueScene] = {entry.name: entry for entry in _ENTRIES}
 
 
 def find_scene(name: str) -> Scene:
-    """Built-in scene of a name.
+    """Built-in scene of a name, freshly built; frame 0 of one that is animated.
 
-    Parameters
-    ----------
-    name : str
-        As in the catalogue.
-
-    Returns
-    -------
-    Scene
-        Freshly built; frame 0 of one that is animated.
-
-    Raises
-    ------
-    UsageError
-        No scene has that name; the message says which do, the closest one first.
+    Raises UsageError: no scene has that name; the message says which do, the closest
+    one first.
     """
     return _entry(name).build()
 
@@ -192,23 +175,15 @@ def find_scene(name: str) -> Scene:
 def find_animation(name: str, scene: Scene | None = None) -> Animation:
     """Frames of the built-in scene of a name.
 
+    The same scene in every frame, where it stands still.
+
+    Raises UsageError: no scene has that name.
+
     Parameters
     ----------
-    name : str
-        As in the catalogue.
     scene : Scene, optional
         That scene with another size of picture, say; by default as `find_scene` gives
         it.
-
-    Returns
-    -------
-    Animation
-        The same scene in every frame, where it stands still.
-
-    Raises
-    ------
-    UsageError
-        No scene has that name.
     """
     entry = _entry(name)
     scene = scene or entry.build()

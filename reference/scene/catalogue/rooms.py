@@ -21,15 +21,12 @@ def pose(yaw_degrees: float, position: Color) -> Scalars:
 
     Parameters
     ----------
-    yaw_degrees : float
-        Counter-clockwise seen from above (+y).
-    position : (float, float, float), m
-        Where the origin of the own frame goes.
+    yaw_degrees : float; counter-clockwise seen from above (+y)
+    position : (float, float, float), m; where the origin of the own frame goes
 
     Returns
     -------
-    (4, 4) float64
-        Own frame to world.
+    (4, 4) float64; own frame to world
     """
     c, s = np.cos(np.radians(yaw_degrees)), np.sin(np.radians(yaw_degrees))
     matrix = np.eye(4)
@@ -41,10 +38,7 @@ def pose(yaw_degrees: float, position: Color) -> Scalars:
 def cornell_box() -> Scene:
     """The Cornell box: red and green walls, two white blocks, one light.
 
-    Returns
-    -------
-    Scene
-        A room of 2 x 2 x 2 m.
+    A room of 2 x 2 x 2 m.
     """
     meshes = (
         quad("floor", (-1, 0, 1), (2, 0, 0), (0, 0, -2), WHITE),
@@ -71,11 +65,8 @@ def cornell_box() -> Scene:
 def door_ajar() -> Scene:
     """A dim room lit through the gap of a door that stands ajar.
 
-    Returns
-    -------
-    Scene
-        All light comes from the next room; only what the gap lets through reaches
-        the camera's room.
+    All light comes from the next room; only what the gap lets through reaches the
+    camera's room.
     """
     wood = Lambertian((0.45, 0.25, 0.12))
     wall = Lambertian((0.75, 0.73, 0.7))
@@ -126,10 +117,7 @@ def door_ajar() -> Scene:
 def many_lights() -> Scene:
     """A hall under 30,000 small coloured lamps.
 
-    Returns
-    -------
-    Scene
-        Each lamp is one triangle that faces down, 5 to 20 mm wide.
+    Each lamp is one triangle that faces down, 5 to 20 mm wide.
     """
     u = numbers(30_000)
     centre = np.stack([7.9 * u[0] - 3.95, 2.2 + 1.2 * u[1], 7.9 * u[2] - 3.95], axis=-1)

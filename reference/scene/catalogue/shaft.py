@@ -21,13 +21,10 @@ DOOR = (0.5, 1.3, 2.0)  # from, to, and height
 def shaft() -> Scene:
     """A dark room beside one that a lamp at the top of a sooty shaft lights.
 
-    Returns
-    -------
-    Scene
-        Each 3 x 3.5 m and 2.6 m high.  Down the shaft, half a metre wide and 6.4 m
-        long, light falls on a spot of the first room's floor; through a door some of it
-        reaches the second, where the camera is.  Most of what it sees is two bounces
-        from the spot, or more, and few directions lead there.
+    Each 3 x 3.5 m and 2.6 m high.  Down the shaft, half a metre wide and 6.4 m long,
+    light falls on a spot of the first room's floor; through a door some of it reaches
+    the second, where the camera is.  Most of what it sees is two bounces from the spot,
+    or more, and few directions lead there.
     """
     meshes = (
         *_slab("floor", 0.0),

@@ -18,11 +18,8 @@ from reference.scene.textures import Checker
 def specular_floor() -> Scene:
     """A polished dark floor that mirrors a ceiling, which only the floor lights.
 
-    Returns
-    -------
-    Scene
-        A shaded lamp hangs low: it lights a spot of the floor and nothing else.  What
-        the floor mirrors has been to that spot before, which few paths find.
+    A shaded lamp hangs low: it lights a spot of the floor and nothing else.  What the
+    floor mirrors has been to that spot before, which few paths find.
     """
     floor = Coated((0.12, 0.1, 0.08), alpha=0.0, ior=1.5)
     meshes = (
@@ -55,10 +52,7 @@ def mirror_floor() -> Scene:
 def glass_floor() -> Scene:
     """A room on a pane of glass over a diffuse ground.
 
-    Returns
-    -------
-    Scene
-        All light that reaches the ground, or comes from it, is refracted twice.
+    All light that reaches the ground, or comes from it, is refracted twice.
     """
     # Into the walls: rims that lie in them would let light out of the room.
     pane = box("pane", (6.4, 0.12, 6.4), pose(0, (0, -0.06, -1)), Dielectric(1.5))

@@ -19,10 +19,7 @@ _CAMERA = Camera(
 def sphere_furnace() -> Scene:
     """A grey sphere that glows evenly, seen from inside.
 
-    Returns
-    -------
-    Scene
-        Light after i reflections is albedo^i · emission at every point.
+    Light after i reflections is albedo^i · emission at every point.
     """
     grey = Lambertian((ALBEDO, ALBEDO, ALBEDO))
     glow = (EMISSION, EMISSION, EMISSION)
@@ -40,11 +37,8 @@ def sphere_furnace() -> Scene:
 def half_lit_sphere() -> Scene:
     """A sphere, half grey and half black, around a point light in its centre.
 
-    Returns
-    -------
-    Scene
-        Every sample point reflects one known radiance or none; half of the area each.
-        The camera sees grey alone.
+    Every sample point reflects one known radiance or none; half of the area each.  The
+    camera sees grey alone.
     """
     # 0.4 repetitions along the longitude stay in the first half of the checker, so that
     # the latitude alone decides: black in the south, grey in the north.

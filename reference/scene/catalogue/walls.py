@@ -18,11 +18,8 @@ WALL_REFLECTANCE = (0.8, 0.4, 0.2)
 def sunlit_wall() -> Scene:
     """A wall in the sun lights the floor before it; the sun grazes the floor exactly.
 
-    Returns
-    -------
-    Scene
-        The wall stands at z = 0 on the floor y = 0.  Its irradiance is uniform, so
-        that the light of the floor is the form factor of a rectangle.
+    The wall stands at z = 0 on the floor y = 0.  Its irradiance is uniform, so that the
+    light of the floor is the form factor of a rectangle.
     """
     meshes = (
         quad("floor", (-4, 0, 4), (8, 0, 0), (0, 0, -4), Lambertian(FLOOR_REFLECTANCE)),
@@ -39,12 +36,9 @@ def sunlit_wall() -> Scene:
 def parallel_plates() -> Scene:
     """Sunlight from below reaches the upper plate past the lower one.
 
-    Returns
-    -------
-    Scene
-        Unit squares at y = 0 and y = 1.  The sun rises at slope 1/2, so that the
-        shadow of the lower plate falls beside the upper one, which is lit evenly from
-        below and lights the lower one.
+    Unit squares at y = 0 and y = 1.  The sun rises at slope 1/2, so that the shadow of
+    the lower plate falls beside the upper one, which is lit evenly from below and
+    lights the lower one.
     """
     slope = np.array([1.0, 0.5, 0.0]) / np.sqrt(1.25)
     lower, upper = Lambertian(FLOOR_REFLECTANCE), Lambertian(WALL_REFLECTANCE)
@@ -64,10 +58,7 @@ def parallel_plates() -> Scene:
 def glossy_floor() -> Scene:
     """A stool on a glossy floor before a sunlit wall.
 
-    Returns
-    -------
-    Scene
-        Shadows and reflections of thin legs: where reuse without visibility is wrong.
+    Shadows and reflections of thin legs: where reuse without visibility is wrong.
     """
     floor = Coated((0.3, 0.28, 0.25), alpha=0.1, ior=1.8)
     wood = Lambertian((0.5, 0.3, 0.15))
@@ -97,11 +88,8 @@ def glossy_floor() -> Scene:
 def grazing_light() -> Scene:
     """A long floor lit only from its far left end, at grazing angles.
 
-    Returns
-    -------
-    Scene
-        The sun passes above a screen on the right and reaches the upper half of a low
-        wall on the left; the floor sees that strip near its horizon.
+    The sun passes above a screen on the right and reaches the upper half of a low wall
+    on the left; the floor sees that strip near its horizon.
     """
     meshes = (
         quad("floor", (-1, 0, 3), (6, 0, 0), (0, 0, -6), WHITE),
@@ -119,13 +107,7 @@ def grazing_light() -> Scene:
 
 
 def checker() -> Scene:
-    """Checkered floor and blocks under an even sky.
-
-    Returns
-    -------
-    Scene
-        Textured visible and sample points.
-    """
+    """Checkered floor and blocks under an even sky."""
     tiles = Lambertian(Checker((0.8, 0.8, 0.8), (0.1, 0.15, 0.3), (6.0, 6.0)))
     stripes = Lambertian(Checker((0.9, 0.3, 0.1), (0.9, 0.8, 0.5), (2.0, 2.0)))
     meshes = (

@@ -14,12 +14,9 @@ class Ball:
 
     Attributes
     ----------
-    center : (3,) float64, m
-        Of the sphere.
+    center : (3,) float64, m; of the sphere
     radius : float, m
-        Of the sphere.
-    outward : bool
-        Its front is the outside.
+    outward : bool; its front is the outside
     """
 
     center: Vec3s
@@ -27,32 +24,20 @@ class Ball:
     outward: bool
 
     def holds(self, x: Vec3s) -> bool:
-        """Whether a point is inside.
+        """Whether a point is inside; False on the surface.
 
         Parameters
         ----------
-        x : (3,) float64, m
-            The point.
-
-        Returns
-        -------
-        bool
-            False on the surface.
+        x : (3,) float64, m; the point
         """
         return bool(np.linalg.norm(x - self.center) < self.radius)
 
     def excludes_point(self, x: Vec3s) -> bool:
-        """Whether a point is outside.
+        """Whether a point is outside; True on the surface.
 
         Parameters
         ----------
-        x : (3,) float64, m
-            The point.
-
-        Returns
-        -------
-        bool
-            True on the surface.
+        x : (3,) float64, m; the point
         """
         return not self.holds(x)
 
@@ -61,13 +46,7 @@ class Ball:
 
         Parameters
         ----------
-        corners : (K, 3, 3) float64, m
-            Triangles.
-
-        Returns
-        -------
-        bool
-            By their nearest points.
+        corners : (K, 3, 3) float64, m; triangles
         """
         return bool((distance_to_triangles(self.center, corners) >= self.radius).all())
 
@@ -76,15 +55,12 @@ class Ball:
 
         Parameters
         ----------
-        center : (3,) float64, m
-            Of the other sphere.
-        radius : float, m
-            Of the other sphere.
+        center : (3,) float64, m; of the other sphere
+        radius : float, m; of the other sphere
 
         Returns
         -------
-        bool
-            True also where the other sphere encloses this one.
+        bool; True also where the other sphere encloses this one
         """
         apart = float(np.linalg.norm(center - self.center))
         return abs(apart - radius) >= self.radius

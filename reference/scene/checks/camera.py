@@ -18,17 +18,7 @@ MOST_PIXELS = 2**28
 def check_camera(where: str, camera: Camera) -> None:
     """Require a view that exists and an image that can be made.
 
-    Parameters
-    ----------
-    where : str
-        The camera.
-    camera : Camera
-        As an author gives it.
-
-    Raises
-    ------
-    UsageError
-        Names the property.
+    Raises UsageError, which names the property.
     """
     for name in ("position", "target"):
         need_numbers(where, name, getattr(camera, name), -LARGEST, LARGEST, count=3)
@@ -73,19 +63,12 @@ def _check_angle(where: str, camera: Camera) -> None:
 def check_place(where: str, scene: Scene, extent: float) -> None:
     """Require a camera that touches no surface.
 
+    Raises UsageError, which names the shape, and the face where it is a mesh.
+
     Parameters
     ----------
-    where : str
-        The camera.
-    scene : Scene
-        Its shapes checked.
-    extent : float, m
-        Half of the longest side of the scene.
-
-    Raises
-    ------
-    UsageError
-        Names the shape, and the face where it is a mesh.
+    scene : Scene; its shapes checked
+    extent : float, m; half of the longest side of the scene
     """
     eye = np.asarray(scene.camera.position, float)
     least = STEP * extent

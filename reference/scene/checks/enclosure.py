@@ -20,18 +20,12 @@ Region = Shell | Ball
 def check_enclosure(where: str, scene: Scene) -> None:
     """Require a camera that is not in a closed opaque shape which holds no light.
 
+    Raises UsageError, which names the shape.  Certain: a room that holds a lamp, that
+    glows inside or that rounding leaves in doubt passes, and so does glass.
+
     Parameters
     ----------
-    where : str
-        The camera.
-    scene : Scene
-        Its shapes checked.
-
-    Raises
-    ------
-    UsageError
-        Names the shape.  Certain: a room that holds a lamp, that glows inside or that
-        rounding leaves in doubt passes, and so does glass.
+    scene : Scene; its shapes checked
     """
     eye = np.asarray(scene.camera.position, float)
     for shape, region in _around(eye, scene):

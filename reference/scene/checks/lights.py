@@ -24,15 +24,11 @@ NARROWEST = 0.01
 def check_lights(scene: Scene) -> None:
     """Require lights whose every number has a meaning; none need shine.
 
+    Raises UsageError, which names the light and the property.
+
     Parameters
     ----------
-    scene : Scene
-        Its shapes checked.
-
-    Raises
-    ------
-    UsageError
-        Names the light and the property.
+    scene : Scene; its shapes checked
     """
     for i, point in enumerate(scene.points):
         where = f"{scene.name}: point light {i}"
@@ -52,15 +48,11 @@ def check_lights(scene: Scene) -> None:
 def check_lit(scene: Scene) -> None:
     """Require a light that shines.
 
+    Raises UsageError: nothing emits.
+
     Parameters
     ----------
-    scene : Scene
-        Its numbers checked.
-
-    Raises
-    ------
-    UsageError
-        Nothing emits.
+    scene : Scene; its numbers checked
     """
     if not is_lit(scene):
         right = "give a mesh or a sphere an emission, or add a lamp, a sun or a sky"
@@ -70,17 +62,7 @@ def check_lit(scene: Scene) -> None:
 def check_environment(where: str, environment: Environment) -> None:
     """Require a sky of non-negative radiance.
 
-    Parameters
-    ----------
-    where : str
-        The environment.
-    environment : Environment
-        Constant or a map.
-
-    Raises
-    ------
-    UsageError
-        Names the property.
+    Raises UsageError, which names the property.
     """
     if isinstance(environment, ConstantEnvironment):
         need_numbers(where, "radiance", environment.radiance, 0, BRIGHTEST, count=3)
@@ -98,17 +80,11 @@ def check_environment(where: str, environment: Environment) -> None:
 
 
 def is_lit(scene: Scene) -> bool:
-    """Whether anything emits.
+    """Whether any shape, lamp, sun or sky has an emission above 0.
 
     Parameters
     ----------
-    scene : Scene
-        Its numbers checked.
-
-    Returns
-    -------
-    bool
-        Some shape, lamp, sun or sky has an emission above 0.
+    scene : Scene; its numbers checked
     """
     if any(map(emits, scene.meshes)) or any(map(emits, scene.spheres)):
         return True

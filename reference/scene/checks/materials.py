@@ -20,17 +20,11 @@ LEAST_ALPHA = 1e-3
 def check_material(where: str, material: Material) -> None:
     """Require a material that never reflects more than it receives.
 
+    Raises UsageError, which names the property.
+
     Parameters
     ----------
-    where : str
-        The shape that is made of it.
-    material : Material
-        Any kind.
-
-    Raises
-    ------
-    UsageError
-        Names the property.
+    where : str; the shape that is made of it
     """
     if isinstance(material, Conductor | Coated | Dielectric):
         _check_facets(where, material)
@@ -54,17 +48,12 @@ def check_material(where: str, material: Material) -> None:
 def check_reflectance(where: str, texture: Texture) -> None:
     """Require a reflectance from 0 to 1, wherever it is read.
 
+    Raises UsageError, which names the texture's kind and the value.
+
     Parameters
     ----------
-    where : str
-        The shape that has it.
-    texture : Texture
-        A colour, a bitmap or a checker.
-
-    Raises
-    ------
-    UsageError
-        Names the texture's kind and the value.
+    where : str; the shape that has it
+    texture : Texture; a colour, a bitmap or a checker
     """
     check_texture(where, "reflectance", texture, 1.0)
 

@@ -20,17 +20,7 @@ LARGEST = 1e50
 def check_mesh(where: str, mesh: Mesh) -> None:
     """Require a mesh whose every number has a meaning.
 
-    Parameters
-    ----------
-    where : str
-        The mesh.
-    mesh : Mesh
-        As an author gives it.
-
-    Raises
-    ------
-    UsageError
-        Names the vertex, the face, or the property.
+    Raises UsageError, which names the vertex, the face, or the property.
     """
     need_rows(where, "vertex", np.asarray(mesh.vertices), 3)
     check_faces(where, mesh)
@@ -66,10 +56,7 @@ def check_faces(where: str, mesh: Mesh) -> None:
 
     Parameters
     ----------
-    where : str
-        The mesh.
-    mesh : Mesh
-        With vertices.
+    mesh : Mesh; its vertices checked
 
     Raises
     ------
@@ -93,10 +80,7 @@ def check_pose(where: str, mesh: Mesh) -> None:
 
     Parameters
     ----------
-    where : str
-        The mesh.
-    mesh : Mesh
-        With finite vertices.
+    mesh : Mesh; with finite vertices
 
     Raises
     ------
@@ -124,17 +108,7 @@ def check_pose(where: str, mesh: Mesh) -> None:
 def check_sphere(where: str, sphere: Sphere) -> None:
     """Require a sphere that is one.
 
-    Parameters
-    ----------
-    where : str
-        The sphere.
-    sphere : Sphere
-        As an author gives it.
-
-    Raises
-    ------
-    UsageError
-        Names the property.
+    Raises UsageError, which names the property.
     """
     need_numbers(where, "center", sphere.center, -LARGEST, LARGEST, count=3)
     need_numbers(where, "radius", sphere.radius, high=LARGEST)
@@ -145,17 +119,13 @@ def check_sphere(where: str, sphere: Sphere) -> None:
 
 
 def without_flat_faces(scene: Scene) -> Scene:
-    """Drop triangles without area, count them and say so.
+    """Drop triangles without area, with a note for each mesh that lost some.
+
+    Meshes that lost all are gone.
 
     Parameters
     ----------
-    scene : Scene
-        Its numbers checked.
-
-    Returns
-    -------
-    Scene
-        With a note for each mesh that lost triangles; meshes that lost all are gone.
+    scene : Scene; its numbers checked
     """
     meshes, notes = [], []
     for mesh in scene.meshes:
@@ -177,8 +147,7 @@ def has_area(corners: Scalars) -> Masks:
 
     Parameters
     ----------
-    corners : (T, 3, 3) float64, m
-        In the world.
+    corners : (T, 3, 3) float64, m; in the world
 
     Returns
     -------

@@ -22,12 +22,9 @@ class Shell:
 
     Attributes
     ----------
-    corners : (T, 3, 3) float64, m
-        In the world.
-    faces : (T,) int
-        Faces of the mesh that it is a part of.
-    outward : bool
-        Neighbouring faces agree on their front, and it is the outside.
+    corners : (T, 3, 3) float64, m; in the world
+    faces : (T,) int; faces of the mesh that it is a part of
+    outward : bool; neighbouring faces agree on their front, and it is the outside
     """
 
     corners: Scalars
@@ -39,13 +36,11 @@ class Shell:
 
         Parameters
         ----------
-        x : (3,) float64, m
-            The point.
+        x : (3,) float64, m; the point
 
         Returns
         -------
-        bool
-            False also where rounding leaves it open.
+        bool; False also where rounding leaves it open
         """
         return self._is_near(x[None])[0] and inside(x, self.corners)
 
@@ -54,13 +49,11 @@ class Shell:
 
         Parameters
         ----------
-        x : (3,) float64, m
-            The point.
+        x : (3,) float64, m; the point
 
         Returns
         -------
-        bool
-            False also where rounding leaves it open.
+        bool; False also where rounding leaves it open
         """
         return not self._is_near(x[None])[0] or outside(x, self.corners)
 
@@ -69,13 +62,11 @@ class Shell:
 
         Parameters
         ----------
-        corners : (K, 3, 3) float64, m
-            Triangles.
+        corners : (K, 3, 3) float64, m; triangles
 
         Returns
         -------
-        bool
-            False also where rounding leaves it open.
+        bool; False also where rounding leaves it open
         """
         some = corners[self._is_near(corners.min(axis=1), corners.max(axis=1))]
         if not all(self.excludes_point(x) for x in some.reshape(-1, 3)):
@@ -95,15 +86,12 @@ class Shell:
 
         Parameters
         ----------
-        center : (3,) float64, m
-            Of the sphere.
+        center : (3,) float64, m; of the sphere
         radius : float, m
-            Of the sphere.
 
         Returns
         -------
-        bool
-            False also where rounding leaves it open.
+        bool; False also where rounding leaves it open
         """
         offset = self.corners.reshape(-1, 3) - center
         if (dot(offset, offset) < radius**2).all():
@@ -123,17 +111,9 @@ def closed_shells(faces: Indices, vertices: Vec3s, corners: Scalars) -> Iterator
 
     Parameters
     ----------
-    faces : (F, 3) int
-        Of the mesh.
-    vertices : (V, 3) float64
-        In its own frame, where equal corners have equal bits.
-    corners : (F, 3, 3) float64, m
-        Its triangles in the world.
-
-    Yields
-    ------
-    Shell
-        Each once.
+    faces : (F, 3) int; of the mesh
+    vertices : (V, 3) float64; in its own frame, where equal corners have equal bits
+    corners : (F, 3, 3) float64, m; its triangles in the world
     """
     # Vertices at one place are one vertex (+ 0.0 turns -0 into 0).
     _, same = np.unique(vertices + 0.0, axis=0, return_inverse=True)

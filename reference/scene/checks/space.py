@@ -10,10 +10,8 @@ def distance_to_triangles(x: Vec3s, corners: Scalars) -> Scalars:
 
     Parameters
     ----------
-    x : (3,) float64, m
-        The point.
-    corners : (T, 3, 3) float64, m
-        Triangles with area.
+    x : (3,) float64, m; the point
+    corners : (T, 3, 3) float64, m; triangles with area
 
     Returns
     -------
@@ -41,10 +39,8 @@ def crossings(start: Vec3s, along: Vec3s, corners: Scalars) -> Masks:
 
     Parameters
     ----------
-    start, along : (3,) float64, m
-        The segment; make it longer than the scene for a ray.
-    corners : (T, 3, 3) float64, m
-        Triangles.
+    start, along : (3,) float64, m; the segment; make it longer than the scene for a ray
+    corners : (T, 3, 3) float64, m; triangles
 
     Returns
     -------
@@ -67,8 +63,7 @@ def inside(x: Vec3s, corners: Scalars) -> bool:
 
     Parameters
     ----------
-    x : (3,) float64, m
-        The point.
+    x : (3,) float64, m; the point
     corners : (T, 3, 3) float64, m
         Triangles in which each edge occurs an even number of times.
 
@@ -86,15 +81,13 @@ def outside(x: Vec3s, corners: Scalars) -> bool:
 
     Parameters
     ----------
-    x : (3,) float64, m
-        The point.
+    x : (3,) float64, m; the point
     corners : (T, 3, 3) float64, m
         Triangles in which each edge occurs an even number of times.
 
     Returns
     -------
-    bool
-        True where the same rays all cross it an even number of times.
+    bool; True where the same rays all cross it an even number of times
     """
     return all(crossings(x, ray, corners).sum() % 2 == 0 for ray in _rays(x, corners))
 
@@ -104,15 +97,12 @@ def sees_out(x: Vec3s, corners: Scalars) -> bool:
 
     Parameters
     ----------
-    x : (3,) float64, m
-        The point.
-    corners : (T, 3, 3) float64, m
-        Triangles, closed or not.
+    x : (3,) float64, m; the point
+    corners : (T, 3, 3) float64, m; triangles, closed or not
 
     Returns
     -------
-    bool
-        True where one of a few rays crosses none of them.
+    bool; True where one of a few rays crosses none of them
     """
     if ((x < corners.min(axis=(0, 1))) | (x > corners.max(axis=(0, 1)))).any():
         return True

@@ -9,19 +9,13 @@ from reference.scene.textures import Bitmap, Checker, Texture
 def check_texture(where: str, what: str, texture: Texture, high: float) -> None:
     """Require a texture of finite colours from 0 to a bound.
 
+    Raises UsageError, which names the texture's kind and the value.
+
     Parameters
     ----------
-    where, what : str
-        The shape that has it, and what it tells of it: "reflectance".
-    texture : Texture
-        A colour, a bitmap or a checker.
-    high : float
-        Bound, inclusive.
-
-    Raises
-    ------
-    UsageError
-        Names the texture's kind and the value.
+    where, what : str; the shape that has it, and what it tells of it: "reflectance"
+    texture : Texture; a colour, a bitmap or a checker
+    high : float; bound, inclusive
     """
     if isinstance(texture, Bitmap):
         pixels = texture.pixels

@@ -17,19 +17,7 @@ A pixel may sum many of it, and is float32 in a file, which ends at 3.4e38.
 def refuse(where: str, wrong: str, right: str) -> NoReturn:
     """Stop: the scene cannot be rendered as it is.
 
-    Parameters
-    ----------
-    where : str
-        Part of the scene: 'mesh "floor"'.
-    wrong : str
-        What is wrong with it.
-    right : str
-        What would be right.
-
-    Raises
-    ------
-    UsageError
-        Always.
+    Raises UsageError.
     """
     raise UsageError(f"{where}: {wrong}; {right}")
 
@@ -41,10 +29,7 @@ def need_rows(where: str, what: str, values: Scalars, columns: int) -> None:
     ----------
     where, what : str
         Part of the scene, and a row of the array: 'mesh "floor"', 'vertex'.
-    values : array
-        Should be (N, columns) finite numbers.
-    columns : int
-        Numbers in a row.
+    values : array; should be (N, columns) finite numbers
 
     Raises
     ------
@@ -70,21 +55,14 @@ def need_numbers(
 ) -> None:
     """Require finite numbers within bounds.
 
+    Raises UsageError: a number is not finite or out of bounds, or there are too few or
+    too many.
+
     Parameters
     ----------
-    where, what : str
-        Part of the scene, and its property: 'sphere "ball"', 'radius'.
-    values : array_like
-        One number or several.
-    low, high : float
-        Bounds, inclusive.
-    count : int or None
-        How many numbers there must be; ``None`` for any.
-
-    Raises
-    ------
-    UsageError
-        A number is not finite or out of bounds, or there are too few or too many.
+    where, what : str; part of the scene, and its property: 'sphere "ball"', 'radius'
+    low, high : float; bounds, inclusive
+    count : int or None; how many numbers there must be; ``None`` for any
     """
     numbers = np.asarray(values, float).ravel()
     if count is not None and len(numbers) != count:
@@ -102,17 +80,11 @@ def need_numbers(
 
 
 def told(values: Scalars) -> str:
-    """Numbers as a reader expects them.
+    """Numbers as a reader expects them: "0.5" or "(nan, 0, 1)".
 
     Parameters
     ----------
-    values : (K,) float
-        A point, a colour, or one number.
-
-    Returns
-    -------
-    str
-        "0.5" or "(nan, 0, 1)".
+    values : (K,) float; a point, a colour, or one number
     """
     words = [f"{value:g}" for value in np.ravel(values)]
     return words[0] if len(words) == 1 else f"({', '.join(words)})"

@@ -17,12 +17,9 @@ class Words:
 
     Attributes
     ----------
-    text : (B,) uint8
-        The text.
-    starts, stops : (N,) int
-        Where each word begins, and where it has ended.
-    counts : (L,) int
-        Words on each line.
+    text : (B,) uint8; the text
+    starts, stops : (N,) int; where each word begins, and where it has ended
+    counts : (L,) int; words on each line
     """
 
     text: Bytes
@@ -32,22 +29,16 @@ class Words:
 
     @property
     def lines(self) -> Indices:
-        """Line of each word."""
+        """Line of each word, (N,) int."""
         return np.repeat(np.arange(len(self.counts)), self.counts)
 
 
 def words_of(text: Bytes) -> Words:
-    """Find the words of a text.
+    """Find the words of a text, parted by spaces and what ASCII counts as such.
 
     Parameters
     ----------
-    text : (B,) uint8
-        Lines that each end in a line feed.
-
-    Returns
-    -------
-    Words
-        Parted by spaces and what ASCII counts as such.
+    text : (B,) uint8; lines that each end in a line feed
     """
     blank = (text == 32) | ((text >= 9) & (text <= 13))
     starts = np.flatnonzero(~blank & np.append(True, blank[:-1]))
@@ -62,13 +53,11 @@ def numbers_of(text: Bytes) -> tuple[Scalars, int | None]:
 
     Parameters
     ----------
-    text : (B,) uint8
-        Words alone.
+    text : (B,) uint8; words alone
 
     Returns
     -------
-    (N,) float64, int or None
-        The numbers; which word is none, if one is.
+    (N,) float64, int or None; the numbers; which word is none, if one is
     """
     words = text.tobytes().split()
     try:
@@ -92,15 +81,12 @@ def whole_numbers(
 
     Parameters
     ----------
-    text : (B,) uint8
-        The text.
-    starts, stops : (N,) int
-        Of each stretch.
+    text : (B,) uint8; the text
+    starts, stops : (N,) int; of each stretch
 
     Returns
     -------
-    (N,) int64, (N,) bool
-        The numbers, 0 where there is none; whether there is one.
+    (N,) int64, (N,) bool; the numbers, 0 where there is none; whether there is one
     """
     negative = text[np.minimum(starts, len(text) - 1)] == ord("-")
     at = starts + (negative & (stops > starts))

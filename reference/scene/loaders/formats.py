@@ -62,28 +62,16 @@ no coat, and refused.
 
 
 def formats_page() -> str:
-    """The whole page.
-
-    Returns
-    -------
-    str
-        Markdown.
-    """
+    """The whole page, in Markdown."""
     return "\n".join([HEAD, *(x for title in TABLES for x in _section(title))])
 
 
 def words_of_format(title: str) -> tuple[Word, ...]:
-    """Table of a format.
+    """Table of a format, in the order of the loader.
 
     Parameters
     ----------
-    title : str
-        One of `TABLES`.
-
-    Returns
-    -------
-    tuple of Word
-        In the order of the loader.
+    title : str; one of `TABLES`
     """
     module = import_module(f"reference.scene.loaders.{TABLES[title]}")
     words: tuple[Word, ...] = tuple(module.WORDS)

@@ -21,13 +21,7 @@ def color(values: Sequence[float] | Vec3s) -> Color:
 
     Parameters
     ----------
-    values : (3,) float
-        Any sequence.
-
-    Returns
-    -------
-    Color
-        Python floats.
+    values : (3,) float; any sequence
 
     Raises
     ------
@@ -41,24 +35,7 @@ def color(values: Sequence[float] | Vec3s) -> Color:
 def fov_axis(where: str, word: object, ledger: Ledger) -> FovAxis:
     """Axis of the angle of view that a file names.
 
-    Parameters
-    ----------
-    where : str
-        The camera.
-    word : object
-        As the file has it.
-    ledger : Ledger
-        Of the file.
-
-    Returns
-    -------
-    FovAxis
-        The same word.
-
-    Raises
-    ------
-    UsageError
-        There is no such axis.
+    Raises UsageError: there is no such axis.
     """
     named = [axis for axis in FOV_AXES if axis == word]
     if not named:
@@ -72,10 +49,8 @@ def framing_camera(meshes: Sequence[Mesh], spheres: Sequence[Sphere]) -> Camera:
 
     Parameters
     ----------
-    meshes : sequence of Mesh
-        In the world (their poses are the identity).
-    spheres : sequence of Sphere
-        In the world.
+    meshes : sequence of Mesh; in the world (their poses are the identity)
+    spheres : sequence of Sphere; in the world
 
     Returns
     -------
@@ -117,19 +92,8 @@ def camera_or_framing(
 
     Parameters
     ----------
-    camera : Camera or None
-        What the file has.
-    meshes : sequence of Mesh
-        In the world.
-    spheres : sequence of Sphere
-        In the world.
-    ledger : Ledger
-        Takes the note.
-
-    Returns
-    -------
-    Camera
-        One of the two.
+    meshes : sequence of Mesh; in the world
+    spheres : sequence of Sphere; in the world
     """
     if camera is not None:
         return camera
@@ -141,19 +105,11 @@ def camera_or_framing(
 
 
 def default_environment(scene: Scene, ledger: Ledger) -> ConstantEnvironment | None:
-    """Light for a file that has none, noted.
+    """Light for a file that has none, noted, of radiance 1, unless something emits.
 
     Parameters
     ----------
-    scene : Scene
-        Without an environment.
-    ledger : Ledger
-        Takes the note.
-
-    Returns
-    -------
-    ConstantEnvironment or None
-        Of radiance 1, unless something emits.
+    scene : Scene; without an environment
     """
     glows = any(map(emits, scene.meshes)) or any(map(emits, scene.spheres))
     if scene.lamps or scene.suns or glows:

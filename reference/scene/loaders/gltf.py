@@ -47,22 +47,14 @@ class _Parts:
 
 
 def load(ledger: Ledger) -> Scene:
-    """Scene of a glTF file.
+    """Default scene of a glTF file, all in the world; see the notes.
+
+    Raises UsageError: not glTF 2, truncated, or (unless lenient) with something not
+    modelled.
 
     Parameters
     ----------
-    ledger : Ledger
-        Of the file: .gltf with its buffers, or .glb.
-
-    Returns
-    -------
-    Scene
-        Of the file's default scene, all in the world; see the notes.
-
-    Raises
-    ------
-    UsageError
-        Not glTF 2, truncated, or (unless lenient) with something not modelled.
+    ledger : Ledger; of the file: .gltf with its buffers, or .glb
     """
     document = read_document(ledger)
     check_words(document.tree, ledger)

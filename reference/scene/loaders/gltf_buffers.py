@@ -30,16 +30,9 @@ class Document:
 
     Attributes
     ----------
-    tree : dict
-        The JSON.
-    binary : bytes
-        The second chunk of a .glb; empty in a .gltf.
-    ledger : Ledger
-        Of this file.
-    files : dict of str to bytes
-        Those that were read so far, by their URI.
-    arrays : dict of int to array
-        Accessors that were read so far.
+    binary : bytes; the second chunk of a .glb; empty in a .gltf
+    files : dict of str to bytes; those that were read so far, by their URI
+    arrays : dict of int to array; accessors that were read so far
     pictures : dict
         Those that were decoded so far, by their image and what they are read for.
     """
@@ -56,15 +49,7 @@ class Document:
 
         Parameters
         ----------
-        name : str
-            "nodes", "accessors", ...
-        index : int
-            One that the list has.
-
-        Returns
-        -------
-        dict
-            As in the file.
+        name : str; "nodes", "accessors", ...
         """
         found: dict[str, Any] = self.tree[name][index]
         return found
@@ -72,17 +57,11 @@ class Document:
     def claim(self, memory: int, what: str) -> None:
         """Ask for memory before arrays are made.
 
+        Raises UsageError: it is more than the bytes of the files make believable.
+
         Parameters
         ----------
-        memory : int
-            Bytes, with those of the arrays on the way.
-        what : str
-            The promise that takes them.
-
-        Raises
-        ------
-        UsageError
-            It is more than the bytes of the files make believable.
+        memory : int; bytes, with those of the arrays on the way
         """
         try:
             self.ledger.take(memory, what)
@@ -91,22 +70,9 @@ class Document:
 
 
 def read_document(ledger: Ledger) -> Document:
-    """Open a .gltf or .glb file.
+    """Open a .gltf or .glb file: its JSON as it is; no buffer is read yet.
 
-    Parameters
-    ----------
-    ledger : Ledger
-        Of this file.
-
-    Returns
-    -------
-    Document
-        Its JSON as it is; no buffer is read yet.
-
-    Raises
-    ------
-    UsageError
-        No glTF 2 file, or truncated.
+    Raises UsageError: no glTF 2 file, or truncated.
     """
     contents = ledger.contents()
     binary = b""
@@ -169,22 +135,11 @@ def _split_glb(contents: bytes, ledger: Ledger) -> tuple[bytes, bytes]:
 def resolve_uri(uri: str, document: Document) -> bytes:
     """Contents of a file beside the scene, or of a data URI.
 
+    Raises UsageError: the file cannot be read.
+
     Parameters
     ----------
-    uri : str
-        Relative path, percent-encoded, or ``data:...;base64,...``.
-    document : Document
-        The scene file.
-
-    Returns
-    -------
-    bytes
-        All of it.
-
-    Raises
-    ------
-    UsageError
-        The file cannot be read.
+    uri : str; relative path, percent-encoded, or ``data:...;base64,...``
     """
     if uri.startswith("data:"):
         header, _, payload = uri.partition(",")
@@ -206,22 +161,7 @@ def resolve_uri(uri: str, document: Document) -> bytes:
 def view_bytes(document: Document, index: int) -> memoryview:
     """Bytes of a buffer view.
 
-    Parameters
-    ----------
-    document : Document
-        The file.
-    index : int
-        Of the view.
-
-    Returns
-    -------
-    memoryview
-        Its part of its buffer.
-
-    Raises
-    ------
-    UsageError
-        The buffer cannot be read, or has not so many bytes.
+    Raises UsageError: the buffer cannot be read, or has not so many bytes.
     """
     view = document.entry("bufferViews", index)
     start, length = view.get("byteOffset", 0), view["byteLength"]
@@ -259,14 +199,8 @@ def read_accessor(
 
     Parameters
     ----------
-    document : Document
-        The file.
-    index : int
-        Of the accessor.
-    types : tuple of str
-        Those that its use allows: "VEC3".
-    where : str
-        Its use, for messages: 'mesh "floor", POSITION'.
+    types : tuple of str; those that its use allows: "VEC3"
+    where : str; its use, for messages: 'mesh "floor", POSITION'
 
     Returns
     -------

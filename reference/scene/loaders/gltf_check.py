@@ -16,23 +16,15 @@ ELEMENTS = {word.element for word in WORDS}
 def check_words(tree: dict[str, Any], ledger: Ledger) -> None:
     """Hold every word of a file against the table.
 
-    Parameters
-    ----------
-    tree : dict
-        The whole file.
-    ledger : Ledger
-        Takes notes, and what a strict loader refuses.
-
-    Raises
-    ------
-    UsageError
-        A value is not what its word needs; or, with all that is refused so far, the
-        file uses what cannot be replaced either.
-
-    Notes
-    -----
     Afterwards every word that a reader finds has a value of its form, and every index
     an element.
+
+    Raises UsageError: a value is not what its word needs; or, with all that is refused
+    so far, the file uses what cannot be replaced either.
+
+    Parameters
+    ----------
+    ledger : Ledger; takes notes, and what a strict loader refuses
     """
     check = _Check(tree, ledger)
     check.object("file", tree, "the file")
@@ -60,6 +52,8 @@ def replace_word(
 
 def named(element: str, entry: dict[str, Any], index: int) -> str:
     """An element as messages call it: by its name, or else by its number.
+
+    'material "paint"' or 'material 3'.
 
     Parameters
     ----------

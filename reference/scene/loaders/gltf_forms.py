@@ -99,21 +99,11 @@ Form = (
 
 
 def fault(form: Form, value: Any, tree: dict[str, Any]) -> str | None:
-    """What a value must be, if it is not.
+    """What a value must be, if it is not, to be read after "it must be".
 
     Parameters
     ----------
-    form : Form
-        As in the table of words.
-    value : Any
-        Of the JSON.
-    tree : dict
-        The whole file, whose lists indices count.
-
-    Returns
-    -------
-    str or None
-        To be read after "it must be".
+    tree : dict; the whole file, whose lists indices count
     """
     fits, needs = True, ""
     match form:
@@ -153,19 +143,11 @@ def fault(form: Form, value: Any, tree: dict[str, Any]) -> str | None:
 
 
 def listed(tree: dict[str, Any], name: str) -> list[Any]:
-    """List of a file by its name, also that of lights, which is an extension's.
+    """List of a file by its name, also an extension's lights; empty if it has none.
 
     Parameters
     ----------
-    tree : dict
-        The whole file.
-    name : str
-        "nodes", "lights", ...
-
-    Returns
-    -------
-    list
-        Empty where the file has none.
+    name : str; "nodes", "lights", ...
     """
     if name == "lights":
         tree = _object(_object(tree.get("extensions")).get("KHR_lights_punctual"))
@@ -176,15 +158,7 @@ def listed(tree: dict[str, Any], name: str) -> list[Any]:
 def shown(value: Any) -> str:
     """A value of the file on one short line.
 
-    Parameters
-    ----------
-    value : Any
-        Of the JSON.
-
-    Returns
-    -------
-    str
-        Long lists and objects by their kind alone.
+    Long lists and objects by their kind alone.
     """
     if isinstance(value, dict):
         return "an object"
@@ -199,15 +173,11 @@ def shown(value: Any) -> str:
 def printable(text: str) -> str:
     """A text of the file, of which nothing can reach a terminal but letters.
 
+    Escapes stand in place of the rest.
+
     Parameters
     ----------
-    text : str
-        May hold control characters and halves of pairs.
-
-    Returns
-    -------
-    str
-        With escapes in their place.
+    text : str; may hold control characters and halves of pairs
     """
     letters = (c if c.isprintable() else ascii(c)[1:-1] for c in text)
     return "".join(letters)

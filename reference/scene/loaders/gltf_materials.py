@@ -40,22 +40,14 @@ class Finish:
 
     Attributes
     ----------
-    material : Material
-        How it scatters.
-    emission : Texture, W/(m² sr)
-        Radiance of the front.
-    two_sided_emission : bool
-        And of the back.
-    opacity : Bitmap or None
-        Where there is a surface, as in `Mesh`.
-    opacity_cutoff : float
-        Least opacity of a surface.
-    masked : bool
-        The alpha of vertex colours counts.
-    absent : bool
-        Its alpha is below the cutoff everywhere.
-    uv_set : int
-        Which texture coordinates its textures read.
+    material : Material; how it scatters
+    emission : Texture, W/(m² sr); radiance of the front
+    two_sided_emission : bool; and of the back
+    opacity : Bitmap or None; where there is a surface, as in `Mesh`
+    opacity_cutoff : float; least opacity of a surface
+    masked : bool; the alpha of vertex colours counts
+    absent : bool; its alpha is below the cutoff everywhere
+    uv_set : int; which texture coordinates its textures read
     uv_matrix : (3, 3) float64
         From these to places in the picture, in glTF's frame (v downwards).
     """
@@ -97,10 +89,7 @@ def read_finish(document: Document, index: int | None) -> Finish:
 
     Parameters
     ----------
-    document : Document
-        The file.
-    index : int or None
-        Of the material; ``None`` for the default, a rough white metal.
+    index : int or None; of the material; ``None`` for the default, a rough white metal
 
     Returns
     -------

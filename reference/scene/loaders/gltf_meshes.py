@@ -29,14 +29,9 @@ class PlacedPrimitive:
 
     Attributes
     ----------
-    name : str
-        Of its node or mesh.
-    primitive : dict
-        As in the file.
-    finish : Finish
-        What it wears.
-    matrices : list of (4, 4) float64
-        To the world, one an instance.
+    name : str; of its node or mesh
+    finish : Finish; what it wears
+    matrices : list of (4, 4) float64; to the world, one an instance
     """
 
     name: str

@@ -18,11 +18,6 @@ FARTHEST = 1e50
 def nodes(document: Document) -> Iterator[tuple[str, dict[str, Any], Scalars]]:
     """All nodes of the default scene, in depth-first order.
 
-    Parameters
-    ----------
-    document : Document
-        The file.
-
     Yields
     ------
     str, dict and (4, 4) float64
@@ -63,19 +58,11 @@ def instances(
 
     Parameters
     ----------
-    document : Document
-        The file.
-    where : str
-        The node.
-    node : dict
-        As in the file.
-    matrix : (4, 4) float64
-        Of the node, to the world.
+    matrix : (4, 4) float64; of the node, to the world
 
     Returns
     -------
-    list of (4, 4) float64
-        To the world.
+    list of (4, 4) float64; to the world
 
     Raises
     ------

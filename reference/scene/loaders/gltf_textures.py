@@ -26,19 +26,7 @@ Reference = Mapping[str, Any]
 def read_colors(document: Document, texture: Reference, where: str) -> Vec3s:
     """Linear colours of a texture whose picture is in sRGB.
 
-    Parameters
-    ----------
-    document : Document
-        The file.
-    texture : mapping
-        A material's reference to it.
-    where : str
-        The material.
-
-    Returns
-    -------
-    (h, w, 3) float64
-        Mid grey where a lenient loader cannot read it.
+    Returns (h, w, 3) float64; mid grey where a lenient loader cannot read it.
     """
     grey = np.full((1, 1, 3), 0.5)
     return _decoded(document, texture, where, "colors", decode_picture, grey)
@@ -47,19 +35,9 @@ def read_colors(document: Document, texture: Reference, where: str) -> Vec3s:
 def read_numbers(document: Document, texture: Reference, where: str) -> Vec3s:
     """Values of a texture as they are stored.
 
-    Parameters
-    ----------
-    document : Document
-        The file.
-    texture : mapping
-        A material's reference to it.
-    where : str
-        The material.
-
     Returns
     -------
-    (h, w, 3) float64
-        In [0, 1]; one half where a lenient loader cannot read it.
+    (h, w, 3) float64; in [0, 1]; one half where a lenient loader cannot read it
     """
     half = np.full((1, 1, 3), 0.5)
     return _decoded(
@@ -70,19 +48,7 @@ def read_numbers(document: Document, texture: Reference, where: str) -> Vec3s:
 def read_alpha(document: Document, texture: Reference, where: str) -> Scalars:
     """Alpha of a texture.
 
-    Parameters
-    ----------
-    document : Document
-        The file.
-    texture : mapping
-        A material's reference to it.
-    where : str
-        The material.
-
-    Returns
-    -------
-    (h, w) float64
-        In [0, 1]; 1 where a lenient loader cannot read it.
+    Returns (h, w) float64; in [0, 1]; 1 where a lenient loader cannot read it.
     """
     opaque = np.ones((1, 1))
     return _decoded(document, texture, where, "alpha", decode_alpha, opaque)
@@ -93,17 +59,11 @@ def bitmap(document: Document, texture: Reference, pixels: Vec3s) -> Bitmap:
 
     Parameters
     ----------
-    document : Document
-        The file.
-    texture : mapping
-        A material's reference to it.
-    pixels : (h, w, 3) float64
-        What it shows.
+    pixels : (h, w, 3) float64; what it shows
 
     Returns
     -------
-    Bitmap
-        Bilinear unless the file wants the nearest texel.
+    Bitmap; bilinear unless the file wants the nearest texel
     """
     entry = document.entry("textures", texture["index"])
     sampler = {}
@@ -120,11 +80,6 @@ def bitmap(document: Document, texture: Reference, pixels: Vec3s) -> Bitmap:
 
 def placement(texture: Reference) -> tuple[int, Scalars]:
     """Which texture coordinates a texture reads, and what becomes of them first.
-
-    Parameters
-    ----------
-    texture : mapping
-        A material's reference to it.
 
     Returns
     -------

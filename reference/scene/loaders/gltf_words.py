@@ -41,12 +41,9 @@ class GltfWord(Word):
 
     Attributes
     ----------
-    form : Form
-        What its value must be.
-    needed : bool
-        The file is broken without it.
-    neutral : tuple
-        Values with which it changes nothing, although it is not modelled.
+    form : Form; what its value must be
+    needed : bool; the file is broken without it
+    neutral : tuple; values with which it changes nothing, although it is not modelled
     judged : bool
         Whether it is replaced depends on more than its value: the reader of its
         element finds out.

@@ -13,18 +13,7 @@ MOST_COUNT = 2**24  # beyond it no picture has a side
 
 
 def shown(value: Any) -> str:
-    """A value as the file may spell it, for messages.
-
-    Parameters
-    ----------
-    value : Any
-        Of the file.
-
-    Returns
-    -------
-    str
-        At most 60 letters.
-    """
+    """A value as the file may spell it, for messages; at most 60 letters."""
     text = "missing" if value is None else json.dumps(value)
     return text if len(text) <= 60 else f"{text[:57]}..."
 
@@ -42,14 +31,7 @@ class JsonObject:
 
     Attributes
     ----------
-    element : str
-        What it is, as in `json_words.WORDS`.
-    name : str
-        For messages.
-    raw : Any
-        As in the file.
-    ledger : Ledger
-        Of the file.
+    element : str; what it is, as in `json_words.WORDS`
     """
 
     element: str
@@ -68,43 +50,19 @@ class JsonObject:
         return str(self.raw.get("id", self.name))
 
     def get(self, key: str, default: Any = None) -> Any:
-        """Value of a key, of whatever type.
-
-        Parameters
-        ----------
-        key : str
-            The key.
-        default : Any
-            If there is none.
-
-        Returns
-        -------
-        Any
-            As in the file.
-        """
+        """Value of a key, of whatever type."""
         assert key in names(self.element), f"{key} is no word of {self.element}"
         self._read.add(key)
         return self.raw.get(key, default)
 
     def number(self, key: str, default: float | None = None) -> float:
-        """Number.
+        """Number; NaN and infinities pass.
+
+        Raises UsageError: missing, or no number.
 
         Parameters
         ----------
-        key : str
-            The key.
-        default : float or None
-            If there is none; ``None`` if there has to be one.
-
-        Returns
-        -------
-        float
-            NaN and infinities pass.
-
-        Raises
-        ------
-        UsageError
-            Missing, or no number.
+        default : float or None; if there is none; ``None`` if there has to be one
         """
         value = self.get(key, default)
         if not _is_number(value):
@@ -114,24 +72,9 @@ class JsonObject:
         return float(value)
 
     def count(self, key: str, default: int) -> int:
-        """Number of things.
+        """Number of things, from 1 to `MOST_COUNT`.
 
-        Parameters
-        ----------
-        key : str
-            The key.
-        default : int
-            If there is none.
-
-        Returns
-        -------
-        int
-            From 1 to `MOST_COUNT`.
-
-        Raises
-        ------
-        UsageError
-            No such number.
+        Raises UsageError: no such number.
         """
         value = self.number(key, default)
         if not 1 <= value <= MOST_COUNT or value != int(value):
@@ -142,24 +85,13 @@ class JsonObject:
         return int(value)
 
     def color(self, key: str, default: Color | None = None) -> Color:
-        """Colour or point.
+        """Colour or point; one number stands for three equal ones.
+
+        Raises UsageError: missing, or neither one number nor three.
 
         Parameters
         ----------
-        key : str
-            The key.
-        default : Color or None
-            If there is none; ``None`` if there has to be one.
-
-        Returns
-        -------
-        Color
-            One number stands for three equal ones.
-
-        Raises
-        ------
-        UsageError
-            Missing, or neither one number nor three.
+        default : Color or None; if there is none; ``None`` if there has to be one
         """
         value = self.get(key, default)
         values = value if isinstance(value, list | tuple) else [value] * 3
@@ -176,10 +108,7 @@ class JsonObject:
 
         A key whose value is a text is taken for a remark, and noted.
 
-        Raises
-        ------
-        UsageError
-            Unless lenient.
+        Raises UsageError unless lenient.
         """
         harmless = names(self.element, Use.HARMLESS)
         for key in sorted(self.raw.keys() - self._read - set(harmless)):

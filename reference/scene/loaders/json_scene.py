@@ -41,20 +41,12 @@ LIGHTS = names("light type")
 def load(ledger: Ledger) -> Scene:
     """Scene of a scene.json file.
 
+    Raises UsageError: not such a file, or (unless lenient) with something not
+    understood.
+
     Parameters
     ----------
-    ledger : Ledger
-        Of the file: .json; meshes and pictures are looked for beside it.
-
-    Returns
-    -------
-    Scene
-        Of flat faces.
-
-    Raises
-    ------
-    UsageError
-        Not such a file, or (unless lenient) with something not understood.
+    ledger : Ledger; of the file: .json; meshes and pictures are looked for beside it
     """
     with ledger.reading("scene.json file"):
         tree = json.loads(

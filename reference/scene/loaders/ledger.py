@@ -28,14 +28,10 @@ class Ledger:
 
     Attributes
     ----------
-    path : Path
-        The scene file.
-    lenient : bool
-        Replace, and say so, where a strict loader stops.
-    allow_outside : bool
-        Read files outside the scene's folder, if it names them.
-    notes : list of str
-        Sentences for `Scene.notes`, each once.
+    path : Path; the scene file
+    lenient : bool; replace, and say so, where a strict loader stops
+    allow_outside : bool; read files outside the scene's folder, if it names them
+    notes : list of str; sentences for `Scene.notes`, each once
     refusals : list of str
         What a strict loader refuses, each once, until `settle` tells them.
     """
@@ -54,23 +50,18 @@ class Ledger:
         return self._counted(self.path)
 
     def locate(self, name: str) -> Path:
-        """Where a further file of the scene lies.
+        """Where a further file of the scene lies; it need not exist.
+
+        In the scene's folder, unless ``allow_outside``.
+
+        Raises UsageError: the name leads to another machine, or (unless
+        ``allow_outside``) out of the folder, be it by "..", by a link or as an absolute
+        path.
 
         Parameters
         ----------
         name : str
             Path from the scene's folder, or an absolute one; either kind of slash.
-
-        Returns
-        -------
-        Path
-            In the scene's folder, unless ``allow_outside``.  It need not exist.
-
-        Raises
-        ------
-        UsageError
-            The name leads to another machine, or (unless ``allow_outside``) out of the
-            folder, be it by "..", by a link or as an absolute path.
         """
         plain = name.replace("\\", "/")
         if REMOTE.match(plain):
@@ -96,40 +87,16 @@ class Ledger:
     def read(self, name: str) -> bytes:
         """Contents of a further file of the scene.
 
-        Parameters
-        ----------
-        name : str
-            See `locate`.
-
-        Returns
-        -------
-        bytes
-            All of it.
-
-        Raises
-        ------
-        UsageError
-            The file may not be read, or cannot.
+        Raises UsageError: the file may not be read, or cannot.
         """
         return self._counted(self.locate(name))
 
     def has(self, name: str) -> bool:
         """Whether there is a further file of that name.
 
-        Parameters
-        ----------
-        name : str
-            See `locate`.
+        Also false for a name that no file can have.
 
-        Returns
-        -------
-        bool
-            Also false for a name that no file can have.
-
-        Raises
-        ------
-        UsageError
-            See `locate`.
+        Raises UsageError: see `locate`.
         """
         return os.path.isfile(self.locate(name))  # unlike Path's it never raises
 
@@ -141,18 +108,13 @@ class Ledger:
     def take(self, memory: int, what: str) -> None:
         """Refuse what would take more memory than the files make believable.
 
+        Raises UsageError: with this, the scene takes more than `ROOM` and
+        `MOST_EXPANSION` times the bytes that were read so far.
+
         Parameters
         ----------
-        memory : int
-            Bytes that a promise of a file is about to take.
-        what : str
-            The promise: "a.png claims 65535 x 65535 pixels".
-
-        Raises
-        ------
-        UsageError
-            With this, the scene takes more than `ROOM` and `MOST_EXPANSION` times the
-            bytes that were read so far.
+        memory : int; bytes that a promise of a file is about to take
+        what : str; the promise: "a.png claims 65535 x 65535 pixels"
         """
         most = ROOM + MOST_EXPANSION * self._bytes
         if self._memory + memory > most:
@@ -167,8 +129,7 @@ class Ledger:
 
         Parameters
         ----------
-        sentence : str
-            Without its full stop.
+        sentence : str; without its full stop
         """
         self._tell_once(f"{sentence}.", self.notes)
 
@@ -177,10 +138,8 @@ class Ledger:
 
         Parameters
         ----------
-        problem : str
-            What is not modelled, and in which element.
-        instead : str
-            What a lenient loader does: "taken as ...", "left out".
+        problem : str; what is not modelled, and in which element
+        instead : str; what a lenient loader does: "taken as ...", "left out"
         """
         if self.lenient:
             self.note(f"{problem}: {instead}")
@@ -192,8 +151,7 @@ class Ledger:
 
         Parameters
         ----------
-        problem : str
-            What is not modelled and cannot be replaced, in which element.
+        problem : str; what is not modelled and cannot be replaced, in which element
         """
         self._tell_once(problem, self.refusals)
 
@@ -205,10 +163,7 @@ class Ledger:
     def settle(self) -> None:
         """Refuse the file if anything in it was replaced and the loader is strict.
 
-        Raises
-        ------
-        UsageError
-            Tells all refusals so far.
+        Raises UsageError, which tells all refusals so far.
         """
         if not self.refusals:
             return
@@ -222,15 +177,11 @@ class Ledger:
     def stop(self, problem: str) -> NoReturn:
         """Refuse the file.
 
+        Raises UsageError.
+
         Parameters
         ----------
-        problem : str
-            What is wrong, in which element, and what would be right.
-
-        Raises
-        ------
-        UsageError
-            Always.
+        problem : str; what is wrong, in which element, and what would be right
         """
         raise UsageError(f"{self.path}: {problem}")
 
@@ -238,20 +189,12 @@ class Ledger:
     def reading(self, what: str) -> Iterator[None]:
         """Tell a reader's failure on malformed data as the user's error that it is.
 
+        Raises UsageError in place of whatever a reader raises on data that it cannot
+        digest.
+
         Parameters
         ----------
-        what : str
-            What it ought to be: "glTF file".
-
-        Yields
-        ------
-        None
-            Nothing.
-
-        Raises
-        ------
-        UsageError
-            In place of whatever a reader raises on data that it cannot digest.
+        what : str; what it ought to be: "glTF file"
         """
         try:
             yield
@@ -288,19 +231,7 @@ def _in_words(error: Exception) -> str:
 def roughness(alpha: float, where: str, ledger: Ledger) -> float:
     """GGX width as our materials take it: 0, or not below `LEAST_ALPHA`.
 
-    Parameters
-    ----------
-    alpha : float
-        As in the file.
-    where : str
-        The material, for the note.
-    ledger : Ledger
-        Takes the note.
-
-    Returns
-    -------
-    float
-        0 where the lobe is too narrow for float32.
+    Returns float; 0 where the lobe is too narrow for float32.
     """
     if not 0 < alpha < LEAST_ALPHA:
         return alpha

@@ -20,29 +20,21 @@ LOADERS = {
 
 
 def load_scene(path: Path, lenient: bool = False, allow_outside: bool = False) -> Scene:
-    """Scene in a file.
+    """Scene in a file, as it stands there.
+
+    Not validated: NaN and infinite values pass through.  ``notes`` says in sentences
+    what differs from the file.
+
+    Raises UsageError: missing, empty or corrupt file, an unknown suffix, or (unless
+    lenient) something that is not modelled.
 
     Parameters
     ----------
-    path : Path
-        .gltf, .glb, .obj, .ply, .xml (Mitsuba 3) or .json (docs: scene.json).
+    path : Path; .gltf, .glb, .obj, .ply, .xml (Mitsuba 3) or .json (docs: scene.json)
     lenient : bool
         Replace what is missing or not modelled, and say so in the scene's notes,
         rather than refuse the file.
-    allow_outside : bool
-        Read files outside the scene's folder, if it names them.
-
-    Returns
-    -------
-    Scene
-        As in the file, not validated: NaN and infinite values pass through.  ``notes``
-        says in sentences what differs from the file.
-
-    Raises
-    ------
-    UsageError
-        Missing, empty or corrupt file, an unknown suffix, or (unless lenient)
-        something that is not modelled.
+    allow_outside : bool; read files outside the scene's folder, if it names them
     """
     suffix = path.suffix.lower()
     if suffix not in LOADERS:

@@ -26,21 +26,14 @@ WHITE = MtlAppearance(Lambertian((1.0, 1.0, 1.0)))
 def load(ledger: Ledger) -> Scene:
     """Scene of an OBJ or PLY file.
 
+    Seen by a default camera, and lit by a constant environment if nothing emits.
+
+    Raises UsageError: not such a file, truncated, without triangles, or (unless
+    lenient) with something missing or not modelled.
+
     Parameters
     ----------
-    ledger : Ledger
-        Of the file: .obj, with its .mtl files, or .ply.
-
-    Returns
-    -------
-    Scene
-        Seen by a default camera, and lit by a constant environment if nothing emits.
-
-    Raises
-    ------
-    UsageError
-        Not such a file, truncated, without triangles, or (unless lenient) with
-        something missing or not modelled.
+    ledger : Ledger; of the file: .obj, with its .mtl files, or .ply
     """
     contents, looks = ledger.contents(), dict[str, MtlAppearance]()
     if ledger.path.suffix.lower() == ".obj":
@@ -103,13 +96,6 @@ def _mesh(part: MeshPart, looks: Mapping[str, MtlAppearance], ledger: Ledger) ->
 
 def read_parts(name: str, ledger: Ledger) -> list[MeshPart]:
     """All triangles of an OBJ or PLY file beside a scene, without its materials.
-
-    Parameters
-    ----------
-    name : str
-        Of the file.
-    ledger : Ledger
-        Of the scene.
 
     Returns
     -------

@@ -45,10 +45,8 @@ class MitsubaAppearance:
 
     Attributes
     ----------
-    material : Material
-        How it scatters.
-    opacity : Bitmap or None
-        Where there is a surface.
+    material : Material; how it scatters
+    opacity : Bitmap or None; where there is a surface
     attribute : str
         Colours of the shape's vertices or faces, by Mitsuba's name; "" for none.
     """
@@ -64,16 +62,9 @@ class Materials:
 
     Attributes
     ----------
-    mi : module
-        ``mitsuba``.
-    ledger : Ledger
-        Of the file.
-    textures : Textures
-        Of the file.
-    made : dict
-        What was converted already.
-    weighed : set of Path
-        Files of triangles whose bytes were counted already.
+    mi : module; ``mitsuba``
+    made : dict; what was converted already
+    weighed : set of Path; files of triangles whose bytes were counted already
     """
 
     mi: Any

@@ -32,29 +32,14 @@ def read_mesh(
     textured: bool,
     ledger: Ledger,
 ) -> Mesh:
-    """Triangles of a shape, without its look.
+    """Triangles of a shape, without its look, in the world.
 
     Parameters
     ----------
-    mi : module
-        ``mitsuba``.
-    node : Node
-        The shape; no sphere.
-    matrix : (4, 4) float64
-        Its own frame to world.
-    path : Path or None
-        Where its triangles are, if they are in a file.
-    attribute : str
-        Which of its attributes are its colours; "" for none.
-    textured : bool
-        Whether its texture coordinates matter.
-    ledger : Ledger
-        Of the file.
-
-    Returns
-    -------
-    Mesh
-        In the world.
+    node : Node; the shape; no sphere
+    matrix : (4, 4) float64; its own frame to world
+    path : Path or None; where its triangles are, if they are in a file
+    attribute : str; which of its attributes are its colours; "" for none
     """
     flip = node.flag("flip_normals", False, ledger)
     if node.kind == "rectangle":

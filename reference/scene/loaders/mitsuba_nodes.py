@@ -33,21 +33,11 @@ VARIANT = "scalar_rgb"  # the one that needs no compiler at run time
 def mitsuba_session() -> Iterator[Any]:
     """Mitsuba in its scalar RGB variant, quiet.
 
-    Yields
-    ------
-    module
-        ``mitsuba``.
-
-    Raises
-    ------
-    UsageError
-        It is not installed.
-
-    Notes
-    -----
     The variant and the log level belong to the process; what the caller had chosen
     comes back.  A caller who had chosen no variant is left with this one, for Mitsuba
     cannot go back to none.
+
+    Raises UsageError: it is not installed.
     """
     try:
         mi: Any = import_module("mitsuba")
@@ -72,22 +62,11 @@ def mitsuba_session() -> Iterator[Any]:
 def reading(what: str, ledger: Ledger) -> Iterator[None]:
     """Tell Mitsuba's failure on malformed data without the names of its own parts.
 
+    Raises UsageError in place of whatever Mitsuba raises.
+
     Parameters
     ----------
-    what : str
-        What it ought to be: "metal of ...".
-    ledger : Ledger
-        Of the file.
-
-    Yields
-    ------
-    None
-        Nothing.
-
-    Raises
-    ------
-    UsageError
-        In place of whatever Mitsuba raises.
+    what : str; what it ought to be: "metal of ..."
     """
     with ledger.reading(what):
         try:
@@ -103,16 +82,10 @@ class Node:
 
     Attributes
     ----------
-    type : str
-        "shape", "bsdf", "emitter", ...
-    kind : str
-        Name of the plugin.
-    name : str
-        Kind with id, place in the file, or name of what it is in: for messages.
-    id : str
-        As in the file, else kind and place.
-    values : dict
-        Numbers, strings, colours, transforms.
+    type : str; "shape", "bsdf", "emitter", ...
+    name : str; kind with id, place in the file, or name of what it is in: for messages
+    id : str; as in the file, else kind and place
+    values : dict; numbers, strings, colours, transforms
     children : dict of str to Node
         Plugins inside; those without a name of their own begin with "_arg".
     folders : list of Path
@@ -128,98 +101,34 @@ class Node:
     folders: list[Path] = field(default_factory=list)
 
     def inside(self, type_name: str) -> "list[Node]":
-        """Plugins of one type inside this one.
+        """Plugins of one type inside this one, in the order of the file.
 
         Parameters
         ----------
-        type_name : str
-            "bsdf", "emitter", ...
-
-        Returns
-        -------
-        list of Node
-            In the order of the file.
+        type_name : str; "bsdf", "emitter", ...
         """
         return [node for node in self.children.values() if node.type == type_name]
 
     def get(self, key: str, default: Any = None) -> Any:
-        """Value of a parameter as Mitsuba parsed it.
-
-        Parameters
-        ----------
-        key : str
-            Name of the parameter.
-        default : Any
-            What it is if the file does not say.
-
-        Returns
-        -------
-        Any
-            Number, string, colour, transform.
-        """
+        """Value of a parameter as Mitsuba parsed it."""
         return self.values.get(key, default)
 
     def number(self, key: str, default: float, ledger: Ledger) -> float:
-        """Value of a parameter that is a number.
-
-        Parameters
-        ----------
-        key : str
-            Name of the parameter.
-        default : float
-            What it is if the file does not say.
-        ledger : Ledger
-            Of the file.
-
-        Returns
-        -------
-        float
-            As in the file.
-        """
+        """Value of a parameter that is a number."""
         value = self.values.get(key, default)
         if isinstance(value, bool) or not isinstance(value, int | float):
             self._refuse_value(key, "a number", ledger)
         return float(value)
 
     def flag(self, key: str, default: bool, ledger: Ledger) -> bool:
-        """Value of a parameter that is true or false.
-
-        Parameters
-        ----------
-        key : str
-            Name of the parameter.
-        default : bool
-            What it is if the file does not say.
-        ledger : Ledger
-            Of the file.
-
-        Returns
-        -------
-        bool
-            As in the file.
-        """
+        """Value of a parameter that is true or false."""
         value = self.values.get(key, default)
         if not isinstance(value, bool):
             self._refuse_value(key, "true or false", ledger)
         return value
 
     def text(self, key: str, default: str, ledger: Ledger) -> str:
-        """Value of a parameter that is a string.
-
-        Parameters
-        ----------
-        key : str
-            Name of the parameter.
-        default : str
-            What it is if the file does not say.
-        ledger : Ledger
-            Of the file.
-
-        Returns
-        -------
-        str
-            As in the file.
-        """
+        """Value of a parameter that is a string."""
         value = self.values.get(key, default)
         if not isinstance(value, str):
             self._refuse_value(key, "a string", ledger)
@@ -230,17 +139,11 @@ class Node:
 
         Parameters
         ----------
-        key : str
-            Name of the parameter.
-        default : (3,) float64
-            What it is if the file does not say.
-        ledger : Ledger
-            Of the file.
+        default : (3,) float64; what it is if the file does not say
 
         Returns
         -------
-        (3,) float64
-            As in the file.
+        (3,) float64; as in the file
         """
         value = self.values.get(key, default)
         try:
@@ -254,17 +157,7 @@ class Node:
     def matrix(self, ledger: Ledger, key: str = "to_world") -> Scalars:
         """Transform of a parameter.
 
-        Parameters
-        ----------
-        ledger : Ledger
-            Of the file.
-        key : str
-            Name of the parameter.
-
-        Returns
-        -------
-        (4, 4) float64
-            The identity if the file has none.
+        Returns (4, 4) float64; the identity if the file has none.
         """
         transform = self.values.get(key)
         if transform is None:
@@ -276,22 +169,9 @@ class Node:
         return matrix
 
     def file(self, ledger: Ledger) -> Path:
-        """The file that it names.
+        """The file that it names; a regular file that may be read.
 
-        Parameters
-        ----------
-        ledger : Ledger
-            Of the scene.
-
-        Returns
-        -------
-        Path
-            A regular file that may be read.
-
-        Raises
-        ------
-        UsageError
-            It names none, or one that is missing or may not be read.
+        Raises UsageError: it names none, or one that is missing or may not be read.
         """
         name = self.text("filename", "", ledger).replace("\\", "/")
         if not name:
@@ -317,8 +197,6 @@ class Node:
 
         Parameters
         ----------
-        ledger : Ledger
-            Of the file.
         apart : collection of str
             Parameters that are refused by their value alone, elsewhere.
         """
@@ -332,34 +210,13 @@ class Node:
             self.refuse_word(key, word, ledger)
 
     def refuse_word(self, key: str, word: Word, ledger: Ledger) -> None:
-        """Refuse, or note, a parameter or an inner plugin.
-
-        Parameters
-        ----------
-        key : str
-            Name of the parameter.
-        word : Word
-            What becomes of it.
-        ledger : Ledger
-            Of the file.
-        """
+        """Refuse, or note, a parameter or an inner plugin."""
         inner = self.children.get(key)
         what = f'parameter "{key}"' if inner is None else f"{inner.type} {inner.name}"
         ledger.replace(f"{self.name}: its {what} is not modelled", word.remark)
 
     def is_modelled(self, ledger: Ledger) -> bool:
-        """Whether the plugin itself is modelled; if not, it is refused or noted.
-
-        Parameters
-        ----------
-        ledger : Ledger
-            Of the file.
-
-        Returns
-        -------
-        bool
-            By the table of words.
-        """
+        """Whether the plugin itself is modelled; if not, it is refused or noted."""
         word = find(self.type, self.kind)
         if word.use is Use.MODELLED:
             return True
@@ -377,12 +234,8 @@ def check_matrix(matrix: Scalars, where: str, ledger: Ledger) -> None:
 
     Parameters
     ----------
-    matrix : (4, 4) float64
-        The transform.
-    where : str
-        What it is of, for the message.
-    ledger : Ledger
-        Of the file.
+    matrix : (4, 4) float64; the transform
+    where : str; what it is of, for the message
 
     Raises
     ------
@@ -396,22 +249,13 @@ def check_matrix(matrix: Scalars, where: str, ledger: Ledger) -> None:
 def parse(mi: Any, ledger: Ledger) -> Node:
     """Tree of a Mitsuba file, defaults, includes and references resolved.
 
+    A plugin that is referred to twice is one node.
+
+    Raises UsageError: not well-formed, or with a reference to nothing.
+
     Parameters
     ----------
-    mi : module
-        ``mitsuba``, from `mitsuba_session`.
-    ledger : Ledger
-        Of the file.
-
-    Returns
-    -------
-    Node
-        The scene.  A plugin that is referred to twice is one node.
-
-    Raises
-    ------
-    UsageError
-        Not well-formed, or with a reference to nothing.
+    mi : module; ``mitsuba``, from `mitsuba_session`
     """
     check_source(ledger)
     with reading("Mitsuba scene", ledger), _search_path(mi, ledger) as folders:
@@ -454,13 +298,7 @@ def _check_nesting(root: Node, ledger: Ledger) -> None:
 
 @contextmanager
 def _search_path(mi: Any, ledger: Ledger) -> Iterator[list[Path]]:
-    """Let Mitsuba look beside the scene alone; where it did when it was there before.
-
-    Yields
-    ------
-    list of Path
-        To be filled.
-    """
+    """Have Mitsuba look beside the scene alone; afterwards, where it did before."""
     resolver = mi.file_resolver()
     before = [str(folder) for folder in resolver]
     resolver.clear()

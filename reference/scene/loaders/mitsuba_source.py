@@ -21,15 +21,8 @@ MOST_INCLUDED = 256
 def check_source(ledger: Ledger) -> None:
     """Refuse a scene whose XML, or any that it includes, may not be read.
 
-    Parameters
-    ----------
-    ledger : Ledger
-        Of the file.
-
-    Raises
-    ------
-    UsageError
-        Not XML, nested too deeply, or with a file outside the scene's folder.
+    Raises UsageError: not XML, nested too deeply, or with a file outside the scene's
+    folder.
     """
     _Source(ledger).scan(ledger.path, ledger.contents())
 

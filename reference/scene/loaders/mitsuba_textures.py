@@ -38,12 +38,8 @@ class Textures:
 
     Attributes
     ----------
-    mi : module
-        ``mitsuba``.
-    ledger : Ledger
-        Of the file.
-    made : dict
-        What was converted already.
+    mi : module; ``mitsuba``
+    made : dict; what was converted already
     turned : dict of int to (2, 3) float64
         By identity of a texture: what becomes of texture coordinates before they are
         looked up in it, where that is more than a scale.
@@ -63,6 +59,8 @@ class Textures:
         diffuse: bool = False,
     ) -> Texture:
         """Colour, bitmap or checker that a plugin takes from a parameter.
+
+        Linear Rec. 709; a factor on the colours of the mesh.
 
         Parameters
         ----------
@@ -101,21 +99,11 @@ class Textures:
     ) -> Color:
         """Colour that a plugin takes from a parameter, where a texture is not modelled.
 
+        Linear Rec. 709; the mean of a texture, if lenient.
+
         Parameters
         ----------
-        node : Node
-            The plugin.
-        key : str
-            Name of the parameter.
-        default : float
-            What Mitsuba takes if the file does not say.
-        emission : bool
-            It is one of emitted light.
-
-        Returns
-        -------
-        Color
-            Linear Rec. 709; the mean of a texture, if lenient.
+        default : float; what Mitsuba takes if the file does not say
         """
         texture = self.read(node, key, default, emission)
         if isinstance(texture, Pattern):
@@ -128,39 +116,14 @@ class Textures:
     def number(self, node: Node, key: str, default: float) -> float:
         """Number that a plugin takes from a parameter: the mean of a colour.
 
-        Parameters
-        ----------
-        node : Node
-            The plugin.
-        key : str
-            Name of the parameter.
-        default : float
-            What it is if the file does not say.
-
-        Returns
-        -------
-        float
-            Of a texture the mean, if lenient.
+        Of a texture it is the mean too, if lenient.
         """
         shades = self.color(node, key, default)
         # The mean of three equal numbers is rounded.
         return shades[0] if len(set(shades)) == 1 else float(np.mean(shades))
 
     def attribute(self, node: Node, key: str) -> str:
-        """Name of the colours of the mesh that a parameter takes, "" for none.
-
-        Parameters
-        ----------
-        node : Node
-            The plugin.
-        key : str
-            Name of the parameter.
-
-        Returns
-        -------
-        str
-            By Mitsuba: "vertex_color".
-        """
+        """Name of the colours of the mesh that a parameter takes, "" for none."""
         texture = node.children.get(key)
         if texture is None or texture.kind != "mesh_attribute":
             return ""
@@ -171,15 +134,12 @@ class Textures:
 
         Parameters
         ----------
-        textures : sequence of Pattern
-            All those of the shape.
-        where : str
-            The shape, for messages.
+        textures : sequence of Pattern; all those of the shape
+        where : str; the shape, for messages
 
         Returns
         -------
-        (2, 3) float64 or None
-            ``None`` where they stay as they are.
+        (2, 3) float64 or None; ``None`` where they stay as they are
         """
         turns = [self.turned.get(id(texture)) for texture in textures]
         first = turns[0] if turns else None
@@ -269,17 +229,6 @@ def _same(a: Scalars | None, b: Scalars | None) -> bool:
 
 
 def as_bitmap(checker: Checker) -> Bitmap:
-    """The same checker as a picture of two by two.
-
-    Parameters
-    ----------
-    checker : Checker
-        Any.
-
-    Returns
-    -------
-    Bitmap
-        Read without interpolation.
-    """
+    """The same checker as a picture of two by two, read without interpolation."""
     one, other = checker.color0, checker.color1
     return Bitmap(np.array([[other, one], [one, other]]), "nearest", checker.scale)

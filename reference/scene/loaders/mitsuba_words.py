@@ -222,17 +222,7 @@ _BY_NAME = {(word.element, word.name): word for word in WORDS}
 def find(element: str, name: str) -> Word:
     """What becomes of a word.
 
-    Parameters
-    ----------
-    element : str
-        Kind of plugin, or plugin.
-    name : str
-        Plugin, or parameter.
-
-    Returns
-    -------
-    Word
-        That of `ANY` where there is one; else a word which is replaced by nothing.
+    That of `ANY` where there is one; else a word which is replaced by nothing.
     """
     unknown = Word(element, name, Use.REPLACED, "ignored")
     known = _BY_NAME.get((element, ANY), unknown)
@@ -240,17 +230,11 @@ def find(element: str, name: str) -> Word:
 
 
 def modelled(element: str) -> str:
-    """Plugins of a kind that are modelled, for messages.
+    """Names of the plugins of a kind that are modelled, separated by commas.
 
     Parameters
     ----------
-    element : str
-        "bsdf", "shape", ...
-
-    Returns
-    -------
-    str
-        Their names, separated by commas.
+    element : str; "bsdf", "shape", ...
     """
     names = [w.name for w in WORDS if (w.element, w.use) == (element, Use.MODELLED)]
     return ", ".join(names)

@@ -22,21 +22,14 @@ FULL_FRAME = float(np.hypot(36.0, 24.0))  # mm, the diagonal that focal lengths 
 def load(ledger: Ledger) -> Scene:
     """Scene of a Mitsuba 3 file.
 
+    Integrator, sampler and reconstruction filter are no part of it.
+
+    Raises UsageError: the package is missing, the file is not well-formed, or (unless
+    lenient) it holds something that is not modelled.
+
     Parameters
     ----------
-    ledger : Ledger
-        Of the file: .xml; the files that it names are looked for beside it.
-
-    Returns
-    -------
-    Scene
-        In the world.  Integrator, sampler and reconstruction filter are no part of it.
-
-    Raises
-    ------
-    UsageError
-        The package is missing, the file is not well-formed, or (unless lenient) it
-        holds something that is not modelled.
+    ledger : Ledger; of the file: .xml; the files that it names are looked for beside it
     """
     with mitsuba_session() as mi:
         root = parse(mi, ledger)

@@ -105,14 +105,10 @@ class MtlAppearance:
 
     Attributes
     ----------
-    material : Material
-        How it scatters.
-    emission : Texture, W/(m² sr)
-        Radiance of the front.
-    opacity : Bitmap or None
-        Where there is no surface.
-    scale, offset : (2,) float64
-        Of the texture coordinates: scale · (u, v) + offset.
+    material : Material; how it scatters
+    emission : Texture, W/(m² sr); radiance of the front
+    opacity : Bitmap or None; where there is no surface
+    scale, offset : (2,) float64; of the texture coordinates: scale · (u, v) + offset
     """
 
     material: Material
@@ -134,8 +130,6 @@ def read_looks(
     ----------
     libraries : tuple of str
         What stands after each mtllib: a name, which may hold spaces, or several.
-    ledger : Ledger
-        Of the scene.
 
     Returns
     -------

@@ -49,22 +49,14 @@ class ObjText:
 
     Attributes
     ----------
-    name : str
-        Of the file, for messages: empty for the scene file, else with a colon.
-    original : bytes
-        The file.
+    name : str; of the file, for messages: empty for the scene file, else with a colon
     text : (B,) uint8
         Of the same length, without keys of numbers, comments, and continuations.
-    starts : (L,) int
-        Where each line begins.
-    rows : dict of str to (L,) bool
-        Which lines are "v", "vt", "vn", "f".
-    libraries : tuple of str
-        What stands after each mtllib.
-    materials : tuple of (int, str)
-        Each usemtl: its line and the name.
-    smooth : tuple of (int, str)
-        Each s: its line and the group.
+    starts : (L,) int; where each line begins
+    rows : dict of str to (L,) bool; which lines are "v", "vt", "vn", "f"
+    libraries : tuple of str; what stands after each mtllib
+    materials : tuple of (int, str); each usemtl: its line and the name
+    smooth : tuple of (int, str); each s: its line and the group
     """
 
     name: str
@@ -77,32 +69,20 @@ class ObjText:
     smooth: tuple[tuple[int, str], ...]
 
     def where(self, line: int) -> str:
-        """Place of a line, for messages.
+        """Place of a line, for messages, as an editor counts.
 
         Parameters
         ----------
-        line : int
-            From 0, continuations joined.
-
-        Returns
-        -------
-        str
-            As an editor counts.
+        line : int; from 0, continuations joined
         """
         return f"{self.name}line {1 + self.original.count(10, 0, self.starts[line])}"
 
     def lines(self, key: str) -> tuple[Bytes, Indices]:
-        """All lines of a key.
+        """All lines of a key, (b,) uint8, (l,) int; their text; their numbers.
 
         Parameters
         ----------
-        key : str
-            One of ``rows``.
-
-        Returns
-        -------
-        (b,) uint8, (l,) int
-            Their text; their numbers.
+        key : str; one of ``rows``
         """
         rows = self.rows[key]
         lengths = np.diff(self.starts, append=len(self.text))
@@ -114,17 +94,8 @@ def read_obj_words(contents: bytes, name: str, ledger: Ledger) -> ObjText:
 
     Parameters
     ----------
-    contents : bytes
-        UTF-8, or UTF-16 with its mark.
-    name : str
-        Of the file, for messages: empty for the scene file, else with a colon.
-    ledger : Ledger
-        Of the scene.
-
-    Returns
-    -------
-    ObjText
-        For `read_obj_faces`.
+    contents : bytes; UTF-8, or UTF-16 with its mark
+    name : str; of the file, for messages: empty for the scene file, else with a colon
 
     Raises
     ------
@@ -201,13 +172,6 @@ def _refuse_words(
 
 def read_obj_faces(text: ObjText, ledger: Ledger) -> list[MeshPart]:
     """All triangles of an OBJ file; nothing is merged or dropped.
-
-    Parameters
-    ----------
-    text : ObjText
-        The file.
-    ledger : Ledger
-        Of the scene.
 
     Returns
     -------

@@ -15,18 +15,12 @@ class MeshPart:
 
     Attributes
     ----------
-    material : str or None
-        Name of the material, if it has one.
-    vertices : (V, 3) float64
-        Positions.
-    faces : (F, 3) int64
-        Triangles.
-    normals : (V, 3) float64 or None
-        Vertex normals, where the file has them.
-    uv : (V, 2) float64 or None
-        Texture coordinates, where the file has them.
-    colors : (V, 3) float64 or None
-        Linear vertex colours, where the file has them.
+    material : str or None; name of the material, if it has one
+    vertices : (V, 3) float64; positions
+    faces : (F, 3) int64; triangles
+    normals : (V, 3) float64 or None; vertex normals, where the file has them
+    uv : (V, 2) float64 or None; texture coordinates, where the file has them
+    colors : (V, 3) float64 or None; linear vertex colours, where the file has them
     """
 
     material: str | None
@@ -38,21 +32,11 @@ class MeshPart:
 
 
 def linear_colors(stored: Vec3s, where: str, ledger: Ledger) -> Vec3s:
-    """Linear vertex colours of what mesh files hold in sRGB.
+    """Linear vertex colours of what mesh files hold in sRGB, (V, 3) float64; in [0, 1].
 
     Parameters
     ----------
-    stored : (V, 3) float64
-        Of the file, 1 for the brightest.
-    where : str
-        The file, for messages.
-    ledger : Ledger
-        Stops.
-
-    Returns
-    -------
-    (V, 3) float64
-        In [0, 1].
+    stored : (V, 3) float64; of the file, 1 for the brightest
 
     Raises
     ------
@@ -69,13 +53,11 @@ def fans(sizes: Indices) -> tuple[Indices, Indices]:
 
     Parameters
     ----------
-    sizes : (F,) int
-        Corners of each polygon, which lie one after the other; at least 3.
+    sizes : (F,) int; corners of each polygon, which lie one after the other; at least 3
 
     Returns
     -------
-    (T, 3) int64, (T,) int64
-        Numbers of the three corners; the polygon of each triangle.
+    (T, 3) int64, (T,) int64; numbers of the three corners; the polygon of each triangle
     """
     triangles = sizes - 2
     polygon = np.repeat(np.arange(len(sizes)), triangles)

@@ -23,13 +23,11 @@ def decode_srgb(encoded: Scalars) -> Scalars:
 
     Parameters
     ----------
-    encoded : (...) float64
-        As stored in a picture.
+    encoded : (...) float64; as stored in a picture
 
     Returns
     -------
-    (...) float64
-        c / 12.92 up to 0.04045, ((c + 0.055) / 1.055)^2.4 above.
+    (...) float64; c / 12.92 up to 0.04045, ((c + 0.055) / 1.055)^2.4 above
     """
     power = ((encoded + 0.055) / 1.055) ** 2.4
     linear: Scalars = np.where(encoded <= 0.04045, encoded / 12.92, power)
@@ -37,22 +35,15 @@ def decode_srgb(encoded: Scalars) -> Scalars:
 
 
 def read_picture(name: str, ledger: Ledger, raw: bool = False) -> Vec3s:
-    """Linear colours of a picture file.
+    """Linear colours of a picture file, (h, w, 3) float64; row 0 is the top.
 
     Parameters
     ----------
     name : str
         Path from the scene's folder, or an absolute one, of what Pillow reads (PNG,
         JPEG, ...: sRGB), or of an .exr or .hdr file (linear).
-    ledger : Ledger
-        Of the scene: it says which files may be read, and takes the notes.
-    raw : bool
-        The values are linear already, whatever the format.
-
-    Returns
-    -------
-    (h, w, 3) float64
-        Row 0 is the top.
+    ledger : Ledger; of the scene: it says which files may be read, and takes the notes
+    raw : bool; the values are linear already, whatever the format
 
     Raises
     ------
@@ -76,19 +67,12 @@ def decode_picture(
 
     Parameters
     ----------
-    contents : bytes
-        What Pillow reads.
-    name : str
-        For messages.
-    ledger : Ledger
-        Of the scene: it bounds the memory, and takes the notes.
-    raw : bool
-        The values are linear already.
+    ledger : Ledger; of the scene: it bounds the memory, and takes the notes
+    raw : bool; the values are linear already
 
     Returns
     -------
-    (h, w, 3) float64
-        In [0, 1]; the alpha channel is ignored.
+    (h, w, 3) float64; in [0, 1]; the alpha channel is ignored
 
     Raises
     ------
@@ -108,17 +92,11 @@ def decode_alpha(contents: bytes, name: str, ledger: Ledger) -> Scalars:
 
     Parameters
     ----------
-    contents : bytes
-        What Pillow reads.
-    name : str
-        For messages.
-    ledger : Ledger
-        Of the scene: it bounds the memory.
+    ledger : Ledger; of the scene: it bounds the memory
 
     Returns
     -------
-    (h, w) float64
-        In [0, 1]; 1 everywhere if the picture has none.
+    (h, w) float64; in [0, 1]; 1 everywhere if the picture has none
 
     Raises
     ------
@@ -136,10 +114,7 @@ def read_mask(name: str, ledger: Ledger) -> Vec3s:
 
     Parameters
     ----------
-    name : str
-        Path from the scene's folder, or an absolute one.
-    ledger : Ledger
-        Of the scene.
+    name : str; path from the scene's folder, or an absolute one
 
     Returns
     -------
@@ -210,21 +185,11 @@ def _take(
 
 
 def decode_radiance_hdr(contents: bytes, name: str, ledger: Ledger) -> Vec3s:
-    """Radiance of a Radiance .hdr file.
+    """Radiance of a Radiance .hdr file, (h, w, 3) float64; (R, G, B) · 2^(E - 136).
 
     Parameters
     ----------
-    contents : bytes
-        The file.
-    name : str
-        For messages.
-    ledger : Ledger
-        Of the scene: it bounds the memory.
-
-    Returns
-    -------
-    (h, w, 3) float64
-        (R, G, B) · 2^(E - 136).
+    ledger : Ledger; of the scene: it bounds the memory
 
     Raises
     ------

@@ -15,17 +15,7 @@ from reference.scene.textures import Pattern, mean_color
 def check_indices(mesh: Mesh, ledger: Ledger) -> None:
     """Refuse faces that name vertices which do not exist, and tables that do not fit.
 
-    Parameters
-    ----------
-    mesh : Mesh
-        As read.
-    ledger : Ledger
-        Raises.
-
-    Raises
-    ------
-    UsageError
-        The first fault.
+    Raises UsageError: the first fault.
     """
     count = len(mesh.vertices)
     if len(mesh.faces) and not 0 <= mesh.faces.min() <= mesh.faces.max() < count:
@@ -47,8 +37,7 @@ def turn_faces_to_normals(mesh: Mesh) -> Mesh:
 
     Parameters
     ----------
-    mesh : Mesh
-        In the world.
+    mesh : Mesh; in the world
 
     Returns
     -------
@@ -70,19 +59,12 @@ def turn_faces_to_normals(mesh: Mesh) -> Mesh:
 
 
 def turn_over(faces: Indices, which: Scalars | bool = True) -> Indices:
-    """Reverse the order of the vertices.
+    """Reverse the order of the vertices, (F, 3) int; the first vertex stays the first.
 
     Parameters
     ----------
-    faces : (F, 3) int
-        Triangles.
-    which : (F,) bool or bool
-        Those to turn over.
-
-    Returns
-    -------
-    (F, 3) int
-        The first vertex stays the first.
+    faces : (F, 3) int; triangles
+    which : (F,) bool or bool; those to turn over
     """
     turned: Indices = np.where(np.reshape(which, (-1, 1)), faces[:, [0, 2, 1]], faces)
     return turned
@@ -91,18 +73,8 @@ def turn_over(faces: Indices, which: Scalars | bool = True) -> Indices:
 def drop_texture_without_uv(mesh: Mesh, ledger: Ledger) -> Mesh:
     """Replace textures that cannot be placed by their mean colours.
 
-    Parameters
-    ----------
-    mesh : Mesh
-        Any.
-    ledger : Ledger
-        Takes the note, or stops.
-
-    Returns
-    -------
-    Mesh
-        Its material and its emission have one colour each if it has no texture
-        coordinates, and no part of it is masked.
+    Its material and its emission have one colour each if it has no texture coordinates,
+    and no part of it is masked.
     """
     if mesh.uv is not None:
         return mesh
@@ -124,19 +96,12 @@ def drop_texture_without_uv(mesh: Mesh, ledger: Ledger) -> Mesh:
 
 
 def place(vertices: Vec3s, matrix: Scalars) -> Vec3s:
-    """Points moved by an affine matrix.
+    """Points moved by an affine matrix, (V, 3) float64; in the world.
 
     Parameters
     ----------
-    vertices : (V, 3) float
-        Points.
-    matrix : (4, 4) float64
-        Acts on columns.
-
-    Returns
-    -------
-    (V, 3) float64
-        In the world.
+    vertices : (V, 3) float; points
+    matrix : (4, 4) float64; acts on columns
     """
     if np.array_equal(matrix, np.eye(4)):
         return vertices.astype(np.float64)  # 0 · inf would spread NaN

@@ -40,14 +40,11 @@ class BsdfSamples:
 
     Attributes
     ----------
-    wi : (N, 3) float64
-        Unit directions to the light.
+    wi : (N, 3) float64; unit directions to the light
     weight : (N, 3) float64
         f cos θ_i / pdf; for a delta lobe its albedo over the probability of the lobe.
-    pdf : (N,) float64, 1/sr
-        0 for a delta lobe.
-    delta : (N,) bool
-        Drawn from a delta lobe.
+    pdf : (N,) float64, 1/sr; 0 for a delta lobe
+    delta : (N,) bool; drawn from a delta lobe
     """
 
     wi: Vec3s
@@ -61,17 +58,11 @@ def sample(table: MaterialTable, points: SurfacePoints, u: Draw) -> BsdfSamples:
 
     Parameters
     ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points.
-    u : four (N,) float64
-        Lane 0 picks the lobe, and with 1 and 2 the direction.
+    u : four (N,) float64; lane 0 picks the lobe, and with 1 and 2 the direction
 
     Returns
     -------
-    BsdfSamples
-        Weight 0 where the direction reflects nothing.
+    BsdfSamples; weight 0 where the direction reflects nothing
     """
     if table.kinds == (Kind.LAMBERTIAN,):
         return _sample_kind(Kind.LAMBERTIAN, table, points, u)
@@ -95,10 +86,6 @@ def sample_apart(table: MaterialTable, points: SurfacePoints, u: Draw) -> BsdfSa
 
     Parameters
     ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points.
     u : four (N,) float64
         Lane 0 picks between reflection and refraction, and with 1 and 2 a microfacet.
 

@@ -19,28 +19,21 @@ def directional_albedo(
 ) -> tuple[Scalars, Scalars]:
     """Shares of the light from a direction that a coat reflects and lets pass.
 
+    ∫ F(wo·h) G1(wi) p(h) dh and ∫ (1 - F(wo·h)) G1(wt) p(h) dh over the visible
+    normals, wi reflected and wt refracted at h, by a midpoint rule on the unit square,
+    64 x 64: of [Heitz18] for GGX, of all normals with their areas for Beckmann.
+
     Parameters
     ----------
-    cos_o : (N,) float
-        Cosines of incidence, 0 to 1.
-    alpha : float
-        Width; 0 is smooth.
-    ior : float
-        Index of refraction behind the coat over that before it.
-    distribution : 'ggx' or 'beckmann'
-        Of the microfacets' normals.
+    cos_o : (N,) float; cosines of incidence, 0 to 1
+    alpha : float; width; 0 is smooth
+    ior : float; index of refraction behind the coat over that before it
 
     Returns
     -------
     (N,), (N,) float
         Reflected and transmitted; what single scattering loses between the
         microfacets is in neither.
-
-    Notes
-    -----
-    ∫ F(wo·h) G1(wi) p(h) dh and ∫ (1 - F(wo·h)) G1(wt) p(h) dh over the visible
-    normals, wi reflected and wt refracted at h, by a midpoint rule on the unit square,
-    64 x 64: of [Heitz18] for GGX, of all normals with their areas for Beckmann.
     """
     cos_o = np.maximum(cos_o, 1e-6)
     if alpha == 0:
@@ -92,17 +85,8 @@ def transmittance_table(
 
     Parameters
     ----------
-    alpha : float
-        Width; 0 is smooth.
-    ior : float
-        Index of refraction of the coat over that of the outside.
-    distribution : 'ggx' or 'beckmann'
-        Of the microfacets' normals.
-
-    Returns
-    -------
-    tuple of float
-        ``NODES`` values.
+    alpha : float; width; 0 is smooth
+    ior : float; index of refraction of the coat over that of the outside
     """
     nodes = np.linspace(0, 1, NODES)
     return tuple(directional_albedo(nodes, alpha, ior, distribution)[1])
@@ -114,19 +98,12 @@ def internal_reflectance(
 ) -> float:
     """Share of diffuse light from below that a coat sends back, 2 ∫ E(μ) μ dμ.
 
+    Seen from inside the index is 1 / ior; most of it is total reflection.
+
     Parameters
     ----------
-    alpha : float
-        Width; 0 is smooth.
-    ior : float
-        Index of refraction of the coat over that of the outside.
-    distribution : 'ggx' or 'beckmann'
-        Of the microfacets' normals.
-
-    Returns
-    -------
-    float
-        Seen from inside the index is 1 / ior; most of it is total reflection.
+    alpha : float; width; 0 is smooth
+    ior : float; index of refraction of the coat over that of the outside
 
     Notes
     -----
@@ -148,19 +125,12 @@ def internal_reflectance(
 
 
 def transmittance(cos: Scalars, table: Scalars) -> Scalars:
-    """Transmittance between the tabulated cosines, linearly.
+    """Transmittance between the tabulated cosines, linearly, (N,) float; 0 to 1.
 
     Parameters
     ----------
-    cos : (N,) float
-        Cosines, 0 to 1.
-    table : (N, NODES) or (NODES,) float
-        A table a row, or one for all.
-
-    Returns
-    -------
-    (N,) float
-        0 to 1.
+    cos : (N,) float; cosines, 0 to 1
+    table : (N, NODES) or (NODES,) float; a table a row, or one for all
     """
     place = np.clip(cos, 0.0, 1.0) * (NODES - 1)
     left = np.minimum(place.astype(np.int64), NODES - 2)
@@ -179,17 +149,13 @@ def base_scattering(color: Vec3s, keep: Scalars, nonlinear: Scalars) -> Vec3s:
 
     Parameters
     ----------
-    color : (N, 3) float
-        Reflectance ρ of the base.
-    keep : (N,) float
-        Internal reflectance K of the coat.
-    nonlinear : (N,) bool
-        Whether the base colours every bounce.
+    color : (N, 3) float; reflectance ρ of the base
+    keep : (N,) float; internal reflectance K of the coat
+    nonlinear : (N,) bool; whether the base colours every bounce
 
     Returns
     -------
-    (N, 3) float
-        Factor on what enters.
+    (N, 3) float; factor on what enters
     """
     colored = np.where(nonlinear[:, None], color, 1.0)
     return divide_or_zero(color, 1.0 - colored * keep[:, None])
@@ -204,13 +170,10 @@ def specular_lobe(
     ----------
     cos_i, cos_o, cos_h : (N,) float
         Cosines with the surface normal of light, viewer and the vector half between.
-    facets : Facets
-        N rows.
 
     Returns
     -------
-    (N,) float, 1/sr
-        0 where the light or the viewer is below the surface.
+    (N,) float, 1/sr; 0 where the light or the viewer is below the surface
     """
     shape = facets.density(cos_h) * facets.masking(cos_i) * facets.masking(cos_o)
     above = (cos_i > 0) & (cos_o > 0)

@@ -25,17 +25,11 @@ def base_reflection(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> V
 
     Parameters
     ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points.
-    wi : (N, 3) float64
-        Unit directions to the light.
+    wi : (N, 3) float64; unit directions to the light
 
     Returns
     -------
-    (N, 3) float64, 1/sr
-        0 where the viewer or the light is below the surface.
+    (N, 3) float64, 1/sr; 0 where the viewer or the light is below the surface
     """
     m = points.material
     cos_i = lit_cosine(table, points, wi)
@@ -52,17 +46,11 @@ def scattering(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Vec3s:
 
     Parameters
     ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points.
-    wi : (N, 3) float64
-        Unit directions to the light.
+    wi : (N, 3) float64; unit directions to the light
 
     Returns
     -------
-    (N, 3) float64, 1/sr
-        0 below the surface.
+    (N, 3) float64, 1/sr; 0 below the surface
     """
     m = points.material
     h = normalize(points.wo + wi)
@@ -77,17 +65,7 @@ def scattering(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Vec3s:
 def coat_probability(table: MaterialTable, points: SurfacePoints) -> Scalars:
     """Probability of drawing from the coat: its share of the albedo.
 
-    Parameters
-    ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points.
-
-    Returns
-    -------
-    (N,) float64
-        Between 0 and 1; 1 over a black base.
+    Returns (N,) float64; between 0 and 1; 1 over a black base.
     """
     m = points.material
     cos_o = np.clip(dot(points.shading, points.wo), 0.0, 1.0)
@@ -102,17 +80,12 @@ def pdf(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Scalars:
 
     Parameters
     ----------
-    table : MaterialTable
-        Materials; the delta lobe of a smooth coat is left out.
-    points : SurfacePoints
-        N points.
-    wi : (N, 3) float64
-        Unit directions to the light.
+    table : MaterialTable; materials; the delta lobe of a smooth coat is left out
+    wi : (N, 3) float64; unit directions to the light
 
     Returns
     -------
-    (N,) float64, 1/sr
-        0 where nothing is reflected.
+    (N,) float64, 1/sr; 0 where nothing is reflected
     """
     probability = coat_probability(table, points)
     base = pdf_cosine_hemisphere(lit_cosine(table, points, wi))
@@ -124,21 +97,13 @@ def pdf(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Scalars:
 
 
 def sample(table: MaterialTable, points: SurfacePoints, u: Draw) -> Vec3s:
-    """Directions from the rough coat or from the base.
+    """Directions from the rough coat or from the base, (N, 3) float64; unit vectors.
 
     Parameters
     ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points on rough coats.
+    points : SurfacePoints; N points on rough coats
     u : four (N,) float64
         Lane 0 picks the lobe, and what is left of it, 1 and 2 the direction.
-
-    Returns
-    -------
-    (N, 3) float64
-        Unit vectors.
     """
     probability = coat_probability(table, points)
     within = left_of(u[0], probability), *u[1:]
@@ -156,17 +121,12 @@ def sample_smooth(
 
     Parameters
     ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points on smooth coats.
-    u : four (N,) float64
-        Lane 0 picks the lobe, 1 and 2 the direction.
+    points : SurfacePoints; N points on smooth coats
+    u : four (N,) float64; lane 0 picks the lobe, 1 and 2 the direction
 
     Returns
     -------
-    (N, 3), (N, 3), (N,), (N,)
-        Fields of ``BsdfSamples``.
+    (N, 3), (N, 3), (N,), (N,); fields of ``BsdfSamples``
     """
     probability = coat_probability(table, points)
     from_coat = u[0] < probability
@@ -185,15 +145,11 @@ def reflect_in_coat(table: MaterialTable, points: SurfacePoints) -> tuple[Vec3s,
 
     Parameters
     ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points on smooth coats.
+    points : SurfacePoints; N points on smooth coats
 
     Returns
     -------
-    (N, 3), (N, 3) float64
-        Unit directions; Fresnel term, 0 on black backs.
+    (N, 3), (N, 3) float64; unit directions; Fresnel term, 0 on black backs
     """
     m = points.material
     wi = reflect(points.wo, points.shading)

@@ -17,17 +17,12 @@ def reflectance(table: MaterialTable, points: SurfacePoints, cos: Scalars) -> Ve
 
     Parameters
     ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points on conductors.
-    cos : (N,) float64
-        Cosine of the light with the (microfacet) normal, 0 to 1.
+    points : SurfacePoints; N points on conductors
+    cos : (N,) float64; cosine of the light with the (microfacet) normal, 0 to 1
 
     Returns
     -------
-    (N, 3) float64
-        The colour alone where the material has no Fresnel term.
+    (N, 3) float64; the colour alone where the material has no Fresnel term
     """
     value = points.color
     eta, schlick = table.eta[points.material], table.schlick[points.material]
@@ -46,17 +41,11 @@ def scattering(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Vec3s:
 
     Parameters
     ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points.
-    wi : (N, 3) float64
-        Unit directions to the light.
+    wi : (N, 3) float64; unit directions to the light
 
     Returns
     -------
-    (N, 3) float64, 1/sr
-        0 below the surface.  [Walter07, Eq. 20].
+    (N, 3) float64, 1/sr; 0 below the surface [Walter07, Eq. 20]
     """
     h = normalize(points.wo + wi)
     cos_o = np.maximum(dot(points.shading, points.wo), 0.0)
@@ -72,17 +61,11 @@ def pdf_reflected(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Sca
 
     Parameters
     ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points.
-    wi : (N, 3) float64
-        Unit directions to the light.
+    wi : (N, 3) float64; unit directions to the light
 
     Returns
     -------
-    (N,) float64, 1/sr
-        0 where nothing is reflected.
+    (N,) float64, 1/sr; 0 where nothing is reflected
     """
     h = normalize(points.wo + wi)
     cos_o = dot(points.shading, points.wo)
@@ -97,17 +80,11 @@ def sample_reflected(table: MaterialTable, points: SurfacePoints, u: Draw) -> Ve
 
     Parameters
     ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points.
-    u : four (N,) float64
-        Lanes 0 to 2 are used.
+    u : four (N,) float64; lanes 0 to 2 are used
 
     Returns
     -------
-    (N, 3) float64
-        Unit vectors; some are below the surface, and then reflect nothing.
+    (N, 3) float64; unit vectors; some are below the surface, and then reflect nothing
     """
     return reflect(points.wo, sample_normal(table, points, u)[0])
 
@@ -119,12 +96,7 @@ def sample_normal(
 
     Parameters
     ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points.
-    u : four (N,) float64
-        Lanes 0 to 2 are used.
+    u : four (N,) float64; lanes 0 to 2 are used
 
     Returns
     -------

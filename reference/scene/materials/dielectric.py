@@ -15,15 +15,11 @@ def relative_index(table: MaterialTable, points: SurfacePoints) -> Scalars:
 
     Parameters
     ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points on dielectrics.
+    points : SurfacePoints; N points on dielectrics
 
     Returns
     -------
-    (N,) float64
-        The inverse on backs.
+    (N,) float64; the inverse on backs
     """
     ior = table.ior[points.material]
     return np.where(points.front, ior, 1.0 / ior)
@@ -36,12 +32,8 @@ def sample(
 
     Parameters
     ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points on dielectrics.
-    u : four (N,) float64
-        Lane 0 decides.
+    points : SurfacePoints; N points on dielectrics
+    u : four (N,) float64; lane 0 decides
 
     Returns
     -------

@@ -23,8 +23,7 @@ class Facets:
 
     Attributes
     ----------
-    alpha : (N,) float64
-        Width of the distribution of their normals.
+    alpha : (N,) float64; width of the distribution of their normals
     beckmann : (N,) bool or None
         Beckmann's distribution, else GGX; ``None`` where all are GGX.
     """
@@ -33,17 +32,11 @@ class Facets:
     beckmann: Masks | None = None
 
     def density(self, cos_h: Scalars) -> Scalars:
-        """Density D of normals.
+        """Density D of normals, (N,) float, 1/sr; 0 below the surface.
 
         Parameters
         ----------
-        cos_h : (N,) float
-            Cosines of the normals with the surface normal.
-
-        Returns
-        -------
-        (N,) float, 1/sr
-            0 below the surface.
+        cos_h : (N,) float; cosines of the normals with the surface normal
         """
         ggx = ggx_density(cos_h, self.alpha)
         if self.beckmann is None:
@@ -55,13 +48,11 @@ class Facets:
 
         Parameters
         ----------
-        cos : (N,) float
-            Cosines of the directions with the surface normal.
+        cos : (N,) float; cosines of the directions with the surface normal
 
         Returns
         -------
-        (N,) float
-            0 to 1; 0 below the surface.
+        (N,) float; 0 to 1; 0 below the surface
         """
         ggx = smith_g1(cos, self.alpha)
         if self.beckmann is None:
@@ -98,13 +89,11 @@ class Facets:
         ----------
         cos_h, cos_o : (N,) float64
             Cosines of microfacet normal and viewer with the surface normal.
-        cos_d : (N,) float64
-            Cosine of the viewer with the microfacet normal.
+        cos_d : (N,) float64; cosine of the viewer with the microfacet normal
 
         Returns
         -------
-        (N,) float64
-            0 to 1; 0 below the surface.
+        (N,) float64; 0 to 1; 0 below the surface
         """
         ggx = smith_g1(cos_o, self.alpha)
         if self.beckmann is None:

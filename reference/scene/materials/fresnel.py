@@ -8,22 +8,18 @@ from reference.arrays import Scalars, Vec3s
 def fresnel_dielectric(cos_i: Scalars, eta: Scalars) -> tuple[Scalars, Scalars]:
     """Reflectance between clear media, and the cosine of the refracted ray.
 
+    [Born99, section 1.5.2]: the mean of both polarizations.
+
     Parameters
     ----------
-    cos_i : (N,) float
-        Cosine of incidence, 0 to 1.
-    eta : (N,) float
-        Index of refraction behind the boundary over that before it.
+    cos_i : (N,) float; cosine of incidence, 0 to 1
+    eta : (N,) float; index of refraction behind the boundary over that before it
 
     Returns
     -------
     (N,), (N,) float
         Reflectance, 1 under total internal reflection; cosine of the refracted ray
         with the normal behind, 0 under total internal reflection.
-
-    Notes
-    -----
-    [Born99, section 1.5.2]: the mean of both polarizations.
     """
     cos2_t = 1.0 - (1.0 - cos_i * cos_i) / (eta * eta)
     cos_t = np.sqrt(np.maximum(cos2_t, 0.0))
@@ -39,23 +35,14 @@ def _ratio(a: Scalars, b: Scalars) -> Scalars:
 
 
 def fresnel_conductor(cos_i: Scalars, eta: Vec3s, k: Vec3s) -> Vec3s:
-    """Reflectance of a metal of complex index eta + i k.
+    """Reflectance of a metal of complex index eta + i k, (N, 3) float; 0 to 1.
+
+    [Born99, section 14.2]: exact, no approximation for large k.
 
     Parameters
     ----------
-    cos_i : (N,) float
-        Cosine of incidence, 0 to 1.
-    eta, k : (N, 3) float
-        Index of refraction, a channel each.
-
-    Returns
-    -------
-    (N, 3) float
-        0 to 1.
-
-    Notes
-    -----
-    [Born99, section 14.2]: exact, no approximation for large k.
+    cos_i : (N,) float; cosine of incidence, 0 to 1
+    eta, k : (N, 3) float; index of refraction, a channel each
     """
     cos_i = cos_i[:, None]
     cos2, sin2 = cos_i * cos_i, 1.0 - cos_i * cos_i
@@ -72,23 +59,16 @@ def fresnel_conductor(cos_i: Scalars, eta: Vec3s, k: Vec3s) -> Vec3s:
 
 
 def fresnel_schlick(cos_i: Scalars, normal_incidence: Vec3s) -> Vec3s:
-    """Schlick's fit F0 + (1 - F0) (1 - cos θ)^5.
+    """Schlick's fit F0 + (1 - F0) (1 - cos θ)^5 [Schlick94, Eq. 15].
 
     Parameters
     ----------
-    cos_i : (N,) float
-        Cosine of incidence, 0 to 1.
-    normal_incidence : (N, 3) float
-        F0.
+    cos_i : (N,) float; cosine of incidence, 0 to 1
+    normal_incidence : (N, 3) float; F0
 
     Returns
     -------
-    (N, 3) float
-        F0 to 1.
-
-    Notes
-    -----
-    [Schlick94, Eq. 15].
+    (N, 3) float; F0 to 1
     """
     fifth = ((1.0 - cos_i) ** 5)[:, None]
     reflectance: Vec3s = normal_incidence + (1.0 - normal_incidence) * fifth

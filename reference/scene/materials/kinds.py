@@ -19,10 +19,8 @@ class Lambertian:
 
     Attributes
     ----------
-    reflectance : Texture
-        0 to 1.
-    two_sided : bool
-        Whether the back scatters too.
+    reflectance : Texture; 0 to 1
+    two_sided : bool; whether the back scatters too
     """
 
     reflectance: Texture
@@ -41,14 +39,10 @@ class Conductor:
     alpha : float
         Width of the microfacets' distribution; 0, or 1e-3 to 1.  glTF roughness r means
         alpha = r².
-    eta, k : Color or None
-        Complex index of refraction, eta + i k.
-    schlick : bool
-        Fresnel term by Schlick from the reflectance.
-    two_sided : bool
-        Whether the back reflects too.
-    distribution : 'ggx' or 'beckmann'
-        Of the microfacets' normals.
+    eta, k : Color or None; complex index of refraction, eta + i k
+    schlick : bool; Fresnel term by Schlick from the reflectance
+    two_sided : bool; whether the back reflects too
+    distribution : 'ggx' or 'beckmann'; of the microfacets' normals
     """
 
     reflectance: Texture
@@ -66,21 +60,15 @@ class Coated:
 
     Attributes
     ----------
-    reflectance : Texture
-        Of the base, 0 to 1.
-    alpha : float
-        Width of the distribution of the coat's microfacets; 0, or 1e-3 to 1.
-    ior : float
-        Index of refraction of the coat over that of the outside, above 1.
+    reflectance : Texture; of the base, 0 to 1
+    alpha : float; width of the distribution of the coat's microfacets; 0, or 1e-3 to 1
+    ior : float; index of refraction of the coat over that of the outside, above 1
     nonlinear : bool
         Light reflected back and forth below the coat takes on the base's colour
         again at each turn.
-    specular : Color
-        Factor on the coat's reflection; 1 is physical.
-    two_sided : bool
-        Whether the back scatters too.
-    distribution : 'ggx' or 'beckmann'
-        Of the coat's microfacets' normals.
+    specular : Color; factor on the coat's reflection; 1 is physical
+    two_sided : bool; whether the back scatters too
+    distribution : 'ggx' or 'beckmann'; of the coat's microfacets' normals
     """
 
     reflectance: Texture
@@ -98,12 +86,9 @@ class Dielectric:
 
     Attributes
     ----------
-    ior : float
-        Index of refraction behind the front over that before it.
-    alpha : float
-        Width of the microfacets' distribution; 0 where smooth, or 1e-3 to 1.
-    distribution : 'ggx' or 'beckmann'
-        Of the microfacets' normals.
+    ior : float; index of refraction behind the front over that before it
+    alpha : float; width of the microfacets' distribution; 0 where smooth, or 1e-3 to 1
+    distribution : 'ggx' or 'beckmann'; of the microfacets' normals
     """
 
     ior: float = 1.5
@@ -115,16 +100,10 @@ Material = Lambertian | Conductor | Coated | Dielectric
 
 
 def mirror(reflectance: Color = (1.0, 1.0, 1.0)) -> Conductor:
-    """Smooth mirror of constant reflectance.
+    """Smooth mirror of constant reflectance, with alpha 0 and no Fresnel term.
 
     Parameters
     ----------
-    reflectance : Color
-        0 to 1.
-
-    Returns
-    -------
-    Conductor
-        With alpha 0 and no Fresnel term.
+    reflectance : Color; 0 to 1
     """
     return Conductor(reflectance, alpha=0.0)

@@ -11,21 +11,11 @@ from reference.scene.surface import SurfacePoints
 
 
 def scattering(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Vec3s:
-    """Reflection f cos θ_i = ρ cos θ_i / π.
+    """Reflection f cos θ_i = ρ cos θ_i / π, (N, 3) float64, 1/sr; 0 below the surface.
 
     Parameters
     ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points.
-    wi : (N, 3) float64
-        Unit directions to the light.
-
-    Returns
-    -------
-    (N, 3) float64, 1/sr
-        0 below the surface.
+    wi : (N, 3) float64; unit directions to the light
     """
     reflected: Vec3s = points.color * (lit_cosine(table, points, wi) / np.pi)[:, None]
     return reflected
@@ -36,17 +26,11 @@ def pdf(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Scalars:
 
     Parameters
     ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points.
-    wi : (N, 3) float64
-        Unit directions to the light.
+    wi : (N, 3) float64; unit directions to the light
 
     Returns
     -------
-    (N,) float64, 1/sr
-        0 where nothing is reflected.
+    (N,) float64, 1/sr; 0 where nothing is reflected
     """
     return pdf_cosine_hemisphere(lit_cosine(table, points, wi))
 
@@ -56,14 +40,10 @@ def sample(points: SurfacePoints, u: Draw) -> Vec3s:
 
     Parameters
     ----------
-    points : SurfacePoints
-        N points.
-    u : four (N,) float64
-        Lanes 1 and 2 are used.
+    u : four (N,) float64; lanes 1 and 2 are used
 
     Returns
     -------
-    (N, 3) float64
-        Unit vectors.
+    (N, 3) float64; unit vectors
     """
     return to_world(sample_cosine_hemisphere(u[1], u[2]), points.shading)

@@ -35,36 +35,21 @@ class MaterialTable:
 
     Attributes
     ----------
-    kinds : tuple of Kind
-        Those that occur.
-    kind : (K,) int8
-        How the material scatters.
-    textures : tuple of Texture
-        Reflectance of each material.
-    color : (K, 3) float64
-        Mean reflectance.
-    two_sided : (K,) bool
-        Whether the back scatters too.
-    alpha : (K,) float64
-        Width of the microfacets' distribution, 0 where smooth.
-    beckmann : (K,) bool
-        It is Beckmann's, else GGX.
-    ior : (K,) float64
-        Of a coat or a dielectric.
-    eta, k : (K, 3) float64
-        Of a conductor; eta = 0 where it has no Fresnel term.
-    schlick : (K,) bool
-        Fresnel term from the reflectance.
-    specular : (K, 3) float64
-        Factor on a coat's reflection.
-    nonlinear : (K,) bool
-        See :class:`Coated`.
-    transmittance : (K, NODES) float64
-        Of a coat, at cosines from 0 to 1.
-    keep : (K,) float64
-        Internal reflectance of a coat.
-    plain : bool
-        Every point is black, or reflects all colours to its whole horizon.
+    kinds : tuple of Kind; those that occur
+    kind : (K,) int8; how the material scatters
+    textures : tuple of Texture; reflectance of each material
+    color : (K, 3) float64; mean reflectance
+    two_sided : (K,) bool; whether the back scatters too
+    alpha : (K,) float64; width of the microfacets' distribution, 0 where smooth
+    beckmann : (K,) bool; it is Beckmann's, else GGX
+    ior : (K,) float64; of a coat or a dielectric
+    eta, k : (K, 3) float64; of a conductor; eta = 0 where it has no Fresnel term
+    schlick : (K,) bool; Fresnel term from the reflectance
+    specular : (K, 3) float64; factor on a coat's reflection
+    nonlinear : (K,) bool; see :class:`Coated`
+    transmittance : (K, NODES) float64; of a coat, at cosines from 0 to 1
+    keep : (K,) float64; internal reflectance of a coat
+    plain : bool; every point is black, or reflects all colours to its whole horizon
     """
 
     kinds: tuple[Kind, ...]
@@ -89,13 +74,7 @@ class MaterialTable:
 
         Parameters
         ----------
-        material : (N,) int
-            Rows of the table.
-
-        Returns
-        -------
-        Facets
-            N rows.
+        material : (N,) int; rows of the table
         """
         beckmann = self.beckmann[material] if self.beckmann.any() else None
         return Facets(self.alpha[material], beckmann)
@@ -107,18 +86,7 @@ class MaterialTable:
 
 
 def kind_of(material: Material) -> Kind:
-    """How a material scatters.
-
-    Parameters
-    ----------
-    material : Material
-        As an author gives it.
-
-    Returns
-    -------
-    Kind
-        One of the seven.
-    """
+    """How a material scatters."""
     if isinstance(material, Lambertian):
         return Kind.LAMBERTIAN
     if isinstance(material, Conductor):
@@ -129,18 +97,7 @@ def kind_of(material: Material) -> Kind:
 
 
 def tabulate(materials: list[Material]) -> MaterialTable:
-    """Put materials into a table.
-
-    Parameters
-    ----------
-    materials : list of Material
-        Row by row.
-
-    Returns
-    -------
-    MaterialTable
-        As many rows.
-    """
+    """Put materials into a table."""
     kind = [kind_of(m) for m in materials]
     white = (1.0, 1.0, 1.0)
     textures = tuple(getattr(m, "reflectance", white) for m in materials)
@@ -194,25 +151,19 @@ def _column(materials: list[Material], name: str, absent: tuple[float, ...]) -> 
 def lit_cosine(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Scalars:
     """Cosine of light with the shading normal where it can be reflected, else 0.
 
+    The geometric normal decides on which side the light is, as in [Pharr23]: no light
+    leaks through a smooth-shaded face.
+
     Parameters
     ----------
-    table : MaterialTable
-        Says which materials have a black back.
-    points : SurfacePoints
-        N points.
-    wi : (N, 3) float64
-        Unit directions to the light.
+    table : MaterialTable; says which materials have a black back
+    wi : (N, 3) float64; unit directions to the light
 
     Returns
     -------
     (N,) float64
         0 where ``wi`` is below the geometric surface or below the shading normal, and
         on the back of one-sided materials.
-
-    Notes
-    -----
-    The geometric normal decides on which side the light is, as in [Pharr23]: no light
-    leaks through a smooth-shaded face.
     """
     cosine = np.maximum(dot(points.shading, wi), 0.0)
     if points.smooth is not None:

@@ -57,24 +57,17 @@ def _crossing(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> _Crossi
 def scattering(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Vec3s:
     """Reflection and refraction f |cos θ_i|, of radiance.
 
+    [Walter07], refraction divided by η² since radiance spreads over
+    another solid angle [Veach97, Eq. 5.2].
+
     Parameters
     ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points on rough dielectrics.
-    wi : (N, 3) float64
-        Unit directions to the light, to either side.
+    points : SurfacePoints; N points on rough dielectrics
+    wi : (N, 3) float64; unit directions to the light, to either side
 
     Returns
     -------
-    (N, 3) float64, 1/sr
-        0 where shading and geometric normal do not agree on the side.
-
-    Notes
-    -----
-    [Walter07], refraction divided by η² since radiance spreads over
-    another solid angle [Veach97, Eq. 5.2].
+    (N, 3) float64, 1/sr; 0 where shading and geometric normal do not agree on the side
     """
     p, eta = _crossing(table, points, wi), relative_index(table, points)
     lobe = p.facets.density(p.cos_h)
@@ -85,25 +78,14 @@ def scattering(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Vec3s:
 
 
 def pdf(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Scalars:
-    """Density of :func:`sample`.
+    """Density of :func:`sample`, (N,) float64, 1/sr; 0 where nothing is scattered.
+
+    [Walter07]: that of the microfacet's normal times |∂h/∂wi|.
 
     Parameters
     ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points on rough dielectrics.
-    wi : (N, 3) float64
-        Unit directions to the light, to either side.
-
-    Returns
-    -------
-    (N,) float64, 1/sr
-        0 where nothing is scattered.
-
-    Notes
-    -----
-    [Walter07]: that of the microfacet's normal times |∂h/∂wi|.
+    points : SurfacePoints; N points on rough dielectrics
+    wi : (N, 3) float64; unit directions to the light, to either side
     """
     p = _crossing(table, points, wi)
     lobe = p.facets.density(p.cos_h) * p.facets.shown(p.cos_h, p.cos_o, p.cos_d)
@@ -117,10 +99,7 @@ def sample(
 
     Parameters
     ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points on rough dielectrics.
+    points : SurfacePoints; N points on rough dielectrics
     u : four (N,) float64
         Lanes 0 to 2 choose the microfacet, and what is left of lane 0 decides.
 

@@ -24,15 +24,11 @@ def by_kind(
 
     Parameters
     ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points.
+    points : SurfacePoints; N points
 
     Yields
     ------
-    Kind, (K,) int, SurfacePoints
-        Kind, rows, and the points of these rows.
+    Kind, (K,) int, SurfacePoints; kind, rows, and the points of these rows
     """
     kind = table.kind[points.material]
     for k in table.kinds:
@@ -44,17 +40,7 @@ def by_kind(
 def can_scatter(table: MaterialTable, points: SurfacePoints) -> Masks:
     """Whether a point scatters any light at all.
 
-    Parameters
-    ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points.
-
-    Returns
-    -------
-    (N,) bool
-        False for misses and for black surfaces without a coat.
+    Returns (N,) bool; False for misses and for black surfaces without a coat.
     """
     able = points.color.any(axis=1)
     coats = (Kind.ROUGH_COATED, Kind.SMOOTH_COATED)
@@ -67,17 +53,7 @@ def can_scatter(table: MaterialTable, points: SurfacePoints) -> Masks:
 def is_shared(table: MaterialTable, points: SurfacePoints) -> Masks:
     """Whether light that a point scatters may be reused, delta lobes apart.
 
-    Parameters
-    ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points.
-
-    Returns
-    -------
-    (N,) bool
-        False on rough dielectrics, whose light comes from both sides.
+    Returns (N,) bool; False on rough dielectrics, whose light comes from both sides.
     """
     if not table.transmits:
         return np.ones(len(points), bool)
@@ -90,12 +66,8 @@ def scattering(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Vec3s:
 
     Parameters
     ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points, with their viewers ``wo``.
-    wi : (N, 3) float64
-        Unit directions to the light.
+    points : SurfacePoints; N points, with their viewers ``wo``
+    wi : (N, 3) float64; unit directions to the light
 
     Returns
     -------
@@ -124,12 +96,7 @@ def pdf(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Scalars:
 
     Parameters
     ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points.
-    wi : (N, 3) float64
-        Unit directions to the light.
+    wi : (N, 3) float64; unit directions to the light
 
     Returns
     -------

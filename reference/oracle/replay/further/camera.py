@@ -23,10 +23,8 @@ class Eye:
     ----------
     position, right, upward, forward : Bounded
         (1, 3) each: the pinhole, and unit vectors.
-    half_width : Bounded
-        (1,): tangent of half the angle of view.
-    width, height : Bounded
-        (1,) each, pixels.
+    half_width : Bounded; (1,): tangent of half the angle of view
+    width, height : Bounded; (1,) each, pixels
     """
 
     position: Bounded
@@ -41,21 +39,11 @@ class Eye:
 def eye_of(
     settings: Mapping[str, Value], rounding: Rounding, rules: FurtherRules
 ) -> Eye:
-    """The camera of a case.
+    """The camera of a case, its axes calculated from the settings as a backend does.
 
     Parameters
     ----------
-    settings : mapping of str to number
-        ``eye_x`` to ``height``.
-    rounding : Rounding
-        Of the backend.
-    rules : FurtherRules
-        What is calculated with.
-
-    Returns
-    -------
-    Eye
-        Its axes as a backend calculates them, from the settings.
+    settings : mapping of str to number; ``eye_x`` to ``height``
     """
     position, target, up = (
         _vector(settings, name, rounding) for name in ("eye", "target", "up")
@@ -95,21 +83,12 @@ def _tangent(angle: Bounded) -> Bounded:
 
 
 def rays(eye: Eye, pixel: Indices, place: float) -> Bounded:
-    """Directions through pixels.
+    """Directions through pixels, (N, 3), of which the component along the axis is 1.
 
     Parameters
     ----------
-    eye : Eye
-        The camera.
-    pixel : (N,) int
-        y · width + x.
-    place : float
-        In each pixel, from the left and from above: 1/2 is its centre.
-
-    Returns
-    -------
-    Bounded
-        (N, 3), of which the component along the axis is 1.
+    pixel : (N,) int; y · width + x
+    place : float; in each pixel, from the left and from above: 1/2 is its centre
     """
     y, x = np.divmod(pixel, int(eye.width.value[0]))
     twice_x, twice_y = (exact(2 * (v + place), eye.width.rounding) for v in (x, y))
@@ -123,17 +102,12 @@ def seen_at(eye: Eye, points: Bounded) -> tuple[Bounded, Bounded, Bounded]:
 
     Parameters
     ----------
-    eye : Eye
-        The camera.
-    points : Bounded
-        (N, 3), m.
+    points : Bounded; (N, 3), m
 
     Returns
     -------
-    x, y : Bounded
-        (N,), pixels; without meaning where the depth is not above 0.
-    depth : Bounded
-        (N,), m, along the axis.
+    x, y : Bounded; (N,), pixels; without meaning where the depth is not above 0
+    depth : Bounded; (N,), m, along the axis
     """
     offset = offset_from(eye, points)
     depth = inner(offset, eye.forward)
@@ -149,10 +123,7 @@ def offset_from(eye: Eye, points: Bounded) -> Bounded:
 
     Parameters
     ----------
-    eye : Eye
-        The camera.
-    points : Bounded
-        (N, 3), m.
+    points : Bounded; (N, 3), m
 
     Returns
     -------
@@ -167,21 +138,11 @@ def offset_from(eye: Eye, points: Bounded) -> Bounded:
 
 
 def depth_of(eye: Eye, points: Bounded, rules: FurtherRules) -> Bounded:
-    """How far points are from the pinhole, along the axis.
+    """How far points are from the pinhole, along the axis, (N,), m.
 
     Parameters
     ----------
-    eye : Eye
-        The camera.
-    points : Bounded
-        (N, 3), m.
-    rules : FurtherRules
-        What is calculated with.
-
-    Returns
-    -------
-    Bounded
-        (N,), m.
+    points : Bounded; (N, 3), m
     """
     offset = offset_from(eye, points)
     if rules.depth_is_distance:

@@ -14,15 +14,12 @@ def room(tolerance: Bounded, then: Bounded, now: Bounded) -> Bounded:
 
     Parameters
     ----------
-    tolerance : Bounded
-        (1,): relative change.
-    then, now : Bounded
-        (N,): luminance as it was stored, and found again.
+    tolerance : Bounded; (1,): relative change
+    then, now : Bounded; (N,): luminance as it was stored, and found again
 
     Returns
     -------
-    Bounded
-        (N,): negative where the sample is no longer what it was.
+    Bounded; (N,): negative where the sample is no longer what it was
     """
     return tolerance * larger(then, now) - abs(then - now)
 
@@ -32,13 +29,11 @@ def light(brightness: Bounded, W: Bounded) -> Bounded:
 
     Parameters
     ----------
-    brightness, W : Bounded
-        (N,): luminance of the radiance, and the weight.
+    brightness, W : Bounded; (N,): luminance of the radiance, and the weight
 
     Returns
     -------
-    Bounded
-        (N,)
+    Bounded; (N,)
     """
     return brightness * W
 
@@ -48,15 +43,12 @@ def calm(light: Bounded, mean: Bounded, strength: Bounded) -> Bounded:
 
     Parameters
     ----------
-    light, mean : Bounded
-        (N,): of a pixel, and of its tile.
-    strength : Bounded
-        (1,): of the filter.
+    light, mean : Bounded; (N,): of a pixel, and of its tile
+    strength : Bounded; (1,): of the filter
 
     Returns
     -------
-    Bounded
-        (N,): negative where the reservoir is emptied.
+    Bounded; (N,): negative where the reservoir is emptied
     """
     reach = constant(10.0, strength) - constant(9.0, strength) * strength
     return mean * reach - light * strength
@@ -67,15 +59,11 @@ def boiling_tile(x: Indices, y: Indices, width: int) -> Indices:
 
     Parameters
     ----------
-    x, y : (N,) int
-        Pixels.
-    width : int
-        Of the image.
+    x, y : (N,) int; pixels
 
     Returns
     -------
-    (N,) int
-        Any number, the same for pixels of one tile.
+    (N,) int; any number, the same for pixels of one tile
     """
     return y // 16 * width + x // 16
 
@@ -85,17 +73,11 @@ def parity(x: Indices, y: Indices, width: int, frame: int) -> Indices:
 
     Parameters
     ----------
-    x, y : (N,) int
-        Pixels.
-    width : int
-        Of the image.
-    frame : int
-        Of now.
+    x, y : (N,) int; pixels
 
     Returns
     -------
-    (N,) int
-        Odd where it does not draw.
+    (N,) int; odd where it does not draw
     """
     return x + y + frame
 
@@ -105,31 +87,21 @@ def roulette_tile(x: Indices, y: Indices, width: int) -> Indices:
 
     Parameters
     ----------
-    x, y : (N,) int
-        Pixels.
-    width : int
-        Of the image.
+    x, y : (N,) int; pixels
 
     Returns
     -------
-    (N,) int
-        First word of the random key.
+    (N,) int; first word of the random key
     """
     return y // 32 * -(-width // 64) + x // 64
 
 
 def tail_weight(probability: Bounded) -> Bounded:
-    """Weight of a tail that goes on: 1 / probability.
+    """Weight (1,) of a tail that goes on: 1 / probability.
 
     Parameters
     ----------
-    probability : Bounded
-        (1,)
-
-    Returns
-    -------
-    Bounded
-        (1,)
+    probability : Bounded; (1,)
     """
     return constant(1.0, probability) / probability
 
@@ -139,13 +111,11 @@ def packed_confidence(M: Scalars) -> Scalars:
 
     Parameters
     ----------
-    M : (N,) float64
-        Confidence.
+    M : (N,) float64; confidence
 
     Returns
     -------
-    (N,) float64
-        A whole number is stored as it stands, any other to 1/2.
+    (N,) float64; a whole number is stored as it stands, any other to 1/2
     """
     held: Scalars = np.where(M > 0, np.clip(M, 1.0, MOST_M), 0.0)
     return held

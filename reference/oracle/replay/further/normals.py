@@ -21,16 +21,8 @@ def as_written(
 
     Parameters
     ----------
-    name : str
-        Of the buffer.
-    codes : (N, 2) int16
-        By the backend.
-    given : (N, 3) float
-        Unit normals, or 0.
-    octahedron : Octahedron
-        How they are written.
-    rounding : Rounding
-        Of the backend.
+    codes : (N, 2) int16; by the backend
+    given : (N, 3) float; unit normals, or 0
 
     Returns
     -------
@@ -112,11 +104,6 @@ def as_read(codes: Codes, octahedron: Octahedron, rounding: Rounding) -> Bounded
     Parameters
     ----------
     codes : (N, 2) int16
-        Any.
-    octahedron : Octahedron
-        How they are read.
-    rounding : Rounding
-        Of the backend.
 
     Returns
     -------

@@ -14,17 +14,7 @@ from reference.oracle.replay.verbs import inner, square_root
 def setting(value: Value, rounding: Rounding) -> Bounded:
     """A number that holds for all rows.
 
-    Parameters
-    ----------
-    value : int or float
-        As the case has it.
-    rounding : Rounding
-        Of the backend.
-
-    Returns
-    -------
-    Bounded
-        (1,): one rounding, or none where float32 holds the number.
+    (1,): one rounding, or none where float32 holds the number.
     """
     wide = np.array([float(value)])
     held = wide.astype(np.float32) == wide
@@ -33,17 +23,11 @@ def setting(value: Value, rounding: Rounding) -> Bounded:
 
 
 def product(a: Bounded, b: Bounded) -> Bounded:
-    """Vector product of the rows of two arrays of vectors.
+    """Vector product of the rows of two arrays of vectors, (N, 3).
 
     Parameters
     ----------
-    a, b : Bounded
-        (N, 3) each; either may have one row.
-
-    Returns
-    -------
-    Bounded
-        (N, 3)
+    a, b : Bounded; (N, 3) each; either may have one row
     """
     plus = a[:, [1, 2, 0]] * b[:, [2, 0, 1]]
     minus = a[:, [2, 0, 1]] * b[:, [1, 2, 0]]
@@ -51,17 +35,11 @@ def product(a: Bounded, b: Bounded) -> Bounded:
 
 
 def unit(v: Bounded) -> Bounded:
-    """Vectors of length 1.
+    """Vectors of length 1, (N, 3).
 
     Parameters
     ----------
-    v : Bounded
-        (N, 3)
-
-    Returns
-    -------
-    Bounded
-        (N, 3)
+    v : Bounded; (N, 3)
     """
     return v / square_root(inner(v, v))[:, None]
 
@@ -69,15 +47,7 @@ def unit(v: Bounded) -> Bounded:
 def larger(a: Bounded, b: Bounded) -> Bounded:
     """The larger of two numbers.
 
-    Parameters
-    ----------
-    a, b : Bounded
-        Of one shape.
-
-    Returns
-    -------
-    Bounded
-        A maximum moves by no more than the one of the two that moves most.
+    A maximum moves by no more than the one of the two that moves most.
     """
     value, error = np.maximum(a.value, b.value), np.maximum(a.error, b.error)
     return Bounded(value, error, a.rounding)
@@ -89,27 +59,19 @@ class Choice:
 
     Attributes
     ----------
-    own : (N,) bool
-        Without rounding.
-    certain : (N,) bool
-        Rounding does not change it; the others are open.
+    own : (N,) bool; without rounding
+    certain : (N,) bool; rounding does not change it; the others are open
     """
 
     own: Masks
     certain: Masks
 
     def settled(self, found: Masks) -> Masks:
-        """What to go on with.
+        """What to go on with, (N,) bool; the backend's, where it is open.
 
         Parameters
         ----------
-        found : (N,) bool
-            Choice of the backend.
-
-        Returns
-        -------
-        (N,) bool
-            The backend's, where it is open.
+        found : (N,) bool; choice of the backend
         """
         return np.where(self.certain, self.own, found)
 
@@ -118,8 +80,7 @@ class Choice:
 
         Parameters
         ----------
-        found : (N,) bool
-            Choice of the backend.
+        found : (N,) bool; choice of the backend
 
         Returns
         -------
@@ -132,18 +93,7 @@ class Choice:
 
 
 def where_not_negative(slack: Bounded) -> Choice:
-    """Yes where a number is at least 0.
-
-    Parameters
-    ----------
-    slack : Bounded
-        (N,)
-
-    Returns
-    -------
-    Choice
-        An exact 0 is a certain yes.
-    """
+    """Yes where a number is at least 0.  An exact 0 is a certain yes."""
     own = slack.value >= 0
     with np.errstate(invalid="ignore"):
         yes, no = slack.value - slack.error >= 0, slack.value + slack.error < 0
@@ -151,17 +101,11 @@ def where_not_negative(slack: Bounded) -> Choice:
 
 
 def where_none_negative(slack: Bounded) -> Choice:
-    """Yes where none of a row's numbers is below 0.
+    """Yes where none of a row's numbers is below 0, (N,): one certain no is enough.
 
     Parameters
     ----------
-    slack : Bounded
-        (N,) or (N, K)
-
-    Returns
-    -------
-    Choice
-        (N,): one certain no is enough.
+    slack : Bounded; (N,) or (N, K)
     """
     each = where_not_negative(slack)
     rows = (len(each.own), -1)
@@ -171,18 +115,7 @@ def where_none_negative(slack: Bounded) -> Choice:
 
 
 def where_all_positive(tests: list[Bounded]) -> Choice:
-    """Yes where several numbers are above 0.
-
-    Parameters
-    ----------
-    tests : list of Bounded
-        (N,) each.
-
-    Returns
-    -------
-    Choice
-        One certain no is enough.
-    """
+    """Yes where several numbers are above 0.  One certain no is enough."""
     yes = np.all([test.surely_positive for test in tests], axis=0)
     no = np.any([test.surely_not_positive for test in tests], axis=0)
     own = np.all([test.value > 0 for test in tests], axis=0)
@@ -192,15 +125,7 @@ def where_all_positive(tests: list[Bounded]) -> Choice:
 def bounded_somehow(x: Bounded) -> Bounded:
     """Numbers of which nothing is known where the bound itself is no number.
 
-    Parameters
-    ----------
-    x : Bounded
-        Any.
-
-    Returns
-    -------
-    Bounded
-        Infinity times 0 in a bound becomes infinity.
+    Infinity times 0 in a bound becomes infinity.
     """
     unknown = np.isnan(x.error) | np.isnan(x.value)
     value = np.where(np.isfinite(x.value), x.value, 0.0)
@@ -208,18 +133,10 @@ def bounded_somehow(x: Bounded) -> Bounded:
 
 
 def moved(x: Bounded, by: float) -> Bounded:
-    """Numbers and a literal added to them.
+    """Numbers and a literal added to them, of the same shape.
 
     Parameters
     ----------
-    x : Bounded
-        Any.
-    by : float
-        0 for none, which rounds nothing.
-
-    Returns
-    -------
-    Bounded
-        Of the same shape.
+    by : float; 0 for none, which rounds nothing
     """
     return x + constant(by, x) if by else x

@@ -30,23 +30,9 @@ def judge_pack(
 ) -> Judgement:
     """Judge pass ``pack``.
 
-    Parameters
-    ----------
-    case : Case
-        The call.
-    outputs : mapping of str to array
-        By the backend.
-    rules : Rules
-        What is calculated with.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Judgement
-        N rows.  The words are read by the production code, and what they say is held
-        against the errors that the layout has.  So a normal may have the code beside
-        ours, where both are near enough.
+    N rows.  The words are read by the production code, and what they say is held
+    against the errors that the layout has.  So a normal may have the code beside ours,
+    where both are near enough.
     """
     part, given, rounding = further(rules), case.inputs, rounding_of(precision)
     codes = _records(outputs["words"], part)
@@ -80,22 +66,8 @@ def judge_unpack(
 ) -> Judgement:
     """Judge pass ``unpack``.
 
-    Parameters
-    ----------
-    case : Case
-        The call.
-    outputs : mapping of str to array
-        By the backend.
-    rules : Rules
-        What is calculated with.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Judgement
-        N rows.  All but the normals is exact; a float32 below the smallest normal
-        number may be flushed to 0.
+    All but the normals is exact; a float32 below the smallest normal number may be
+    flushed to 0.
     """
     part, rounding = further(rules), rounding_of(precision)
     codes = _records(case.inputs["words"], part)

@@ -19,24 +19,7 @@ STREAM = 7 * 64
 def judge_checkerboard(
     case: Case, outputs: Buffers, rules: Rules, precision: Precision
 ) -> Judgement:
-    """Judge pass ``checkerboard``.
-
-    Parameters
-    ----------
-    case : Case
-        The call.
-    outputs : mapping of str to array
-        By the backend.
-    rules : Rules
-        What is calculated with.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Judgement
-        N rows, exact.
-    """
+    """Judge pass ``checkerboard``."""
     s, part = case.settings, further(rules)
     width, frame = int(s["width"]), int(s["frame"])
     line, column = np.divmod(case.inputs["pixel"].astype(np.int64), width)
@@ -53,22 +36,8 @@ def judge_roulette(
 ) -> Judgement:
     """Judge pass ``roulette``.
 
-    Parameters
-    ----------
-    case : Case
-        The call.
-    outputs : mapping of str to array
-        By the backend.
-    rules : Rules
-        What is calculated with.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Judgement
-        N rows.  The random numbers are exact; a probability that float32 does not hold
-        may be rounded to either side of one, and its reciprocal is rounded.
+    The random numbers are exact; a probability that float32 does not hold may be
+    rounded to either side of one, and its reciprocal is rounded.
     """
     s, part, rounding = case.settings, further(rules), rounding_of(precision)
     width = int(s["width"])

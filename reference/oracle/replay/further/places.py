@@ -18,12 +18,8 @@ def rows_at(x: Bounded, y: Bounded, eye: Eye, border: str) -> list[Indices]:
 
     Parameters
     ----------
-    x, y : Bounded
-        (N,), pixels.
-    eye : Eye
-        The camera.
-    border : str
-        What becomes of places outside.
+    x, y : Bounded; (N,), pixels
+    border : str; what becomes of places outside
 
     Returns
     -------
@@ -57,23 +53,13 @@ def _whole(place: Scalars, count: float, border: str) -> Scalars:
 
 
 def may_hold(row: Indices, x: Bounded, y: Bounded, eye: Eye, border: str) -> Masks:
-    """Whether the pixel of a row may hold a place.
+    """Whether the pixel of a row may hold a place, (N,) bool; False for what is no row.
 
     Parameters
     ----------
-    row : (N,) int
-        Pixels.
-    x, y : Bounded
-        (N,), pixels.
-    eye : Eye
-        The camera.
-    border : str
-        What becomes of places outside.
-
-    Returns
-    -------
-    (N,) bool
-        False for what is no row.
+    row : (N,) int; pixels
+    x, y : Bounded; (N,), pixels
+    border : str; what becomes of places outside
     """
     width, height = int(eye.width.value[0]), int(eye.height.value[0])
     line, column = np.divmod(row, width)
@@ -105,19 +91,12 @@ def alike_at(case: Case, row: Indices, depth: Bounded, rules: Rules) -> Bounded:
 
     Parameters
     ----------
-    case : Case
-        The call.
-    row : (N,) int
-        Of the last frame, or −1.
-    depth : Bounded
-        (N,): of the points, in the last frame.
-    rules : Rules
-        What is calculated with.
+    row : (N,) int; of the last frame, or −1
+    depth : Bounded; (N,): of the points, in the last frame
 
     Returns
     -------
-    Bounded
-        (N,), negative where there is no row.
+    Bounded; (N,), negative where there is no row
     """
     rounding, part = depth.rounding, further(rules)
     there, own = np.maximum(row, 0), np.arange(case.rows)

@@ -23,21 +23,7 @@ def judge_validation(
 ) -> Judgement:
     """Judge pass ``validation``.
 
-    Parameters
-    ----------
-    case : Case
-        The call.
-    outputs : mapping of str to array
-        By the backend.
-    rules : Rules
-        What is calculated with.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Judgement
-        N rows.  The same radiance is the same in any order of operations.
+    The same radiance is the same in any order of operations.
     """
     rounding, part, given = rounding_of(precision), further(rules), case.inputs
     then, now = given["radiance_then"], given["radiance_now"]
@@ -63,21 +49,7 @@ def judge_boiling(
 ) -> Judgement:
     """Judge pass ``boiling``.
 
-    Parameters
-    ----------
-    case : Case
-        The call.
-    outputs : mapping of str to array
-        By the backend.
-    rules : Rules
-        What is calculated with.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Judgement
-        N rows.  Whoever is within the bounds of the limit may stay or go.
+    Whoever is within the bounds of the limit may stay or go.
     """
     rounding, part, given = rounding_of(precision), further(rules), case.inputs
     brightness = part.luminance(exact(given["radiance"], rounding))

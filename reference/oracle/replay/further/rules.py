@@ -28,20 +28,12 @@ class Octahedron:
 
     Attributes
     ----------
-    folds : bool
-        The lower half is folded outward, over the sides of the upper one.
-    sign_of_zero : int
-        In the fold.
-    steps : int
-        Code of the coordinate 1.
-    toward_zero : bool
-        Rounded toward 0, not to nearest.
-    runs_over : bool
-        The sign of a negative u fills the bits of v.
-    signed : bool
-        Codes are read as numbers with a sign.
-    normalized : bool
-        What was read is made a unit vector.
+    folds : bool; the lower half is folded outward, over the sides of the upper one
+    steps : int; code of the coordinate 1
+    toward_zero : bool; rounded toward 0, not to nearest
+    runs_over : bool; the sign of a negative u fills the bits of v
+    signed : bool; codes are read as numbers with a sign
+    normalized : bool; what was read is made a unit vector
     """
 
     folds: bool = True
@@ -59,22 +51,15 @@ class FurtherRules:
 
     Attributes
     ----------
-    pixel_place : float
-        Where in its pixel a ray passes, from the left and from above.
-    upside_down, mirrored : bool
-        y of the image counts upwards, or x to the left.
-    angle_of_height : bool
-        The angle of view is the vertical one.
-    up_as_it_is : bool
-        The vector up is not made orthogonal to the view, nor unit.
-    depth_is_distance : bool
-        From the pinhole, not along the axis.
+    pixel_place : float; where in its pixel a ray passes, from the left and from above
+    upside_down, mirrored : bool; y of the image counts upwards, or x to the left
+    angle_of_height : bool; the angle of view is the vertical one
+    up_as_it_is : bool; the vector up is not made orthogonal to the view, nor unit
+    depth_is_distance : bool; from the pinhole, not along the axis
     behind_counts : bool
         What is behind the pinhole is seen; reprojection takes |z| for its depth.
-    normal_turns : bool
-        To the side that is seen.
-    back_faces : bool
-        Triangles are met from both sides.
+    normal_turns : bool; to the side that is seen
+    back_faces : bool; triangles are met from both sides
     place_shift : float, pixels
         Added to both coordinates of the place before, ahead of the floor.
     border : 'cut', 'truncated', 'clamped' or 'wide'
@@ -82,44 +67,29 @@ class FurtherRules:
         it, or all of them, are moved to its border; or one more column is inside.
     own_normal_asked, own_depth_asked : bool
         Compared is what the pixel itself saw before, not what its place saw.
-    compares_normals, compares_anything : bool
-        With what the last frame saw.
-    misses_go_on : bool
-        Pixels that see nothing have a row too.
-    luminance : callable
-        Of the radiance, in validation and in the boiling filter.
-    room : callable
-        Of validation, as the function of `formulas`.
-    by_channels : bool
-        Each channel has to be what it was.
-    nulls : 'stay', 'asked' or 'cleared'
-        In validation: always, as any sample, or never.
-    ray_asked : bool
-        Whether validation heeds that the sample is met.
-    keeps_confidence : bool
-        Of reservoirs that are emptied.
+    compares_normals, compares_anything : bool; with what the last frame saw
+    misses_go_on : bool; pixels that see nothing have a row too
+    luminance : callable; of the radiance, in validation and in the boiling filter
+    room : callable; of validation, as the function of `formulas`
+    by_channels : bool; each channel has to be what it was
+    nulls : 'stay', 'asked' or 'cleared'; in validation: always, as any sample, or never
+    ray_asked : bool; whether validation heeds that the sample is met
+    keeps_confidence : bool; of reservoirs that are emptied
     light, calm, boiling_tile : callable
         Of the boiling filter, as the functions of `formulas`.
-    dark_counts : bool
-        Pixels without light are in the mean.
-    parity : callable
-        Of the checkerboard, as the function of `formulas`.
-    history_asked : bool
-        Who has no history draws in every frame.
+    dark_counts : bool; pixels without light are in the mean
+    parity : callable; of the checkerboard, as the function of `formulas`
+    history_asked : bool; who has no history draws in every frame
     roulette_tile, tail_weight : callable
         Of the roulette, as the functions of `formulas`.
     halves : tuple of int
         At which half word of 48 bytes each half word of the layout stands.
-    octahedron : Octahedron
-        How normals are written and read.
+    octahedron : Octahedron; how normals are written and read
     half_toward_zero, half_overflows : bool
         Channels are rounded toward 0; those too large become infinity.
-    small_halves_kept : bool
-        Halves below 2⁻¹⁴ do not become 0.
-    packed_confidence : callable
-        As the function of `formulas`.
-    confidence_signed : bool
-        M is read as a number with a sign.
+    small_halves_kept : bool; halves below 2⁻¹⁴ do not become 0
+    packed_confidence : callable; as the function of `formulas`
+    confidence_signed : bool; M is read as a number with a sign
     """
 
     pixel_place: float = 0.5
@@ -162,16 +132,5 @@ class FurtherRules:
 
 
 def further(rules: Rules) -> FurtherRules:
-    """What the further passes of a replay calculate with.
-
-    Parameters
-    ----------
-    rules : Rules
-        Of the replay.
-
-    Returns
-    -------
-    FurtherRules
-        Its part, or the contract.
-    """
+    """What the further passes of a replay calculate with."""
     return rules.part or FurtherRules()

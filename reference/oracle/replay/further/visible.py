@@ -31,22 +31,8 @@ def judge_gbuffer(
 ) -> Judgement:
     """Judge pass ``gbuffer``.
 
-    Parameters
-    ----------
-    case : Case
-        The call.
-    outputs : mapping of str to array
-        By the backend.
-    rules : Rules
-        What is calculated with.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Judgement
-        N rows.  Whether the ray meets the triangle is open within the bounds of the
-        signs of its sides; the other buffers are judged as the backend decided.
+    Whether the ray meets the triangle is open within the bounds of the signs of its
+    sides; the other buffers are judged as the backend decided.
     """
     rounding, part = rounding_of(precision), further(rules)
     eye = eye_of(case.settings, rounding, part)
@@ -95,22 +81,8 @@ def judge_reproject(
 ) -> Judgement:
     """Judge pass ``reproject``.
 
-    Parameters
-    ----------
-    case : Case
-        The call.
-    outputs : mapping of str to array
-        By the backend.
-    rules : Rules
-        What is calculated with.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    Judgement
-        N rows.  A place near the border of two pixels may be in either, and a point
-        that is barely similar may be similar or not.
+    A place near the border of two pixels may be in either, and a point that is barely
+    similar may be similar or not.
     """
     rounding, part = rounding_of(precision), further(rules)
     eye = eye_of(case.settings, rounding, part)
