@@ -32,8 +32,6 @@ def render_area_frames(
 ) -> Iterator[PathFrame]:
     """Frames of indirect light by ReSTIR over the area of each pixel, without end.
 
-    Notes
-    -----
     [Zhang24].  Which pixels are reused, and with what confidence, is decided by
     what their centres see: never by a sample.
     """

@@ -85,14 +85,10 @@ class AreaNeighbor:
 
     Attributes
     ----------
-    shift : AreaShift
-        From the neighbours to the K receivers.
-    pixel : (K,) int
-        Rows of the image that the receivers are.
-    reservoirs : Reservoirs
-        N rows of `AreaPaths`, a pixel each.
-    rows : (K,) int
-        Row that each receiver resamples, or ``NONE``.
+    shift : AreaShift; from the neighbours to the K receivers
+    pixel : (K,) int; rows of the image that the receivers are
+    reservoirs : Reservoirs; N rows of `AreaPaths`, a pixel each
+    rows : (K,) int; row that each receiver resamples, or ``NONE``
     dx, dy : (K,) float64, pixels
         How far places move from the neighbour to the receiver, if x_1 moves.
     same_domain : bool

@@ -167,13 +167,10 @@ def find_lights(
 
     Parameters
     ----------
-    vertex : int
-        v, of all of them.
     uniforms : Uniforms
         N rows; dimension 2 (v - 1) + 1 chooses the light, lane 3 of the one before
         between the two.
-    leaving : Leaving or None
-        Rays that left x_v; ``None`` where none may hit a light.
+    leaving : Leaving or None; rays that left x_v; ``None`` where none may hit a light
 
     Returns
     -------

@@ -23,16 +23,11 @@ class PathFrame:
 
     Attributes
     ----------
-    number : int
-        From 0.
-    world : World
-        The scene as it was.
-    visible : VisiblePoints
-        G-buffer, through the centres of the pixels.
-    reservoirs : Reservoirs
-        Of paths, a pixel each.
-    color : (N, 3) float64, W/(m² sr)
-        Indirect light.
+    number : int; from 0
+    world : World; the scene as it was
+    visible : VisiblePoints; G-buffer, through the centres of the pixels
+    reservoirs : Reservoirs; of paths, a pixel each
+    color : (N, 3) float64, W/(m² sr); indirect light
     """
 
     number: int

@@ -39,14 +39,10 @@ class PathSettings(Search):
     shift : 'reconnection', 'replay' or 'hybrid'; how paths are shifted between pixels
     mis : '1/M', '1/Z', 'balance', 'pairwise' or 'defensive'
         MIS weights; the first is biased.
-    temporal, spatial : bool
-        Which passes run.
-    temporal_cap, spatial_cap : float
-        Limits of M.
-    neighbors : int
-        Whose paths the spatial pass resamples.
-    image : 'last' or 'mean'
-        The last frame, as a renderer shows it, or the mean of all.
+    temporal, spatial : bool; which passes run
+    temporal_cap, spatial_cap : float; limits of M
+    neighbors : int; whose paths the spatial pass resamples
+    image : 'last' or 'mean'; the last frame, as a renderer shows it, or the mean of all
     """
 
     shift: ShiftKind = "hybrid"

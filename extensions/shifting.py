@@ -66,17 +66,13 @@ class Paths:
     ----------
     number : (N,) int64
         Key of the random numbers: with them, and x_1, the path can be drawn again.
-    end : (N,) int8
-        Index of the last surface point, at least 2; 0 for no path.
-    technique : (N,) int8
-        `Technique` by which x_end found its light.
+    end : (N,) int8; index of the last surface point, at least 2; 0 for no path
+    technique : (N,) int8; `Technique` by which x_end found its light
     joint : (N,) int8
         Index c of the reconnection vertex x_c, from which on the path is shared; 0
         where there is none, and the whole path is replayed.
-    surface : SurfacePoints
-        x_c, as it was seen from x_(c-1).
-    wi : (N, 3) float64
-        Unit direction from x_c to the next point, or to the light.
+    surface : SurfacePoints; x_c, as it was seen from x_(c-1)
+    wi : (N, 3) float64; unit direction from x_c to the next point, or to the light
     incoming : (N, 3) float64
         What arrives at x_c from there.  Where light follows x_c: its radiance, for
         next-event estimation over the density of the choice, W/(m² sr).  Else all
@@ -323,8 +319,7 @@ class Shift:
 
     Attributes
     ----------
-    uniforms : callable
-        Random numbers of the paths that have the given numbers.
+    uniforms : callable; random numbers of the paths that have the given numbers
     """
 
     criterion: Criterion
@@ -340,12 +335,14 @@ class Shift:
     ) -> tuple[Vec3s, Scalars]:
         """Shift paths to other visible points [Lin22, section 7.2].
 
+        [Lin22, section 7.2].  Replayed vertices keep their random numbers, and add the
+        factor 1.  At the joint p(ω_(c-1)) cos φ_c / d² p(ω_c) of the offset path is
+        divided by the same of the base path.
+
         Parameters
         ----------
-        at : (N,) int
-            Which of the points the paths go to.
-        rows : (N,) int
-            Which of the base paths are shifted.
+        at : (N,) int; which of the points the paths go to
+        rows : (N,) int; which of the base paths are shifted
 
         Returns
         -------
@@ -354,12 +351,6 @@ class Shift:
             below a horizon, of another length, or joinable elsewhere.
         jacobian : (N,) float64
             |∂u_to / ∂u_from| in primary sample space; 0 where there is no such path.
-
-        Notes
-        -----
-        [Lin22, section 7.2].  Replayed vertices keep their random numbers, and add the
-        factor 1.  At the joint p(ω_(c-1)) cos φ_c / d² p(ω_c) of the offset path is
-        divided by the same of the base path.
         """
         value, density = zero_vectors(len(rows)), np.zeros(len(rows))
         joint = paths.joint[rows]
@@ -486,16 +477,12 @@ class PathNeighbor:
 
     Attributes
     ----------
-    world, points : World, SurfacePoints
-        Of the K receivers.
+    world, points : World, SurfacePoints; of the K receivers
     world_from, points_from : World, SurfacePoints
         In which the N paths were made, and what their pixels saw.
-    reservoirs : Reservoirs
-        N rows of `Paths`.
-    rows : (K,) int
-        Row that each receiver resamples, or ``NONE``.
-    same_domain : bool
-        Neighbour and receiver are one point, and nothing is shifted.
+    reservoirs : Reservoirs; N rows of `Paths`
+    rows : (K,) int; row that each receiver resamples, or ``NONE``
+    same_domain : bool; neighbour and receiver are one point, and nothing is shifted
     """
 
     shift: Shift

@@ -42,8 +42,7 @@ def windows(
 
     Parameters
     ----------
-    pixel : (K,) int
-        Rows of the image.
+    pixel : (K,) int; rows of the image
 
     Returns
     -------
@@ -83,10 +82,8 @@ def resample_past(
 
     Parameters
     ----------
-    own : SourceReservoirs
-        The new samples, in their own domain.
-    shares : list of (K,)
-        Of the area, one for each neighbour of the last frame.
+    own : SourceReservoirs; the new samples, in their own domain
+    shares : list of (K,); of the area, one for each neighbour of the last frame
     decisions : list of (K,)
         One number in [0, 1) for each of them, and for the new samples at last.
     """

@@ -66,16 +66,12 @@ class PairValue:
 
     Attributes
     ----------
-    k : (N,) int8
-        0 where the base path is one of pixel i, 1 where of j.
-    base : PlacedValue
-        The base path in its pixel.
+    k : (N,) int8; 0 where the base path is one of pixel i, 1 where of j
+    base : PlacedValue; the base path in its pixel
     offset : (N, 3)
         Contribution f of the offset path, 0 where the inner shift does not exist.
-    inner : (N,)
-        Jacobian |∂T| of the inner shift, 0 there as well.
-    sign : (N,) int8
-        Of the reservoir: ``WHOLE``, ``PLUS`` or ``MINUS``.
+    inner : (N,); Jacobian |∂T| of the inner shift, 0 there as well
+    sign : (N,) int8; of the reservoir: ``WHOLE``, ``PLUS`` or ``MINUS``
     """
 
     k: Indices
@@ -91,16 +87,10 @@ class PairedPaths:
 
     Attributes
     ----------
-    k : (N,) int8
-        0 where the base path is one of pixel i, 1 where of j.
-    base : AreaPaths
-        The base paths.
-    offset : (N, 3) float64, W/(m² sr)
-        Contribution f of the offset path.
-    inner : (N,) float64
-        Jacobian of the inner shift.
-    sign : (N,) int8
-        Of the reservoir.
+    k : (N,) int8; 0 where the base path is one of pixel i, 1 where of j
+    offset : (N, 3) float64, W/(m² sr); contribution f of the offset path
+    inner : (N,) float64; Jacobian of the inner shift
+    sign : (N,) int8; of the reservoir
     """
 
     k: Indices
@@ -119,10 +109,7 @@ class PairedPaths:
 
         Parameters
         ----------
-        value : PairValue
-            There.
-        jacobian : (N,) float64, sr/sr
-            Of the outer shift.
+        jacobian : (N,) float64, sr/sr; of the outer shift
         """
         base = self.base.moved(value.base, jacobian)
         return PairedPaths(value.k, base, value.offset, value.inner, value.sign)
@@ -143,22 +130,18 @@ def difference(value: PairValue) -> Vec3s:
 def share_of_base(p_base: Scalars, p_offset: Scalars, jacobian: Scalars) -> Scalars:
     """MIS weight ω of a base path beside the same two paths, drawn the other way round.
 
+    [Wang25, Eq. 4, and Eq. 13 with targets].
+
     Parameters
     ----------
     p_base, p_offset : (N,)
         Densities of the paths in their pixels; or, where these are not known, targets
         in their place.
-    jacobian : (N,), sr/sr
-        |∂T| of the inner shift, 0 where it does not exist.
+    jacobian : (N,), sr/sr; |∂T| of the inner shift, 0 where it does not exist
 
     Returns
     -------
-    (N,)
-        1 where there is no offset path, 0 where the base path cannot be.
-
-    Notes
-    -----
-    [Wang25, Eq. 4, and Eq. 13 with targets].
+    (N,); 1 where there is no offset path, 0 where the base path cannot be
     """
     # Eqs. 4 and 13: p(x) / (p(x) + p_offset(T(x)) |∂T|).
     with np.errstate(over="ignore"):
@@ -221,21 +204,18 @@ def inner_shift(
 ) -> tuple[Vec3s, Scalars]:
     """From N base paths to their offset paths, in the other pixels of their pairs.
 
+    [Wang25, section 4.2.1].
+
     Parameters
     ----------
     between : AreaShift
         To the image that holds the pairs; within it x_1 moves with its place.
-    k : (N,) int8
-        T_ij where it is 0, T_ji where it is 1.
+    k : (N,) int8; T_ij where it is 0, T_ji where it is 1
 
     Returns
     -------
     (N, 3) and (N,) float64
         f of the offset paths, and |∂T|; both 0 where the shift does not exist.
-
-    Notes
-    -----
-    [Wang25, section 4.2.1].
     """
     within = replace(between, primary="move", world_from=between.world_to)
     other = np.where(k == 0, pairs.second, pairs.first)
@@ -255,21 +235,17 @@ def outer_shift(
 ) -> tuple[PairValue, Scalars]:
     """T*(x, k) = (τ(x), k): N samples in other pairs, for reservoirs of a sign.
 
+    [Wang25, Eqs. 21 and 22].
+
     Parameters
     ----------
-    between : AreaShift
-        τ, between two images or within one.
-    dx, dy : (N,) float64, pixels
-        How far places move, if x_1 moves.
+    between : AreaShift; τ, between two images or within one
+    dx, dy : (N,) float64, pixels; how far places move, if x_1 moves
 
     Returns
     -------
     PairValue, (N,) float64
         Values there, and |∂T*|; both 0 where the base path has no place there.
-
-    Notes
-    -----
-    [Wang25, Eqs. 21 and 22].
     """
     k, size = samples.k, len(samples.k)
     # Eq. 21: k remains, and the base path goes to the pixel that has this k.
@@ -294,18 +270,12 @@ class PairNeighbor:
 
     Attributes
     ----------
-    shift : AreaShift
-        Of base paths, from the sources to the receivers.
-    pairs, pairs_from : Pairs
-        K receivers, and P sources.
-    reservoirs : Reservoirs
-        P rows of `PairedPaths`.
-    rows : (K,) int
-        The source of each receiver, or ``NONE``.
-    dx, dy : (K,) float64, pixels
-        From source to receiver.
-    sign, sign_from : int
-        Of the receivers' reservoirs, and of the sources'.
+    shift : AreaShift; of base paths, from the sources to the receivers
+    pairs, pairs_from : Pairs; K receivers, and P sources
+    reservoirs : Reservoirs; P rows of `PairedPaths`
+    rows : (K,) int; the source of each receiver, or ``NONE``
+    dx, dy : (K,) float64, pixels; from source to receiver
+    sign, sign_from : int; of the receivers' reservoirs, and of the sources'
     same_domain : bool
         Source and receiver are one pair of one image, and nothing is shifted.
     """
@@ -326,8 +296,7 @@ class PairNeighbor:
 
         Parameters
         ----------
-        at : (A,) int
-            Receivers, none without a source.
+        at : (A,) int; receivers, none without a source
         """
         return outer_shift(
             self.shift,
@@ -343,10 +312,8 @@ class PairNeighbor:
 
         Parameters
         ----------
-        samples : PairedPaths
-            K rows, at the receivers.
-        at : (A,) int
-            Which of them, none without a source.
+        samples : PairedPaths; K rows, at the receivers
+        at : (A,) int; which of them, none without a source
         """
         return outer_shift(
             self.shift.inverse,
@@ -385,8 +352,6 @@ def paired(
 
     Parameters
     ----------
-    between : AreaShift
-        As of `inner_shift`.
     paths : Reservoirs
         Of `AreaPaths`, a pixel each: a path is a sample of up to four pairs.
     """
@@ -413,18 +378,12 @@ def choose_pair(
 ) -> Reservoirs:
     """New reservoirs of a sign, from new samples that both signs share; M = 1.
 
+    [Wang25, section 4.4].
+
     Parameters
     ----------
-    both : list of Reservoirs
-        Of `PairedPaths`, for k = 0 and 1.
-    u : (P,) float64
-        In [0, 1).
-    target : callable
-        p̂ of values.
-
-    Notes
-    -----
-    [Wang25, section 4.4].
+    both : list of Reservoirs; of `PairedPaths`, for k = 0 and 1
+    u : (P,) float64; in [0, 1)
     """
     candidates = []
     for r in both:
@@ -501,21 +460,17 @@ AT_ONCE = 16
 def unlike(visible: VisiblePoints, a: Indices, b: Indices) -> Masks:
     """Whether pixels look unlike, told by the G-buffer, never by a sample.
 
-    Parameters
-    ----------
-    a, b : (K,) int
-        Rows of the image.
-
-    Returns
-    -------
-    (K,) bool
-        Symmetric.  True where one of them sees nothing, false where neither does.
-
-    Notes
-    -----
     [Wang25, section 4.3.2]: albedos (here in any channel) that differ by more than 0.1,
     normals at a cosine *below* 0.9 (printed is above), or depths that differ by more
     than a tenth of the larger one (printed is the first).
+
+    Parameters
+    ----------
+    a, b : (K,) int; rows of the image
+
+    Returns
+    -------
+    (K,) bool; symmetric; True where one of them sees nothing, false where neither does
     """
     surface = visible.surface
     albedos, normals, hits, depths = (
@@ -536,14 +491,11 @@ def edge_neighbors(frame: FrameContext[GradientSettings], pairs: Pairs) -> Indic
 
     Both are edge pairs, and have the edge in the same order: k means the same to both.
 
+    [Wang25, section 4.3.2].
+
     Returns
     -------
-    (P,) int
-        Row of a pair; ``NONE`` where none was found, and for interior pairs.
-
-    Notes
-    -----
-    [Wang25, section 4.3.2].
+    (P,) int; row of a pair; ``NONE`` where none was found, and for interior pairs
     """
     visible, tries = frame.visible, frame.settings.tries
     i, j = pairs.first, pairs.second
@@ -620,8 +572,7 @@ class GradientFrame(PathFrame):
 
     Attributes
     ----------
-    differences : Differences
-        Of neighbouring pixels, N rows.
+    differences : Differences; of neighbouring pixels, N rows
     pairs : mapping of int to Reservoirs
         What pairs keep for each sign, P rows; nothing where they are not resampled.
     """
@@ -650,10 +601,7 @@ def gradient_frame(
 
     Parameters
     ----------
-    primal : Reservoirs
-        Of `AreaPaths`, a pixel each.
-    delta : (P, 3) float64
-        Δ_ij of each pair.
+    delta : (P, 3) float64; Δ_ij of each pair
     kept : mapping of int to Reservoirs
         What pairs keep for each sign, where they are resampled.
     """

@@ -73,18 +73,7 @@ def developed(job: Job, estimates: Scalars) -> Vec3s:
 
 
 def named_biases(job: Job) -> tuple[str, ...]:
-    """What biases the indirect light of a picture.
-
-    Parameters
-    ----------
-    job : Job
-        What is rendered.
-
-    Returns
-    -------
-    tuple of str
-        A line each.
-    """
+    """What biases the indirect light of a picture."""
     if job.settings.reconstruction == "l1":
         return (
             "reconstruction=l1 is not linear: biased, though what it is given is not",

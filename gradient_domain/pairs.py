@@ -108,10 +108,8 @@ def draw_around(
 
     Parameters
     ----------
-    rows : (K,) int
-        Of ``pairs``, which are those of the frame.
-    u : (K,) float64
-        One number in [0, 1) each.
+    rows : (K,) int; of ``pairs``, which are those of the frame
+    u : (K,) float64; one number in [0, 1) each
 
     Returns
     -------
@@ -135,15 +133,13 @@ def draw_around(
 def pivots(pairs: Pairs, visible: VisiblePoints) -> Indices:
     """The nearer pixel of each pair, with which both pixels move.
 
+    [Wang25, section 4.3.1]: what is behind may have been hidden.
+
     Returns
     -------
     (K,) int
         Row of the pixel; one that sees nothing is the farther one, and the first is
         taken where both are alike.
-
-    Notes
-    -----
-    [Wang25, section 4.3.1]: what is behind may have been hidden.
     """
     depth = np.where(visible.surface.hit, visible.depth, np.inf)
     second = depth[pairs.second] < depth[pairs.first]

@@ -60,8 +60,7 @@ class GradientSettings(AfterSettings):
         samples of their own sign or of both; or one for the magnitude.
     around : 'edges', 'random' or 'none'
         Neighbours: of edge pairs a similar edge pair, of all pairs any, or none.
-    tries : int
-        How many pairs are compared in search of a similar one, at most.
+    tries : int; how many pairs are compared in search of a similar one, at most
     """
 
     signs: Signs = "within"

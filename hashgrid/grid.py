@@ -250,21 +250,16 @@ class Grid:
 
     Attributes
     ----------
-    cells : Keys
-        C rows, no two alike.
-    slot : (C,) int32
-        Bucket · 16 + slot in the bucket.
+    cells : Keys; C rows, no two alike
+    slot : (C,) int32; bucket · 16 + slot in the bucket
     index_buffer : (C + 1,) int64
         Exclusive prefix sum of the counters: the vertices of cell c are those from
         index_buffer[c] to index_buffer[c + 1].
     cell_storage : (index_buffer[C],) int64
         Rows of the frame, cell by cell, in rising order within each.
-    lost : int
-        Vertices whose bucket was full.
-    hashes : (C,) uint64
-        Of the cells, in rising order.
-    by_hash : (C,) int32
-        Cells in that order.
+    lost : int; vertices whose bucket was full
+    hashes : (C,) uint64; of the cells, in rising order
+    by_hash : (C,) int32; cells in that order
     """
 
     buckets: int
@@ -293,25 +288,19 @@ def build_grid(keys: Keys, active: Masks, buckets: int = BUCKETS) -> Grid:
     list leaves the cell itself out.  On a GPU the order of atomic additions decides;
     here the number of the vertex does.
 
+    [Boisse21, Alg. 2], whose prefix sum leaves the cell itself out.  On a GPU the order
+    of atomic additions decides; here the number of the vertex does.
+
     Parameters
     ----------
-    keys : Keys
-        Cells of N vertices.
-    active : (N,) bool
-        Which are inserted.
-    buckets : int
-        How many of 16 slots each, at most 2²⁷.
+    active : (N,) bool; which are inserted
+    buckets : int; how many of 16 slots each, at most 2²⁷
 
     Returns
     -------
     Grid
         A cell takes the first free slot of its bucket; where there is none, its
         vertices are lost, and counted.
-
-    Notes
-    -----
-    [Boisse21, Alg. 2], whose prefix sum leaves the cell itself out.  On a GPU the order
-    of atomic additions decides; here the number of the vertex does.
     """
     # Line 1: foreach vertex.
     v = np.flatnonzero(active)
@@ -355,10 +344,8 @@ def find_or_insert(keys: Keys, buckets: int) -> tuple[Indices, Indices, Indices]
 
     Returns
     -------
-    order : (N,) int
-        Vertices cell by cell, in rising order within each.
-    head : (C,) int
-        Where in this order a cell begins.
+    order : (N,) int; vertices cell by cell, in rising order within each
+    head : (C,) int; where in this order a cell begins
     slot : (C,) int64
         Bucket · 16 + slot in the bucket, or ``NOWHERE`` where it was full.
     """
@@ -396,14 +383,10 @@ class Cache:
 
     Attributes
     ----------
-    world : World
-        In which they were made.
-    lattice : Lattice
-        By whose cells they are found.
-    points : SurfacePoints
-        The V vertices.
-    reservoirs : Reservoirs
-        V rows: Paths[v] of line 3, to which the cells point.
+    world : World; in which they were made
+    lattice : Lattice; by whose cells they are found
+    points : SurfacePoints; the V vertices
+    reservoirs : Reservoirs; V rows: Paths[v] of line 3, to which the cells point
     """
 
     world: World
@@ -425,10 +408,6 @@ def insert(
 
     Parameters
     ----------
-    lattice : Lattice
-        Of this frame's eye.
-    points, reservoirs : SurfacePoints, Reservoirs
-        V vertices.
     active : (V,) bool
         Which are inserted.  If a sample decides that, what is found is biased.
     """
@@ -448,13 +427,10 @@ def look_up(
 
     Parameters
     ----------
-    points : SurfacePoints
-        K points.
     cells : int
         How many cells each looks into: each look-up has a jitter of its own, and leads
         to another cell as a rule.
-    most : int
-        How many vertices each takes from a cell.
+    most : int; how many vertices each takes from a cell
 
     Returns
     -------
@@ -547,12 +523,9 @@ def vertex_uniforms(
 
     Parameters
     ----------
-    frame : FrameContext
-        Whose number is below 2²².
-    pixel : (K,) int64
-        Whose paths.
-    vertex : int or (K,) int64
-        v, of all of them or of each.
+    frame : FrameContext; whose number is below 2²²
+    pixel : (K,) int64; whose paths
+    vertex : int or (K,) int64; v, of all of them or of each
     """
     key = frame.number * VERTICES + vertex
     return KeyedUniforms(pixel.astype(np.uint32), key, frame.seed, stream)

@@ -26,22 +26,17 @@ class LightSettings:
     candidates : int; points on lights that each vertex draws by power
     mis : '1/M', '1/Z', 'balance', 'pairwise' or 'defensive'
         MIS weights of the neighbours; the first is biased, and the article's.
-    cells : int
-        How many cells of the last frame each vertex looks into; 0 for no reuse.
-    reuse : int
-        How many neighbours it takes from each.
-    cap : float
-        Limit of M.
+    cells : int; how many cells of the last frame each vertex looks into; 0 for no reuse
+    reuse : int; how many neighbours it takes from each
+    cap : float; limit of M
     visible : bool
         Whether visible points have reservoirs, too: their own light is direct, and
         needs none, but others may reuse them.
-    facings : int
-        Parts of each component of the normal that cells tell apart.
+    facings : int; parts of each component of the normal that cells tell apart
     chance : 'delta-lobes' or 'balance'
         What rays that hit lights contribute: those of delta lobes alone, or their share
         of the balance heuristic.
-    image : 'last' or 'mean'
-        The last frame, as a renderer shows it, or the mean of all.
+    image : 'last' or 'mean'; the last frame, as a renderer shows it, or the mean of all
     """
 
     candidates: int = 8

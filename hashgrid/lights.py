@@ -93,11 +93,6 @@ def reflected(
 ) -> Vec3s:
     """What surface points reflect of points on lights, shadows left out.
 
-    Parameters
-    ----------
-    chance : 'delta-lobes' or 'balance'
-        What rays that hit lights contribute.
-
     Returns
     -------
     (N, 3) float64, W/(m² sr)
@@ -138,8 +133,7 @@ def reflected_hits(
 
     Returns
     -------
-    (N, 3) float64, W/(m² sr)
-        0 for rays that hit no light.
+    (N, 3) float64, W/(m² sr); 0 for rays that hit no light
     """
     rows, radiance, pdf_light = emitter_hits(world, points, bsdf, hits)
     weight = bsdf.delta[rows].astype(float)

@@ -27,12 +27,9 @@ class CellSettings(PathSettings):
     query : int
         Bounce at which a path looks into a cell: 1 at the visible point, 2 at the next
         one; 0 for every bounce.
-    cells : int
-        How many cells of the last frame it looks into; 0 for none.
-    cell_reuse : int
-        How many neighbours it takes from each.
-    cell_cap : float
-        Limit of M in cells.
+    cells : int; how many cells of the last frame it looks into; 0 for none
+    cell_reuse : int; how many neighbours it takes from each
+    cell_cap : float; limit of M in cells
     cell_mis : '1/M', '1/Z', 'balance', 'pairwise' or 'defensive'
         MIS weights in cells; 1/M is biased, and the article's.
     nulls : 'counted' or 'dropped'
@@ -41,8 +38,7 @@ class CellSettings(PathSettings):
     writers : 'same-bounce' or 'every-bounce'
         Whose reservoirs a cell holds: vertices of the bounce that looks into it, or of
         all bounces, which is biased, and the article's.
-    facings : int
-        Parts of each component of the normal that cells tell apart.
+    facings : int; parts of each component of the normal that cells tell apart
     """
 
     mis: Mis = "1/Z"  # where few paths find light, a share for one's own is waste

@@ -56,8 +56,7 @@ class PathCache:
     ----------
     cache : Cache
         Of V vertices, with reservoirs of `extensions.shifting.Paths` from them on.
-    reach : (V,) int8
-        Largest index of a last surface point that each could have drawn.
+    reach : (V,) int8; largest index of a last surface point that each could have drawn
     """
 
     cache: Cache
@@ -130,14 +129,10 @@ class FirstDirections:
 
     Attributes
     ----------
-    wi : (N, 3) float64
-        Unit directions.
-    weight : (N, 3) float64
-        f cos θ / p.
-    pdf : (N,) float64, 1/sr
-        p.
-    delta : (N,) bool
-        By a delta lobe.
+    wi : (N, 3) float64; unit directions
+    weight : (N, 3) float64; f cos θ / p
+    pdf : (N,) float64, 1/sr; p
+    delta : (N,) bool; by a delta lobe
     """
 
     wi: Vec3s
@@ -152,12 +147,9 @@ class CacheRecords:
 
     Attributes
     ----------
-    points : SurfacePoints
-        x_v.
     reservoirs : Reservoirs
         Of the suffixes from there on; without a sample where it cannot be joined.
-    later : CacheRecords or None
-        At the next vertex that stores.
+    later : CacheRecords or None; at the next vertex that stores
     """
 
     points: SurfacePoints
@@ -171,10 +163,8 @@ class Suffixes:
 
     Attributes
     ----------
-    kept : Reservoirs
-        Of paths whose first point is x_v.
-    first : FirstDirections
-        How they leave it.
+    kept : Reservoirs; of paths whose first point is x_v
+    first : FirstDirections; how they leave it
     """
 
     kept: Reservoirs
@@ -196,14 +186,8 @@ def draw_suffixes(
     ----------
     caches : mapping of int to PathCache
         Of the last frame, by the number of the vertex that looks into them.
-    number : (K,) int64
-        Keys of the paths.
-    points : SurfacePoints
-        x_v.
-    leaving : Leaving
-        Rays that left x_v.
-    v : int
-        From 1.
+    number : (K,) int64; keys of the paths
+    v : int; from 1
     """
     world, criterion, s = frame.world, path_shift(frame).criterion, frame.settings
     uniforms = frame.uniforms_of(Stream.PATH, number)
@@ -250,12 +234,8 @@ def prepend(step: Step, suffix: Paths, first: FirstDirections) -> Paths:
 
     Parameters
     ----------
-    step : Step
-        N prefixes, from x_(v-1) to x_v; ``weight`` is theirs.
-    suffix : Paths
-        N paths from x_v on, which is the first point of theirs.
-    first : FirstDirections
-        How they leave x_v.
+    step : Step; N prefixes, from x_(v-1) to x_v; ``weight`` is theirs
+    suffix : Paths; N paths from x_v on, which is the first point of theirs
 
     Returns
     -------
@@ -339,14 +319,8 @@ def resample_bounce(
 
     Parameters
     ----------
-    lookup : PathCache
-        Of the last frame, for these vertices.
-    number : (K,) int64
-        Keys of the paths.
-    points : SurfacePoints
-        x_v.
-    own : Reservoirs
-        What they drew, K rows.
+    lookup : PathCache; of the last frame, for these vertices
+    number : (K,) int64; keys of the paths
     """
     s, cache, here = frame.settings, lookup.cache, np.arange(len(points))
     uniforms = vertex_uniforms(frame, number % frame.pixels, v, Stream.CELLS)
@@ -390,10 +364,8 @@ class CellNeighbor(PathNeighbor):
 
     Attributes
     ----------
-    reach : int
-        Largest index of a last surface point of the receivers' paths.
-    reach_from : (N,) int8
-        The same of the neighbours'.
+    reach : int; largest index of a last surface point of the receivers' paths
+    reach_from : (N,) int8; the same of the neighbours'
     """
 
     reach: int = field(kw_only=True)

@@ -13,18 +13,12 @@ class Occupancy:
 
     Attributes
     ----------
-    cells : int
-        That have a vertex.
-    vertices : int
-        In these cells.
-    lost : int
-        Vertices whose bucket was full.
-    buckets : tuple of int
-        How many buckets have 0, 1, ... 16 cells.
-    probes : float
-        Slots that are read to find a cell, in the mean over the vertices.
-    longest : int
-        The most vertices of a cell.
+    cells : int; that have a vertex
+    vertices : int; in these cells
+    lost : int; vertices whose bucket was full
+    buckets : tuple of int; how many buckets have 0, 1, ... 16 cells
+    probes : float; slots that are read to find a cell, in the mean over the vertices
+    longest : int; the most vertices of a cell
     shared : int
         Cells of a bucket whose checksum an earlier cell of it has too: whoever tells
         cells by checksums would mix them up.

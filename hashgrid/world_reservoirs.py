@@ -93,8 +93,6 @@ def next_frame(
 
     Light that x_1 receives straight from a light is not indirect, and left out.
 
-    Notes
-    -----
     [Boisse21, section 3].
     """
     world, s = frame.world, frame.settings
@@ -142,12 +140,8 @@ class Vertices:
 
     Attributes
     ----------
-    pixel : (K,) int64
-        Whose.
-    points : SurfacePoints
-        x_v.
-    throughput : (K, 3) float64
-        Product of f cos θ / p of x_1 to x_(v-1).
+    pixel : (K,) int64; whose
+    throughput : (K, 3) float64; product of f cos θ / p of x_1 to x_(v-1)
     """
 
     pixel: Indices
@@ -163,10 +157,8 @@ class Visited:
     ----------
     reservoirs : Reservoirs or None
         Of `LightPoints`; ``None`` for visible points without reservoirs.
-    light : (K, 3) float64, W/(m² sr)
-        Added to the pixels.
-    onward : Vertices
-        x_(v+1); misses where a path has ended.
+    light : (K, 3) float64, W/(m² sr); added to the pixels
+    onward : Vertices; x_(v+1); misses where a path has ended
     """
 
     reservoirs: Reservoirs | None
@@ -185,14 +177,8 @@ def visit(
 
     Parameters
     ----------
-    history : Cache or None
-        Of the last frame.
-    v : int
-        Number of the vertices, from 1.
-    vertices : Vertices
-        All of them.
-    rows : slice
-        Which K are visited.
+    history : Cache or None; of the last frame
+    v : int; number of the vertices, from 1
     """
     world, s, here = frame.world, frame.settings, cut(vertices, rows)
     x, light, r = here.points, zero_vectors(len(here.pixel)), None
@@ -231,8 +217,6 @@ def visit(
 def ris(frame: FrameContext[LightSettings], v: int, vertices: Vertices) -> Reservoirs:
     """Initial reservoirs of vertices x_v: one point on a light each, and M candidates.
 
-    Notes
-    -----
     [Boisse21, Alg. 1], RIS: p draws by power, p̂ is the light without shadows.
     """
     world, s = frame.world, frame.settings
@@ -260,8 +244,6 @@ def reuse(
 ) -> Reservoirs:
     """Resample reservoirs with those of the cells around, of the frame before.
 
-    Notes
-    -----
     [Boisse21], with MIS weights of [Lin22].
     """
     s = frame.settings
@@ -295,16 +277,11 @@ class LightNeighbor:
 
     Attributes
     ----------
-    world, points : World, SurfacePoints
-        Of the K receivers.
-    world_from, points_from : World, SurfacePoints
-        Of the N neighbours.
-    reservoirs : Reservoirs
-        N rows of `LightPoints`, in the receivers' list of lights.
-    rows : (K,) int
-        Row that each receiver resamples, or ``NONE``.
-    same_domain : bool
-        Neighbour and receiver are one point.
+    world, points : World, SurfacePoints; of the K receivers
+    world_from, points_from : World, SurfacePoints; of the N neighbours
+    reservoirs : Reservoirs; N rows of `LightPoints`, in the receivers' list of lights
+    rows : (K,) int; row that each receiver resamples, or ``NONE``
+    same_domain : bool; neighbour and receiver are one point
     """
 
     world: World

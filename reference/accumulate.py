@@ -124,17 +124,11 @@ def ever_more(samples: PathSamples, step: int, schedule: Schedule) -> Iterator[M
 
     Parameters
     ----------
-    samples : PathSamples
-        To be added, from number 0 on.
-    step : int
-        How many at a time.
-    schedule : Schedule
-        Bands and threads.
+    samples : PathSamples; to be added, from number 0 on
 
     Yields
     ------
-    Moments
-        Without end.
+    Moments; without end
     """
     moments = no_samples(samples.rows)
     while True:

@@ -52,26 +52,13 @@ def choose_light(
 ) -> ChosenLight:
     """Draw a point on a light for each surface point, and look whether it is seen.
 
-    Parameters
-    ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        N points.
-    u : four (N,) float64
-        Lane 0 chooses the light, 1 and 2 the point on it.
-    active : (N,) bool, optional
-        Who asks; by default everyone.
-
-    Returns
-    -------
-    ChosenLight
-        N rows.
-
-    Notes
-    -----
     Balance heuristic [Veach95, Eq. 8].  A light that no ray can hit, and a
     surface whose lobes are all narrower than any light, keep their whole weight.
+
+    Parameters
+    ----------
+    u : four (N,) float64; lane 0 chooses the light, 1 and 2 the point on it
+    active : (N,) bool, optional; who asks; by default everyone
 
     Parameters
     ----------

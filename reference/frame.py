@@ -26,22 +26,13 @@ class FrameContext(Generic[Settings_co]):
 
     Attributes
     ----------
-    number : int
-        Of the frame, from 0.
-    world : World
-        The scene as it is in this frame.
-    visible : VisiblePoints
-        G-buffer, through the centres of the pixels.
-    settings : dataclass instance
-        The algorithm's.
-    bounces : int
-        Bounces of indirect light, 1 to 30.
-    seed : int
-        Runs of different seeds are independent.
-    schedule : Schedule
-        Bands and threads; no influence on the result.
-    changes : 'nothing', 'camera' or 'scene'
-        What may differ between frames of the run.
+    number : int; of the frame, from 0
+    world : World; the scene as it is in this frame
+    visible : VisiblePoints; G-buffer, through the centres of the pixels
+    bounces : int; bounces of indirect light, 1 to 30
+    seed : int; runs of different seeds are independent
+    schedule : Schedule; bands and threads; no influence on the result
+    changes : 'nothing', 'camera' or 'scene'; what may differ between frames of the run
     """
 
     number: int
@@ -107,24 +98,13 @@ def frames(
     ----------
     next_frame : callable
         The method: from a frame's context, and the frame before it, to the frame.
-    world : World
-        The scene in frame 0.
-    settings : dataclass instance
-        The method's.
-    bounces : int
-        Bounces of indirect light, 1 to 30.
-    seed : int
-        Runs of different seeds are independent.
-    schedule : Schedule
-        Bands and threads; no influence on the result.
+    world : World; the scene in frame 0
+    bounces : int; bounces of indirect light, 1 to 30
+    seed : int; runs of different seeds are independent
+    schedule : Schedule; bands and threads; no influence on the result
     animation : Animation, optional
         Validated scenes of all frames, with cameras of one size; by default the scene
         stands still.
-
-    Yields
-    ------
-    frame
-        Frame after frame.
     """
     animation = animation or still(world.scene)
     x, y = pixel_centers(world.camera.width, world.camera.height)

@@ -16,15 +16,7 @@ LEVEL = 0.95
 
 @dataclass(frozen=True, slots=True)
 class Interval:
-    """A number with its 95 % confidence interval.
-
-    Attributes
-    ----------
-    value : float
-        Estimate.
-    low, high : float
-        Ends.
-    """
+    """A number with its 95 % confidence interval."""
 
     value: float
     low: float
@@ -36,21 +28,17 @@ def bootstrap_interval(
 ) -> Interval:
     """A number that runs yield together, and how far it scatters.
 
+    The statistic of all runs, and percentiles of its bootstrap distribution.
+
     Parameters
     ----------
     statistic : callable
         From one (..., R) array of indices for each kind of runs to (...) numbers.
-    *runs : int
-        How many there are of each kind; kinds are resampled independently.
+    *runs : int; how many there are of each kind; kinds are resampled independently
     corrected : bool
         Correct the percentiles for the bias of the median and for a spread that
         changes with the number (BCa); where these have no finite estimate, as for runs
         that are all alike, they are left as they are.
-
-    Returns
-    -------
-    Interval
-        The statistic of all runs, and percentiles of its bootstrap distribution.
 
     Notes
     -----
@@ -103,13 +91,7 @@ def mean_interval(values: Numbers) -> Interval:
 
     Parameters
     ----------
-    values : (R,) float64
-        A number a run.
-
-    Returns
-    -------
-    Interval
-        See `bootstrap_interval`.
+    values : (R,) float64; a number a run
     """
     return ratio_interval(values, np.ones(len(values)))
 
@@ -117,19 +99,14 @@ def mean_interval(values: Numbers) -> Interval:
 def ratio_interval(above: Numbers, below: Numbers, factor: float = 1.0) -> Interval:
     """Ratio of the means of two numbers that each run yields.
 
+    See `bootstrap_interval`.  Infinite where a mean in the denominator is not above 0.
+
     Parameters
     ----------
     above, below : (R,) float64
         Numerator and denominator; entry i of both belongs to run i, so that what is
         common to the two cancels.
-    factor : float
-        On the ratio, taken to be exact.
-
-    Returns
-    -------
-    Interval
-        See `bootstrap_interval`.  Infinite where a mean in the denominator is not
-        above 0.
+    factor : float; on the ratio, taken to be exact
     """
 
     def ratio(index: NDArray[np.int64]) -> Numbers:
@@ -143,16 +120,12 @@ def ratio_interval(above: Numbers, below: Numbers, factor: float = 1.0) -> Inter
 def median_interval(values: Sequence[float]) -> Interval:
     """Median of independent numbers, with the interval of the sign test.
 
+    It holds whatever the distribution.  Of fewer than 6 numbers no two hold the median
+    at 95 %: then the ends are those of all.
+
     Parameters
     ----------
-    values : sequence of float
-        At least one.
-
-    Returns
-    -------
-    Interval
-        It holds whatever the distribution.  Of fewer than 6 numbers no two hold the
-        median at 95 %: then the ends are those of all.
+    values : sequence of float; at least one
     """
     ordered, count = np.sort(values), len(values)
     # The k-th number is above the median with probability P(Bin(n, 1/2) < k).

@@ -15,19 +15,12 @@ def light_sampling_weight(
 
     Parameters
     ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        N points.
-    wi : (N, 3) float64
-        Unit directions to the light.
-    pdf_light : (N,) float64, 1/sr
-        Density of light sampling.
+    wi : (N, 3) float64; unit directions to the light
+    pdf_light : (N,) float64, 1/sr; density of light sampling
 
     Returns
     -------
-    (N,) float64
-        1 where no ray can hit a light.
+    (N,) float64; 1 where no ray can hit a light
     """
     if world.emitters is None or not world.emitters.can_be_hit:
         return np.ones(len(points))
@@ -43,8 +36,7 @@ def bsdf_sampling_weight(
     ----------
     pdf_bsdf, pdf_light : (N,) float64, 1/sr
         Densities of BSDF sampling and of light sampling.
-    delta : (N,) bool
-        The ray left by a delta lobe, which light sampling cannot find.
+    delta : (N,) bool; the ray left by a delta lobe, which light sampling cannot find
 
     Returns
     -------

@@ -25,13 +25,7 @@ class Moments:
     squares: Vec3s
 
     def variance(self) -> Vec3s:
-        """Variance of a sample, squares / (n − 1).
-
-        Returns
-        -------
-        (N, 3) float64
-            Unbiased.
-        """
+        """Variance of a sample, squares / (n − 1), (N, 3) float64; unbiased."""
         found: Vec3s = self.squares / (self.count - 1.0)
         return found
 
@@ -104,20 +98,16 @@ def add_samples(
 def merge(batches: Sequence[Moments]) -> Moments:
     """Moments of all samples of several batches.
 
+    Σ (x − μ)² over both = the two sums + (μ_a − μ_b)² n_a n_b / (n_a + n_b)
+    [Chan83].
+
     Parameters
     ----------
-    batches : sequence of Moments
-        At least one; of different samples of the same rows.
+    batches : sequence of Moments; at least one; of different samples of the same rows
 
     Returns
     -------
-    Moments
-        As if one batch had held all samples, but for rounding.
-
-    Notes
-    -----
-    Σ (x − μ)² over both = the two sums + (μ_a − μ_b)² n_a n_b / (n_a + n_b)
-    [Chan83].
+    Moments; as if one batch had held all samples, but for rounding
     """
     merged = batches[0]
     for batch in batches[1:]:

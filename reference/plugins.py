@@ -18,28 +18,15 @@ def plugin_names(group: str) -> list[str]:
 
 
 def find_plugin(group: str, name: str, kind: type[Kind], word: str) -> Kind | None:
-    """The plug-in of a name.
+    """The plug-in of a name; ``None`` where no package registers it.
+
+    Raises UsageError: several packages do, or theirs is broken; the message names the
+    package.
 
     Parameters
     ----------
-    group : str
-        Of entry points.
-    name : str
-        Under which, and what the object itself is called.
-    kind : type
-        Of the object; it has a ``name``.
-    word : str
-        For it, in messages.
-
-    Returns
-    -------
-    object or None
-        ``None`` where no package registers it.
-
-    Raises
-    ------
-    UsageError
-        Several packages do, or theirs is broken; the message names the package.
+    name : str; under which, and what the object itself is called
+    kind : type; of the object; it has a ``name``
     """
     points = list(entry_points(group=group, name=name))
     if not points:

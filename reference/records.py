@@ -103,15 +103,8 @@ def pick(slot: Indices, records: Sequence[Record]) -> Record:
 
     Parameters
     ----------
-    slot : (N,) int
-        Which of the records.
-    records : sequence of record or array
-        N rows each, all of one type.
-
-    Returns
-    -------
-    record or array
-        N rows.
+    slot : (N,) int; which of the records
+    records : sequence of record or array; N rows each, all of one type
     """
     rows = [np.flatnonzero(slot == k) for k in range(1, len(records))]
 

@@ -45,16 +45,11 @@ class Frame:
 
     Attributes
     ----------
-    number : int
-        From 0.
-    world : World
-        The scene as it was.
-    visible : VisiblePoints
-        G-buffer.
+    number : int; from 0
+    world : World; the scene as it was
     temporal, spatial : Reservoirs
         Reservoirs at the visible points; the same where all reuse is one pass.
-    color : (N, 3) float64, W/(m² sr)
-        Indirect light.
+    color : (N, 3) float64, W/(m² sr); indirect light
     seen : (N,) bool or None
         Whether the visible point sees the sample that is shown; ``None`` where that is
         part of W.
@@ -86,23 +81,13 @@ def render_frames(
 
 
 def next_frame(frame: FrameContext[Settings], last: Frame | None) -> Frame:
-    """One frame of ReSTIR GI.
+    """One frame of ReSTIR GI [Ouyang21, Fig. 4 and 10].
+
+    Its picture, and its reservoirs for the next.
 
     Parameters
     ----------
-    frame : FrameContext
-        This frame.
-    last : Frame or None
-        What the last one left.
-
-    Returns
-    -------
-    Frame
-        Its picture, and its reservoirs for the next.
-
-    Notes
-    -----
-    [Ouyang21, Fig. 4 and 10].
+    last : Frame or None; what the last one left
     """
     s, pixels = frame.settings, frame.pixels
     history = history_of(frame, last)
@@ -150,10 +135,8 @@ class FirstHalf:
 
     Attributes
     ----------
-    temporal : Reservoirs
-        As they are stored.
-    not_reused : (K, 3) float64, W/(m² sr)
-        Light that no reservoir holds.
+    temporal : Reservoirs; as they are stored
+    not_reused : (K, 3) float64, W/(m² sr); light that no reservoir holds
     """
 
     temporal: Reservoirs
@@ -220,12 +203,9 @@ class SecondHalf:
 
     Attributes
     ----------
-    spatial : Reservoirs
-        As they are stored.
-    color : (K, 3) float64, W/(m² sr)
-        Indirect light.
-    seen : (K,) bool or None
-        Final visibility, where it was asked for.
+    spatial : Reservoirs; as they are stored
+    color : (K, 3) float64, W/(m² sr); indirect light
+    seen : (K,) bool or None; final visibility, where it was asked for
     """
 
     spatial: Reservoirs
@@ -324,16 +304,12 @@ class PassInput(Generic[Own]):
 
     Attributes
     ----------
-    q : Pixels
-        K pixels.
-    past : Reservoirs or NeighborPixels
-        Of the last frame.
+    q : Pixels; K pixels
+    past : Reservoirs or NeighborPixels; of the last frame
     own : InitialSamples or Reservoirs
         New samples; or, in the spatial pass, temporal reservoirs.
-    u_own : (K,)
-        The number that decides on them.
-    neighbors : list of (NeighborPixels, (K,))
-        With the numbers that decide.
+    u_own : (K,); the number that decides on them
+    neighbors : list of (NeighborPixels, (K,)); with the numbers that decide
     """
 
     q: Pixels

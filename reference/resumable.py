@@ -41,12 +41,16 @@ def accumulate_resumably(
 ) -> Checkpoint:
     """Accumulate from where the last run of the same kind was cut off.
 
+    Its moments have ``spp`` samples, bit-identical to those of a run that was never cut
+    off.
+
+    Raises UsageError: the checkpoint there is of another run, damaged, has more samples
+    than are asked for, or cannot be written.
+    Raises Interrupted by Ctrl-C or SIGTERM, after the state was written.
+
     Parameters
     ----------
-    source : SampleSource
-        What to add.
-    spp : int
-        Samples in the end.
+    spp : int; samples in the end
     path : Path
         Of the checkpoint.  It is left in place, complete in the end: whoever has
         written the result may delete it.
@@ -54,20 +58,6 @@ def accumulate_resumably(
         Everything that decides what a sample of a given number is.
     every : float, s; time between two checkpoints: what a kill may cost
     tick : callable; told the number of samples so far
-
-    Returns
-    -------
-    Checkpoint
-        Its moments have ``spp`` samples, bit-identical to those of a run that was
-        never cut off.
-
-    Raises
-    ------
-    UsageError
-        The checkpoint there is of another run, damaged, has more samples than are
-        asked for, or cannot be written.
-    Interrupted
-        By Ctrl-C or SIGTERM, after the state was written.
     """
     state = load_checkpoint(path, run)
     if state is None:

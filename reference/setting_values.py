@@ -15,17 +15,12 @@ Settings = TypeVar("Settings")
 def refuse_beyond(settings: object, limits: Mapping[str, tuple[float, float]]) -> None:
     """Raise where a number among settings is out of its range.
 
+    Raises ValueError: it names the first number that is not within.
+
     Parameters
     ----------
-    settings : dataclass instance
-        That have just been made.
     limits : mapping of str to (float, float)
         Least and most of each number that has a range.
-
-    Raises
-    ------
-    ValueError
-        It names the first number that is not within.
     """
     for name, (least, most) in limits.items():
         value = getattr(settings, name)

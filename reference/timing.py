@@ -17,10 +17,8 @@ class Lap(NamedTuple, Generic[Result]):
 
     Attributes
     ----------
-    result : any
-        What it returned.
-    seconds : float
-        How long it took.
+    result : any; what it returned
+    seconds : float; how long it took
     """
 
     result: Result
@@ -28,17 +26,11 @@ class Lap(NamedTuple, Generic[Result]):
 
 
 def timed(call: Callable[[], Result]) -> Lap[Result]:
-    """Call, and look at the clock before and after.
+    """Call, and look at the clock before and after.  Result and seconds.
 
     Parameters
     ----------
-    call : callable
-        Without arguments, as ``frames.__next__`` of a run.
-
-    Returns
-    -------
-    Lap
-        Result and seconds.
+    call : callable; without arguments, as ``frames.__next__`` of a run
     """
     start = time.perf_counter()
     result = call()
@@ -48,19 +40,11 @@ def timed(call: Callable[[], Result]) -> Lap[Result]:
 def in_turns(
     calls: Mapping[Name, Callable[[], Result]], turns: int = TURNS
 ) -> Iterator[dict[Name, Lap[Result]]]:
-    """Call one after the other, turn by turn.
+    """Call one after the other, turn by turn, of one turn, by name.
 
     Parameters
     ----------
-    calls : mapping of any to callable
-        By name, in the order of a turn.
-    turns : int
-        How often.
-
-    Yields
-    ------
-    dict of any to Lap
-        Of one turn, by name.
+    calls : mapping of any to callable; by name, in the order of a turn
     """
     for _ in range(turns):
         yield {name: timed(call) for name, call in calls.items()}
@@ -69,35 +53,16 @@ def in_turns(
 def seconds_in_turns(
     calls: Mapping[Name, Callable[[], object]], turns: int = TURNS
 ) -> dict[Name, list[float]]:
-    """Seconds of calls whose results do not matter.
-
-    Parameters
-    ----------
-    calls : mapping of any to callable
-        By name.
-    turns : int
-        How often.
-
-    Returns
-    -------
-    dict of any to list of float
-        A number a turn.
-    """
+    """Seconds of calls whose results do not matter; a number a turn."""
     laps = list(in_turns(calls, turns))
     return {name: [turn[name].seconds for turn in laps] for name in calls}
 
 
 def time_ratio(above: Sequence[float], below: Sequence[float]) -> Interval:
-    """How much longer one call takes than another.
+    """How much longer one call takes than another.  Median of the ratios of the turns.
 
     Parameters
     ----------
-    above, below : sequence of float
-        Seconds of the same turns.
-
-    Returns
-    -------
-    Interval
-        Median of the ratios of the turns.
+    above, below : sequence of float; seconds of the same turns
     """
     return median_interval([a / b for a, b in zip(above, below, strict=True)])

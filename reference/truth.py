@@ -33,16 +33,11 @@ def accumulate_truth(
 
     Parameters
     ----------
-    scene : Scene
-        Of which ``job.world`` was built.
-    job : Job
-        With the settings of the method ``path``.
-    checkpoint : Path
-        Left in place; see `accumulate_resumably`.
-    every : float, s
-        Time between checkpoints.
-    tick : callable
-        Told the samples so far, their number in the end, and "samples".
+    scene : Scene; of which ``job.world`` was built
+    job : Job; with the settings of the method ``path``
+    checkpoint : Path; left in place; see `accumulate_resumably`
+    every : float, s; time between checkpoints
+    tick : callable; told the samples so far, their number in the end, and "samples"
     source_of : callable, optional
         Draws the samples of a job, say in other processes; by default this one does.
 

@@ -41,20 +41,7 @@ def gradients(work: Work) -> PaperFigure:
 
 
 def of_scenes(scenes: list[RoundScene], work: Work) -> PaperFigure:
-    """The same of any scenes.
-
-    Parameters
-    ----------
-    scenes : list of RoundScene
-        Square pictures of one size.
-    work : Work
-        Size, runs and schedule.
-
-    Returns
-    -------
-    PaperFigure
-        A row a scene and method.
-    """
+    """The same of any scenes; a row a scene and method."""
     rows: list[Row] = []
     grid: list[list[Tile]] = []
     for scene in scenes:

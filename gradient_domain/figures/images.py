@@ -65,20 +65,7 @@ def images(work: Work) -> PaperFigure:
 
 
 def of_scenes(scenes: list[RoundScene], work: Work) -> PaperFigure:
-    """The same of any scenes.
-
-    Parameters
-    ----------
-    scenes : list of RoundScene
-        Square pictures of one size.
-    work : Work
-        Size, runs and schedule.
-
-    Returns
-    -------
-    PaperFigure
-        A row a scene, method and norm.
-    """
+    """The same of any scenes; a row a scene, method and norm."""
     rows: list[Row] = []
     grid: list[list[Tile]] = []
     for scene in scenes:

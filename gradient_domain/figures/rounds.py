@@ -73,22 +73,7 @@ class Variant:
     def frames(
         self, scene: RoundScene, seed: int, schedule: Schedule
     ) -> Iterator[Estimated]:
-        """Frames of a run.
-
-        Parameters
-        ----------
-        scene : RoundScene
-            What is rendered.
-        seed : int
-            Of the run.
-        schedule : Schedule
-            Bands and threads.
-
-        Returns
-        -------
-        iterator of Estimated
-            Without end.
-        """
+        """Frames of a run, without end."""
         about = scene.world, self.settings, scene.bounces, seed, schedule
         return self.render(*about, scene.animation)
 
@@ -99,8 +84,7 @@ class Rounds:
 
     Attributes
     ----------
-    scene : RoundScene
-        What was rendered.
+    scene : RoundScene; what was rendered
     estimates : dict of str to list of (N, 9) float64
         Last frame of each run, a mean over the copies.
     seconds : dict of str to float; a frame of one copy takes: the median
@@ -129,14 +113,7 @@ def by_rounds(
 
     Parameters
     ----------
-    scene : RoundScene
-        What is rendered.
-    variants : mapping of str to Variant
-        By name.
-    work : Work
-        Runs, bands and threads.
-    paths : int
-        Path-traced samples a run.
+    paths : int; path-traced samples a run
     like : str
         The variant of which one copy runs; of each other one as many as take about its
         time.  Empty for one copy each.

@@ -66,22 +66,7 @@ def with_restir(settings: GradientSettings) -> Variant:
 
 
 def scene_of(name: str, size: int, bounces: int = BOUNCES) -> RoundScene:
-    """Built-in scene, with its animation if only the camera moves in it.
-
-    Parameters
-    ----------
-    name : str
-        Of the catalogue.
-    size : int, pixels
-        Width and height.
-    bounces : int
-        Of indirect light.
-
-    Returns
-    -------
-    RoundScene
-        Ready for rays.
-    """
+    """Built-in scene, with its animation if only the camera moves in it."""
     world, found = sized_world(name, size), find_animation(name)
     if found.changes != "camera":
         return RoundScene(name, world, bounces)

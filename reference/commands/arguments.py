@@ -92,15 +92,7 @@ def add_bounces(parser: Parser, least: int) -> None:
 
 
 def add_set(parser: Parser, help: str) -> None:
-    """Add --set KEY=VALUE, as often as wanted.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        Of a command.
-    help : str
-        What is set.
-    """
+    """Add --set KEY=VALUE, as often as wanted."""
     parser.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", help=help
     )

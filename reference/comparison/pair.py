@@ -47,19 +47,11 @@ class ImagePair:
 
 
 def match(a: Image, b: Image, names: tuple[str, str]) -> ImagePair:
-    """Put image A beside the truth B.
+    """Put image A beside the truth B, with at least one finite pixel.
 
     Parameters
     ----------
-    a, b : Image
-        A layer ``"standard_error"`` in either is used.
-    names : (str, str)
-        What an error message calls them.
-
-    Returns
-    -------
-    ImagePair
-        With at least one finite pixel.
+    a, b : Image; a layer ``"standard_error"`` in either is used
 
     Raises
     ------

@@ -35,16 +35,10 @@ def write_gallery(
 
     Parameters
     ----------
-    out : Path
-        Folder that exists.
-    scene : Scene
-        What the pictures show.
-    truth : Image
-        With its standard error; the caller has written ``truth.exr``.
-    contenders : sequence of (Runs, RunScore)
-        From left to right.
-    remarks : sequence of str
-        How the numbers came about, for the page.
+    out : Path; folder that exists
+    truth : Image; with its standard error; the caller has written ``truth.exr``
+    contenders : sequence of (Runs, RunScore); from left to right
+    remarks : sequence of str; how the numbers came about, for the page
 
     Raises
     ------

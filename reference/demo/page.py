@@ -19,18 +19,7 @@ COLUMNS = (
 
 
 def cells(score: RunScore) -> tuple[str, ...]:
-    """Score as text, a cell a column.
-
-    Parameters
-    ----------
-    score : RunScore
-        Of a method.
-
-    Returns
-    -------
-    tuple of str
-        In the order of `COLUMNS`.
-    """
+    """Score as text, a cell a column, in the order of `COLUMNS`."""
     return (
         score.name,
         f"{score.seconds:.3f}",
@@ -41,20 +30,7 @@ def cells(score: RunScore) -> tuple[str, ...]:
 
 
 def table(scores: Sequence[RunScore], title: str) -> Table:
-    """Scores as a table for a terminal.
-
-    Parameters
-    ----------
-    scores : sequence of RunScore
-        A row each.
-    title : str
-        Above it.
-
-    Returns
-    -------
-    Table
-        To be shown.
-    """
+    """Scores as a table for a terminal."""
     made = Table(title=title, title_justify="left")
     for column in COLUMNS:
         made.add_column(column, justify="left" if column == "method" else "right")
@@ -70,12 +46,8 @@ def write_page(
 
     Parameters
     ----------
-    path : Path
-        In the folder where the pictures are.
-    title : str
-        Name of the scene.
-    remarks : sequence of str
-        How the numbers came about.
+    path : Path; in the folder where the pictures are
+    remarks : sequence of str; how the numbers came about
     scores : sequence of RunScore
         Each with pictures ``NAME.exr``, ``NAME.png`` and a page
         ``NAME/index.html``.

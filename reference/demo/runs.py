@@ -74,20 +74,7 @@ def runs_of_paths(job: Job, seconds: float, count: int) -> Runs:
 
 
 def timed_run(method: Method, job: Job) -> tuple[Layers, list[float]]:
-    """Render, with a clock.
-
-    Parameters
-    ----------
-    method : Method
-        Which.
-    job : Job
-        What.
-
-    Returns
-    -------
-    Layers, list of float (s)
-        The result, and the time of each step.
-    """
+    """Render, with a clock.  The result, and the time of each step."""
     steps, seconds = method.render(job), list[float]()
     while True:
         try:

@@ -35,21 +35,13 @@ class RunScore:
 
 
 def scores(truth: Moments, paths: Runs, others: list[Runs]) -> list[RunScore]:
-    """Judge all methods.
+    """Judge all methods.  Path tracing first.
 
     Parameters
     ----------
-    truth : Moments
-        Of independent samples.
-    paths : Runs
-        Of path tracing, the measure of the rest.
-    others : list of Runs
-        At least two runs each.
-
-    Returns
-    -------
-    list of RunScore
-        Path tracing first.
+    truth : Moments; of independent samples
+    paths : Runs; of path tracing, the measure of the rest
+    others : list of Runs; at least two runs each
     """
     cost = mean_mse(paths, truth) * paths.seconds
     found = []

@@ -43,16 +43,12 @@ def _run_similar(given: Inputs) -> NDArray[Any]:
 def cosine_of_degrees(angle: float) -> Any:
     """Cosine of an angle.
 
+    Exact where it is rational: for a rational number of degrees that are 0, ±1/2 and ±1
+    alone.
+
     Parameters
     ----------
-    angle : float
-        Degrees, 0 to 180.
-
-    Returns
-    -------
-    mpf
-        Exact where it is rational: for a rational number of degrees that are 0, ±1/2
-        and ±1 alone.
+    angle : float; degrees, 0 to 180
     """
     halves = {0: 2, 60: 1, 90: 0, 120: -1, 180: -2}
     if angle in halves:
@@ -63,19 +59,12 @@ def cosine_of_degrees(angle: float) -> Any:
 def similarity(row: Row, max_angle: float, max_depth: float) -> bool:
     """Whether two points look alike: normals within an angle, depths within a share.
 
+    False where a depth is 0; the limits themselves are inside.
+
     Parameters
     ----------
-    row : Row
-        Normals and depths of both.
-    max_angle : float, degrees
-        Between the normals.
-    max_depth : float
-        Largest difference of the depths, as a share of the larger one.
-
-    Returns
-    -------
-    bool
-        False where a depth is 0; the limits themselves are inside.
+    max_angle : float, degrees; between the normals
+    max_depth : float; largest difference of the depths, as a share of the larger one
     """
     a, b = row["depth_a"], row["depth_b"]
     near, far = (a, b) if a < b else (b, a)

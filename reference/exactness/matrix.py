@@ -51,19 +51,7 @@ def cell(kernel: Kernel, extreme: Extreme, dtype: Any, rows: int) -> MatrixCell:
 
     Parameters
     ----------
-    kernel : Kernel
-        What runs.
-    extreme : Extreme
-        What it is given.
-    dtype : float16, float32 or float64
-        In which.
-    rows : int
-        How many; the same ones whenever it is asked.
-
-    Returns
-    -------
-    MatrixCell
-        With its inputs.
+    rows : int; how many; the same ones whenever it is asked
     """
     name = np.dtype(dtype).name
     key = list(f"{kernel.name}/{extreme.name}/{name}".encode())
@@ -82,8 +70,7 @@ def judged_cell(kernel: Kernel, extreme: str, inputs: Inputs) -> MatrixCell:
 
     Returns
     -------
-    MatrixCell
-        A warning is a fault; what was calculated is judged all the same.
+    MatrixCell; a warning is a fault; what was calculated is judged all the same
     """
     dtype = next(iter(inputs.values())).dtype
     fault = ""
@@ -103,21 +90,11 @@ def matrix(
     rows: int,
     tell: Callable[[int, int], None] = lambda done, total: None,
 ) -> list[MatrixCell]:
-    """All cells.
+    """All cells, by kernel, extreme and type; without what a kernel cannot meet.
 
     Parameters
     ----------
-    kernels : tuple of Kernel
-        Which.
-    rows : int
-        In each cell.
-    tell : callable
-        Told how many cells are done, of how many.
-
-    Returns
-    -------
-    list of MatrixCell
-        By kernel, extreme and type; without what a kernel cannot meet.
+    tell : callable; told how many cells are done, of how many
     """
     asked = [(k, e, t) for k in kernels for e in EXTREMES if reads(k, e) for t in TYPES]
     cells = []

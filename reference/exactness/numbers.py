@@ -199,11 +199,6 @@ class Unrounded(Exact):
 
     Sums and products are those of `WHOLE`, and so are the signs of differences; the
     others have 50 digits.
-
-    Parameters
-    ----------
-    value : mpf of `WHOLE`
-        All of it.
     """
 
     __slots__ = ()
@@ -280,19 +275,11 @@ def exact(value: Any, type_: Type) -> Exact:
 
 
 def exactly(value: Any, type_: Type) -> Any:
-    """What a kernel was given in one row.
+    """What a kernel was given in one row, without an error.
 
     Parameters
     ----------
-    value : number, or k of them
-        Finite.
-    type_ : Type
-        Of what is done with it.
-
-    Returns
-    -------
-    Exact, or tuple of k of them
-        Without an error.
+    value : number, or k of them; finite
     """
     if isinstance(value, list | np.ndarray):
         return tuple(exact(float(component), type_) for component in value)

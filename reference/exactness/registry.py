@@ -25,11 +25,8 @@ OWN = (
 def kernels() -> tuple[Kernel, ...]:
     """All kernels.
 
-    Returns
-    -------
-    tuple of Kernel
-        Those that packages register through the entry-point group ``restir.kernels``
-        come last.
+    Those that packages register through the entry-point group ``restir.kernels`` come
+    last.
     """
     names = plugin_names(GROUP)
     theirs = (find_plugin(GROUP, name, Kernel, "kernel") for name in names)

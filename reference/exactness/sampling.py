@@ -27,13 +27,11 @@ def uniform_polar(u: Exact) -> tuple[Exact, Exact]:
 
     Parameters
     ----------
-    u : Exact
-        Random number.
+    u : Exact; random number
 
     Returns
     -------
-    Exact, Exact
-        u and √(1 − u²).
+    Exact, Exact; u and √(1 − u²)
     """
     return u, (1 - u * u).sqrt()
 
@@ -41,31 +39,21 @@ def uniform_polar(u: Exact) -> tuple[Exact, Exact]:
 def cosine_polar(u: Exact) -> tuple[Exact, Exact]:
     """Cosine and sine of the angle to the normal, of a density in proportion to it.
 
+    √(1 − u) and √u.
+
     Parameters
     ----------
-    u : Exact
-        Random number.
-
-    Returns
-    -------
-    Exact, Exact
-        √(1 − u) and √u.
+    u : Exact; random number
     """
     return (1 - u).sqrt(), u.sqrt()
 
 
 def azimuth(u: Exact) -> Exact:
-    """Angle about the normal.
+    """Angle about the normal; 2π u.
 
     Parameters
     ----------
-    u : Exact
-        Random number.
-
-    Returns
-    -------
-    Exact
-        2π u.
+    u : Exact; random number
     """
     return literal(2 * EXACT.pi, u.type) * u
 

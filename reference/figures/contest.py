@@ -151,21 +151,11 @@ def paths_beside(
 
     Parameters
     ----------
-    world : World
-        The scene.
-    bounces : int
-        Of indirect light.
-    run : int
-        Samples of different runs are independent.
-    step : int
-        Samples at a time.
-    work : Work
-        Bands and threads.
+    run : int; samples of different runs are independent
 
     Returns
     -------
-    iterator of Moments
-        After ever more samples, without end.
+    iterator of Moments; after ever more samples, without end
     """
     seed = PATH_SEED + run
     drawn = path_samples(

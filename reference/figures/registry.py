@@ -55,35 +55,20 @@ FIGURES: dict[str, FigureEntry] = {entry.name: entry for entry in _ENTRIES}
 
 
 def figure_names() -> list[str]:
-    """Names of all figures.
-
-    Returns
-    -------
-    list of str
-        The paper's first.  Nothing is imported.
-    """
+    """Names of all figures.  The paper's first.  Nothing is imported."""
     theirs = [name for name in plugin_names(GROUP) if name not in FIGURES]
     return [*FIGURES, *theirs]
 
 
 def find_figure(name: str) -> FigureEntry:
-    """Figure of a name.
+    """Figure of a name.  Not made yet.
+
+    Raises UsageError: no figure has that name; the message says which do, the closest
+    one first.  Or the package that brings it is broken.
 
     Parameters
     ----------
-    name : str
-        As `figure_names` lists it, or its number in the paper.
-
-    Returns
-    -------
-    FigureEntry
-        Not made yet.
-
-    Raises
-    ------
-    UsageError
-        No figure has that name; the message says which do, the closest one first.  Or
-        the package that brings it is broken.
+    name : str; as `figure_names` lists it, or its number in the paper
     """
     if name in FIGURES:
         return FIGURES[name]

@@ -33,29 +33,20 @@ class PassRecord:
 
     Attributes
     ----------
-    name : str
-        Of the pass.
-    roles : tuple of str
-        Who stands in each slot.
-    frames : tuple of int
-        Of which frame each of them is.
-    source : (N, C) int
-        Pixel of that frame that the candidate comes from, or ``NONE``.
+    roles : tuple of str; who stands in each slot
+    frames : tuple of int; of which frame each of them is
+    source : (N, C) int; pixel of that frame that the candidate comes from, or ``NONE``
     M, W, p_hat, jacobian, w : (N, C) float64
         Confidence; contribution weight where it comes from (sr); target at the
         pixel (radiance/sr); factor on W; weight in the stream.
-    position : (N, C, 3) float64, m
-        Sample point.
-    outcome : (N, C) int
-        Of `Outcome`.
+    position : (N, C, 3) float64, m; sample point
+    outcome : (N, C) int; of `Outcome`
     could : (N, C) int
         Whether it could have made the sample that was kept, or `NOT_ASKED`.
-    kept : (N,) int
-        Slot of the kept sample.
+    kept : (N,) int; slot of the kept sample
     w_sum, total : (N,) float64
         Sum of w; what it was divided by: M, Z, or 1 where weights were divided before.
-    number : (N,) int64
-        Of the path that drew the kept sample.
+    number : (N,) int64; of the path that drew the kept sample
     """
 
     name: str
@@ -85,23 +76,12 @@ def recorded(
     settings: Settings,
     provenance: Provenance,
 ) -> PassRecord:
-    """What a pass considers, and what comes of it.
+    """What a pass considers, and what comes of it, N rows.
 
     Parameters
     ----------
-    name : str
-        Of the pass.
     parts : iterable of (slice or (J,) int, PassInput)
         Each pixel of the frame in one of them.
-    settings : Settings
-        Of the run.
-    provenance : Provenance
-        Knows who stands where.
-
-    Returns
-    -------
-    PassRecord
-        N rows.
     """
     each = [
         (indices(rows), *_of(indices(rows), given, settings, provenance))

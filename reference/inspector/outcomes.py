@@ -41,10 +41,7 @@ def jacobians(source: object, rows: int) -> tuple[Scalars, Scalars]:
 
     Parameters
     ----------
-    source : NeighborPixels or anything else
-        Where they come from.
-    rows : int
-        K.
+    rows : int; K
 
     Returns
     -------
@@ -63,17 +60,12 @@ def outcomes(c: Candidates, empty: Scalars, factor: Scalars, exact: Scalars) -> 
 
     Parameters
     ----------
-    c : Candidates
-        Of K pixels, weighted with M.
-    empty : (K,) bool
-        The reservoir holds no light.
-    factor, exact : (K,) float64, sr/sr
-        As of `jacobians`.
+    empty : (K,) bool; the reservoir holds no light
+    factor, exact : (K,) float64, sr/sr; as of `jacobians`
 
     Returns
     -------
-    (K,) int
-        Of `Outcome`; the first reason there is.
+    (K,) int; of `Outcome`; the first reason there is
     """
     reasons = {
         Outcome.ABSENT: c.M <= 0,

@@ -17,27 +17,16 @@ SCRIPTS = ("data.js", "picture.js", "room.js", "tables.js", "main.js")
 
 
 def page(title: str, runs: list[dict[str, Any]], exposure: float) -> bytes:
-    """Write the page.
+    """Write the page.  HTML.
+
+    Raises UsageError: there are more numbers than a browser can be expected to hold.
 
     Parameters
     ----------
-    title : str
-        Of the page.
     runs : list of dict
         One or two of one size: ``label``, ``name``, ``words``, ``standing``,
         ``replayed``, ``width``, ``height`` and ``frames``.
-    exposure : float
-        Factor on the light that is shown.
-
-    Returns
-    -------
-    bytes
-        HTML.
-
-    Raises
-    ------
-    UsageError
-        There are more numbers than a browser can be expected to hold.
+    exposure : float; factor on the light that is shown
     """
     shown = ("width", "height", "frames")
     manifest, block = packed(

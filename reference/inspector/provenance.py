@@ -18,8 +18,7 @@ class PathNumbers:
 
     Attributes
     ----------
-    temporal, spatial : (N,) int64
-        Or ``NONE`` where the reservoir is empty.
+    temporal, spatial : (N,) int64; or ``NONE`` where the reservoir is empty
     """
 
     temporal: Indices
@@ -32,14 +31,10 @@ class Origin:
 
     Attributes
     ----------
-    role : str
-        What it is to the pixel.
-    frame : int
-        Whose reservoirs, or samples, these are.
-    rows : (K,) int
-        Pixels of that frame, or ``NONE``.
-    numbers : (K,) int64
-        Of the paths that drew the samples, or ``NONE``.
+    role : str; what it is to the pixel
+    frame : int; whose reservoirs, or samples, these are
+    rows : (K,) int; pixels of that frame, or ``NONE``
+    numbers : (K,) int64; of the paths that drew the samples, or ``NONE``
     """
 
     role: str
@@ -54,14 +49,9 @@ class Provenance:
 
     Attributes
     ----------
-    frame : int
-        Its number.
-    drawn : (N,) int64
-        Paths of the new samples.
-    history : History or None
-        What the last frame handed on.
-    before : PathNumbers or None
-        Of the last frame.
+    drawn : (N,) int64; paths of the new samples
+    history : History or None; what the last frame handed on
+    before : PathNumbers or None; of the last frame
     temporal : (N,) int64 or None
         Paths of this frame's temporal reservoirs; ``None`` in the pass that makes them.
     """

@@ -37,10 +37,8 @@ class Recorded:
 
     Attributes
     ----------
-    frames : list of dict
-        The last ones.
-    layers : mapping of str to array
-        The picture that the run ends with.
+    frames : list of dict; the last ones
+    layers : mapping of str to array; the picture that the run ends with
     """
 
     frames: list[Plain]
@@ -56,28 +54,15 @@ def recorded(
 ) -> Recorded:
     """Run a job of ReSTIR GI, and record what happens.
 
+    Nothing about the picture differs from a run that is not recorded.
+
+    Raises UsageError: the job has no frames of indirect light.
+
     Parameters
     ----------
-    method : Method
-        One of those of ReSTIR GI.
-    job : Job
-        What to render.
-    last : int or None
-        Frames to keep; ``None`` for as many as there is room for.
-    room : int, bytes
-        For frames, where ``last`` is ``None``; one is kept in any case.
-    tick : callable
-        Told of each step of progress.
-
-    Returns
-    -------
-    Recorded
-        Nothing about the picture differs from a run that is not recorded.
-
-    Raises
-    ------
-    UsageError
-        The job has no frames of indirect light.
+    last : int or None; frames to keep; ``None`` for as many as there is room for
+    room : int, bytes; for frames, where ``last`` is ``None``; one is kept in any case
+    tick : callable; told of each step of progress
     """
     kept: deque[Plain] = deque(maxlen=last)
 
@@ -101,15 +86,7 @@ def recorded(
 def plain_frame(made: RecordedFrame) -> Plain:
     """A frame in plain structures.
 
-    Parameters
-    ----------
-    made : RecordedFrame
-        A frame.
-
-    Returns
-    -------
-    dict
-        Arrays of single precision, and of small integers, row = y · width + x.
+    Arrays of single precision, and of small integers, row = y · width + x.
     """
     frame = made.frame
     kinds = [(frame.temporal, "temporal"), (frame.spatial, "spatial")]

@@ -24,10 +24,7 @@ class RecordedFrame:
 
     Attributes
     ----------
-    frame : Frame
-        As it is without anybody watching.
-    passes : tuple of PassRecord
-        In their order.
+    frame : Frame; as it is without anybody watching
     """
 
     frame: Frame
@@ -39,8 +36,7 @@ def recorded_frames(job: Job) -> Iterator[RecordedFrame]:
 
     Parameters
     ----------
-    job : Job
-        Of one of the methods of ReSTIR GI.
+    job : Job; of one of the methods of ReSTIR GI
 
     Yields
     ------

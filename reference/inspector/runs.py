@@ -35,15 +35,7 @@ MOST = 2**27 - 1
 def method_of(image: Image) -> Method | None:
     """Method by which a picture was made, if its run can be made again.
 
-    Parameters
-    ----------
-    image : Image
-        With the words of its header.
-
-    Returns
-    -------
-    Method or None
-        ``None`` unless it is one of those of ReSTIR GI.
+    Returns ``None`` unless it is one of those of ReSTIR GI.
     """
     known = {method.name: method for method in (BIASED, UNBIASED)}
     return known.get(image.metadata.get("method", ""))
@@ -62,21 +54,12 @@ def job_of(
 
     Parameters
     ----------
-    path : Path
-        Of the picture, for messages.
-    image : Image
-        Of one of the methods of ReSTIR GI.
-    scene : str or None
-        Built-in, or a file; ``None`` for what the header names.
-    lenient, allow_outside : bool
-        How the scene's file is read.
-    schedule : Schedule
-        Bands and threads.
+    image : Image; of one of the methods of ReSTIR GI
+    scene : str or None; built-in, or a file; ``None`` for what the header names
 
     Returns
     -------
-    Job
-        Its picture is that of the file, if version and scene are the same.
+    Job; its picture is that of the file, if version and scene are the same
 
     Raises
     ------
@@ -157,20 +140,7 @@ def _scene_name(path: Path, words: Mapping[str, str], scene: str | None) -> str:
 
 
 def standing(image: Image, layers: Layers) -> str:
-    """Whether a run that was made again is the one that the file holds.
-
-    Parameters
-    ----------
-    image : Image
-        The file.
-    layers : mapping of str to array
-        Of the run.
-
-    Returns
-    -------
-    str
-        A sentence.
-    """
+    """Whether a run that was made again is the one that the file holds."""
     other, most = np.zeros((image.height, image.width), bool), 0.0
     for name, rows in layers.items():
         again, kept = to_image(rows, image.width, image.height), image.layers[name]
@@ -192,8 +162,7 @@ def as_it_is(image: Image) -> Plain:
 
     Parameters
     ----------
-    image : Image
-        Of any method, or of a renderer elsewhere.
+    image : Image; of any method, or of a renderer elsewhere
 
     Returns
     -------

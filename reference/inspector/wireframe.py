@@ -16,18 +16,8 @@ MOST_EDGES = 20_000
 def wireframe(world: World, points: SurfacePoints) -> dict[str, Any]:
     """Where the page looks from, what at, and the edges that it sees.
 
-    Parameters
-    ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        What the camera sees.
-
-    Returns
-    -------
-    dict
-        ``camera``, with the tangent of half its smaller angle of view; ``middle`` of
-        what is seen, m; ``edges``, (E, 2, 3) float32, m, or ``None`` of too many.
+    Returns ``camera``, with the tangent of half its smaller angle of view; ``middle``
+    of what is seen, m; ``edges``, (E, 2, 3) float32, m, or ``None`` of too many.
     """
     camera, seen = world.camera, points.position[points.hit]
     middle = np.median(seen, axis=0).tolist() if len(seen) else list(camera.target)
@@ -48,13 +38,11 @@ def edges(geometry: Geometry) -> Any:
 
     Parameters
     ----------
-    geometry : Geometry
-        T triangles; spheres have no edges.
+    geometry : Geometry; T triangles; spheres have no edges
 
     Returns
     -------
-    (E, 2, 3) float32 or None, m
-        ``None`` of too many to draw.
+    (E, 2, 3) float32 or None, m; ``None`` of too many to draw
     """
     a, to_b, to_c = (geometry.triangle[:, k] for k in range(3))
     around = [(a, a + to_b), (a + to_b, a + to_c), (a + to_c, a)]

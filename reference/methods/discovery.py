@@ -12,13 +12,7 @@ BUILT_IN = {method.name: method for method in (PATH, BIASED, UNBIASED)}
 
 
 def method_names() -> list[str]:
-    """Names of all methods.
-
-    Returns
-    -------
-    list of str
-        The built-in ones first.  Nothing is imported.
-    """
+    """Names of all methods.  The built-in ones first.  Nothing is imported."""
     theirs = [name for name in plugin_names(GROUP) if name not in BUILT_IN]
     return [*BUILT_IN, *theirs]
 

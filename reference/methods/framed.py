@@ -104,21 +104,12 @@ class Framed:
         settings: Any,
         biases: Callable[[Job], tuple[str, ...]],
     ) -> Method:
-        """Method that makes these frames.
+        """Method that makes these frames, of 32 frames, and 32 samples of direct light.
 
         Parameters
         ----------
-        name, summary : str
-            On the command line.
-        settings : dataclass instance
-            Defaults; they have ``image``.
-        biases : callable
-            Names what biases the indirect light of a job that shows some.
-
-        Returns
-        -------
-        Method
-            Of 32 frames, and 32 samples of direct light.
+        settings : dataclass instance; defaults; they have ``image``
+        biases : callable; names what biases the indirect light of a job that shows some
         """
 
         def named_biases(job: Job) -> tuple[str, ...]:

@@ -120,10 +120,8 @@ class Method:
     settings : dataclass instance
         Defaults of what ``--set`` changes; :mod:`reference.setting_values` says which
         fields it may have.
-    aovs : mapping of str to str
-        Names that ``--aov`` takes, and what they are.
-    render : callable
-        Takes a `Job` and generates; `Rendering`.
+    aovs : mapping of str to str; names that ``--aov`` takes, and what they are
+    render : callable; takes a `Job` and generates; `Rendering`
     biases : callable
         Takes a `Job` and names what biases its picture; by default nothing does.
     frames : callable or None

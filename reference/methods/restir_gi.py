@@ -58,18 +58,7 @@ class RestirSettings(Settings):
 
 
 def named_biases(job: Job) -> tuple[str, ...]:
-    """What biases the indirect light of a picture.
-
-    Parameters
-    ----------
-    job : Job
-        What is rendered.
-
-    Returns
-    -------
-    tuple of str
-        See :func:`reference.biases.biases`.
-    """
+    """What biases the indirect light of a picture."""
     changes = job.animation.changes if job.animation else "nothing"
     return biases(job.settings, job.world.scene, changes)
 

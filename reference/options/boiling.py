@@ -18,24 +18,18 @@ ROUNDING = 1.0 + TILE * TILE * 2.0**-52
 def boiling_filter(r: Reservoirs, width: int, strength: float) -> Reservoirs:
     """Empty the reservoirs whose light is far above the mean of their tile.
 
+    Biased: it looks at the samples' values, and takes light away.  The mean is over the
+    reservoirs of the tile that hold a sample, itself among them.
+
     Parameters
     ----------
-    r : Reservoirs
-        Of a whole frame, N rows.
-    width : int, pixels
-        Of the frame.
+    r : Reservoirs; of a whole frame, N rows
     strength : float
         Above 0, to 1: a reservoir may reach 10 / strength - 9 times the mean.
 
     Returns
     -------
-    Reservoirs
-        W = 0 and M = 0 where luminance(L_o) · W is above that.
-
-    Notes
-    -----
-    Biased: it looks at the samples' values, and takes light away.  The mean is over the
-    reservoirs of the tile that hold a sample, itself among them.
+    Reservoirs; W = 0 and M = 0 where luminance(L_o) · W is above that
     """
     with np.errstate(over="ignore"):
         light = saturate(luminance(r.y.radiance) * r.W)

@@ -39,25 +39,16 @@ def fused_resampling(
 
     Parameters
     ----------
-    q : Receiver
-        K pixels.
-    initial : InitialSamples
-        A new sample each.
-    past : Reservoirs or Neighbor
-        As of :func:`reference.passes.temporal.temporal_resampling`.
+    q : Receiver; K pixels
     neighbors : sequence of (Neighbor, (K,))
         Pixels of the last frame, and a number in [0, 1) for each.
-    u : (K,)
-        The number that decides on the new sample.
-    cap : float
-        Limit of M.
-    mis : '1/M' or '1/Z'
-        Biased or unbiased.
+    u : (K,); the number that decides on the new sample
+    cap : float; limit of M
+    mis : '1/M' or '1/Z'; biased or unbiased
 
     Returns
     -------
-    Reservoirs
-        K rows.
+    Reservoirs; K rows
     """
     S = initial.y
     new = initial_candidates(S, q.target(S), initial.pdf, initial.M)

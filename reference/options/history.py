@@ -26,23 +26,18 @@ from reference.settings import Settings
 def moved_history(frame: FrameContext[Settings], last: History) -> History:
     """What the last frame hands on to this one.
 
+    [Ouyang21, section 5]: reprojection by motion vectors; where it fails, both
+    reservoirs are reset.
+
     Parameters
     ----------
-    frame : FrameContext
-        This frame.
-    last : History
-        The last one as it was left.
+    last : History; the last one as it was left
 
     Returns
     -------
     History
         Where each pixel goes on from; without samples that are too old or no longer
         what they were, as the settings say.
-
-    Notes
-    -----
-    [Ouyang21, section 5]: reprojection by motion vectors; where it fails, both
-    reservoirs are reset.
     """
     settings, before = frame.settings, last.temporal
     shift = temporal_shift(before.world, frame.world, replay_of(frame))

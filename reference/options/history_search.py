@@ -21,25 +21,19 @@ FLIP = 3
 def permuted(rows: Indices, width: int, height: int, frame: int) -> Indices:
     """Pixels shuffled within blocks of 4 x 4, which lie elsewhere in each frame.
 
+    It breaks up the patterns of history that stays with its pixel.  Place and time
+    alone decide.
+
     Parameters
     ----------
-    rows : (N,) int
-        Pixels of the last frame, or ``NONE``.
-    width, height : int, pixels
-        Of the image.
-    frame : int
-        From 0.
+    rows : (N,) int; pixels of the last frame, or ``NONE``
+    frame : int; from 0
 
     Returns
     -------
     (N,) int
         The pixel's partner, whose own partner it is; itself where that would lie
         outside of the image; ``NONE`` stays.
-
-    Notes
-    -----
-    It breaks up the patterns of history that stays with its pixel.  Place and time
-    alone decide.
     """
     shift_x, shift_y = frame % 4, frame // 4 % 4
     y, x = np.divmod(np.maximum(rows, 0), width)
@@ -55,17 +49,13 @@ def nearby(x: Scalars, y: Scalars, u: Draw, radius: float) -> tuple[Scalars, Sca
 
     Parameters
     ----------
-    x, y : (N,) float64, pixels
-        Places, NaN where there is none.
-    u : four (N,) float64
-        Lanes 0 and 1.
-    radius : float, pixels
-        Half of the side of the square that is searched.
+    x, y : (N,) float64, pixels; places, NaN where there is none
+    u : four (N,) float64; lanes 0 and 1
+    radius : float, pixels; half of the side of the square that is searched
 
     Returns
     -------
-    (N,), (N,) float64, pixels
-        Also outside of the image.
+    (N,), (N,) float64, pixels; also outside of the image
     """
     return x + radius * (2.0 * u[0] - 1.0), y + radius * (2.0 * u[1] - 1.0)
 
@@ -75,24 +65,16 @@ def find_history(
 ) -> Indices:
     """Pixel of the last frame that each pixel of this one goes on from.
 
+    [Ouyang21, section 5].  Geometry and time decide, and random numbers of no sample:
+    so the choice of a history biases nothing, where it is then shifted.
+
     Parameters
     ----------
-    frame : FrameContext
-        This frame, of N pixels.
-    last : FrameReservoirs
-        Of the last one.
-    reverse : Motion or None
-        Of the shapes, from this frame to the last.
+    reverse : Motion or None; of the shapes, from this frame to the last
 
     Returns
     -------
-    (N,) int
-        Or ``NONE``: the pixel starts over.
-
-    Notes
-    -----
-    [Ouyang21, section 5].  Geometry and time decide, and random numbers of no sample:
-    so the choice of a history biases nothing, where it is then shifted.
+    (N,) int; or ``NONE``: the pixel starts over
     """
     before, world, camera = last.world, frame.world, last.world.camera
 

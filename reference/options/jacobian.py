@@ -28,8 +28,7 @@ def shift_of(settings: Settings) -> Callable[[Vec3s, Vec3s, Samples], Scalars]:
 
     Parameters
     ----------
-    settings : Settings
-        Use of the Jacobian, and its limit.
+    settings : Settings; use of the Jacobian, and its limit
 
     Returns
     -------

@@ -22,8 +22,7 @@ class TemporalShift:
 
     Attributes
     ----------
-    before, after : World
-        Of the last frame and of this one.
+    before, after : World; of the last frame and of this one
     motion, reverse : Motion or None
         Of the shapes, and back; ``None`` where all of them stay.
     replay : Replay or None
@@ -41,15 +40,8 @@ class TemporalShift:
 
         Parameters
         ----------
-        y : Samples
-            N rows, with their suffix unless only the camera has moved.
-        active : (N,) bool
-            Which are of interest; the radiance of the others is 0.
-
-        Returns
-        -------
-        Samples
-            N rows.
+        y : Samples; N rows, with their suffix unless only the camera has moved
+        active : (N,) bool; which are of interest; the radiance of the others is 0
         """
         return _carried(self.after, self.motion, self.replay, y, active)
 
@@ -93,8 +85,7 @@ class EarlierReservoirs(FrameReservoirs):
 
     Attributes
     ----------
-    shift : TemporalShift
-        From the last frame to this one.
+    shift : TemporalShift; from the last frame to this one
     """
 
     shift: TemporalShift
@@ -113,8 +104,7 @@ class EarlierPixels(NeighborPixels):
 
     Attributes
     ----------
-    temporal_shift : TemporalShift
-        From the last frame to this one.
+    temporal_shift : TemporalShift; from the last frame to this one
     """
 
     temporal_shift: TemporalShift

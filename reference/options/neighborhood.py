@@ -31,21 +31,14 @@ def special_neighbors(
 
     Parameters
     ----------
-    frame : FrameContext
-        This frame.
-    history : History or None
-        What the last frame hands on.
+    history : History or None; what the last frame hands on
     temporal : FrameReservoirs or None
         Temporal reservoirs of this frame, unless they are not to be read.
-    q : Pixels
-        K pixels.
+    q : Pixels; K pixels
     rows : slice or (K,) int
-        Which.
     uniforms : Uniforms
         As of :func:`reference.passes.neighbors.neighbors_of`; lane 3 of a dimension
         decides on the spatial reservoir of the same neighbour.
-    tries : int
-        How many neighbours are sought.
 
     Returns
     -------

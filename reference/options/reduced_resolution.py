@@ -8,17 +8,11 @@ def corner(rows: Indices, width: int, side: int) -> Indices:
 
     Parameters
     ----------
-    rows : (K,) int
-        Pixels, y · width + x.
-    width : int, pixels
-        Of the image.
-    side : int, pixels
-        Of the squares.
+    rows : (K,) int; pixels, y · width + x
 
     Returns
     -------
-    (K,) int
-        The upper left pixel of the square; it is always inside of the image.
+    (K,) int; the upper left pixel of the square; it is always inside of the image
     """
     x, y = rows % width, rows // width
     found: Indices = (y - y % side) * width + (x - x % side)
@@ -30,17 +24,12 @@ def keeps_reservoir(rows: Indices, width: int, side: int) -> Masks:
 
     Parameters
     ----------
-    rows : (K,) int
-        Pixels, y · width + x.
-    width : int, pixels
-        Of the image.
-    side : int, pixels
-        Of the squares; 1 for everyone.
+    rows : (K,) int; pixels, y · width + x
+    side : int, pixels; of the squares; 1 for everyone
 
     Returns
     -------
-    (K,) bool
-        Decided by place alone.
+    (K,) bool; decided by place alone
     """
     keeps: Masks = corner(rows, width, side) == rows
     return keeps

@@ -21,12 +21,9 @@ class Replay:
 
     Attributes
     ----------
-    bounces : int
-        Of indirect light at the visible points, at least 1.
-    uniforms : callable
-        Random numbers of the paths that have the given numbers.
-    tail : callable or None
-        Weight of what lies beyond the first bounce; ``None`` for 1.
+    bounces : int; of indirect light at the visible points, at least 1
+    uniforms : callable; random numbers of the paths that have the given numbers
+    tail : callable or None; weight of what lies beyond the first bounce; ``None`` for 1
     """
 
     bounces: int
@@ -36,24 +33,18 @@ class Replay:
     def radiance(self, world: World, suffix: Suffix, active: Masks) -> Vec3s:
         """Radiance L_o that leaves sample points in a world.
 
+        [Ouyang21, section 4.3]: "the same random numbers".  As a map of the path's
+        random numbers it is the identity, whose Jacobian is 1.
+
         Parameters
         ----------
-        world : World
-            Of any frame.
-        suffix : Suffix
-            N sample points, where they are in that frame.
-        active : (N,) bool
-            Whose radiance is wanted.
+        suffix : Suffix; N sample points, where they are in that frame
+        active : (N,) bool; whose radiance is wanted
 
         Returns
         -------
         (N, 3) float64, W/(m² sr)
             Bit for bit what it was, if nothing has changed; 0 where not wanted.
-
-        Notes
-        -----
-        [Ouyang21, section 4.3]: "the same random numbers".  As a map of the path's
-        random numbers it is the identity, whose Jacobian is 1.
         """
         primitive = np.where(active, suffix.surface.primitive, -1)
         surface = replace(suffix.surface, primitive=primitive)

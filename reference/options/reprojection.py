@@ -19,12 +19,8 @@ def places_before(
 
     Parameters
     ----------
-    before, world : World
-        Of the last frame, and of this one.
-    visible : VisiblePoints
-        N visible points of this frame.
-    back : Motion or None
-        From this frame to the last.
+    before, world : World; of the last frame, and of this one
+    back : Motion or None; from this frame to the last
 
     Returns
     -------
@@ -45,12 +41,8 @@ def motion_vectors(
 
     Parameters
     ----------
-    before, world : World
-        Of the last frame, and of this one.
-    visible : VisiblePoints
-        N visible points of this frame.
-    back : Motion or None
-        From this frame to the last.
+    before, world : World; of the last frame, and of this one
+    back : Motion or None; from this frame to the last
 
     Returns
     -------
@@ -68,15 +60,11 @@ def row_at(x: Scalars, y: Scalars, world: World) -> Indices:
 
     Parameters
     ----------
-    x, y : (N,) float64, pixels
-        Places, NaN where there is none.
-    world : World
-        Whose camera sees the image.
+    x, y : (N,) float64, pixels; places, NaN where there is none
 
     Returns
     -------
-    (N,) int
-        Row, or ``NONE`` outside of the image.
+    (N,) int; row, or ``NONE`` outside of the image
     """
     width, height = world.camera.width, world.camera.height
     inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
@@ -97,21 +85,14 @@ def alike_before(
 
     Parameters
     ----------
-    before, world : World
-        Of the last frame, and of this one.
-    seen_before, visible : VisiblePoints
-        G-buffers of both frames, N rows each.
-    back : Motion or None
-        From this frame to the last.
-    rows : (N,) int
-        Pixels of the last frame, or ``NONE``.
-    settings : Search
-        Similarity of depths and normals.
+    before, world : World; of the last frame, and of this one
+    seen_before, visible : VisiblePoints; G-buffers of both frames, N rows each
+    back : Motion or None; from this frame to the last
+    rows : (N,) int; pixels of the last frame, or ``NONE``
 
     Returns
     -------
-    (N,) bool
-        False where there is no pixel, or either saw nothing.
+    (N,) bool; False where there is no pixel, or either saw nothing
     """
     surface, row = visible.surface, np.maximum(rows, 0)
     shape = world.geometry.shape[surface.primitive]
@@ -138,26 +119,19 @@ def reproject(
 ) -> Indices:
     """Pixel of the last frame that saw what each pixel of this one sees.
 
+    [Ouyang21, section 5].  The tests look at geometry alone, never at a sample.
+
     Parameters
     ----------
-    before, world : World
-        Of the last frame, and of this one.
-    seen_before, visible : VisiblePoints
-        G-buffers of both frames, N rows each.
-    back : Motion or None
-        From this frame to the last.
-    settings : Search
-        Similarity of depths and normals.
+    before, world : World; of the last frame, and of this one
+    seen_before, visible : VisiblePoints; G-buffers of both frames, N rows each
+    back : Motion or None; from this frame to the last
 
     Returns
     -------
     (N,) int
         Row of the last frame, or ``NONE``: outside of the image, hidden then, or not
         similar; the pixel starts over.
-
-    Notes
-    -----
-    [Ouyang21, section 5].  The tests look at geometry alone, never at a sample.
     """
     row = row_at(*places_before(before, world, visible, back), before)
     alike = alike_before(before, seen_before, world, visible, back, row, settings)

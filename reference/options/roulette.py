@@ -18,28 +18,18 @@ def tail_weight(
 ) -> Scalars:
     """Weight of all that lies beyond the first bounce.
 
+    [Ouyang21, section 5].  Only the tail is reweighted: each tile estimates the first
+    bounce, which 1 / probability would count too often.
+
     Parameters
     ----------
-    pixel : (N,) int
-        y · width + x.
-    width : int, pixels
-        Of the image.
-    probability : float
-        Above 0, to 1: share of the tiles whose paths go on.
-    frame : int or (N,) int
-        When the path is, or was, drawn.
-    seed : int
-        Of the run.
+    pixel : (N,) int; y · width + x
+    probability : float; above 0, to 1: share of the tiles whose paths go on
+    frame : int or (N,) int; when the path is, or was, drawn
 
     Returns
     -------
-    (N,) float64
-        1 / probability where the pixel's tile goes on in that frame, else 0.
-
-    Notes
-    -----
-    [Ouyang21, section 5].  Only the tail is reweighted: each tile estimates the first
-    bounce, which 1 / probability would count too often.
+    (N,) float64; 1 / probability where the pixel's tile goes on in that frame, else 0
     """
     x, y = pixel % width, pixel // width
     across = -(-width // TILE_WIDTH)

@@ -27,17 +27,6 @@ def stored(
     ----------
     storage : 'float64', 'float32', 'half' or 'paper'
         Untouched, through a shorter type, or through 48 bytes each.
-    points : SurfacePoints
-        K visible points.
-    r : Reservoirs
-        Their reservoirs.
-    pixels : int
-        Of a frame.
-
-    Returns
-    -------
-    Reservoirs
-        K rows.
 
     Notes
     -----
@@ -62,17 +51,7 @@ def stored(
 def stored_bytes(storage: Storage, r: Reservoirs) -> int:
     """Memory that reservoirs take between passes.
 
-    Parameters
-    ----------
-    storage : 'float64', 'float32', 'half' or 'paper'
-        How they are kept.
-    r : Reservoirs
-        As they come back from it.
-
-    Returns
-    -------
-    int
-        Bytes; the rest of the paths, where it is kept, is never shortened.
+    Bytes; the rest of the paths, where it is kept, is never shortened.
     """
     suffix = nbytes(r.y.suffix)
     if storage == "paper":

@@ -30,31 +30,24 @@ def validated(
 ) -> Reservoirs:
     """Empty the reservoirs whose sample is no longer what it was.
 
+    [Ouyang21, section 4.3].  Biased: whether M survives depends on the sample's value,
+    and of a scene that has changed in part the samples that survive were drawn for more
+    light than there is now.  Of the nulls that M counts, only the one that was kept
+    last is asked.
+
     Parameters
     ----------
-    world : World
-        Of this frame.
     points : SurfacePoints
         N visible points that own the reservoirs, where they are in this frame.
-    r : Reservoirs
-        As they were stored, with the suffix of each sample.
-    replay : Replay
-        Finds radiance again, with the same random numbers.
-    tolerance : float
-        Largest relative change of luminance, |a - b| / max(a, b).
+    r : Reservoirs; as they were stored, with the suffix of each sample
+    replay : Replay; finds radiance again, with the same random numbers
+    tolerance : float; largest relative change of luminance, |a - b| / max(a, b)
 
     Returns
     -------
     Reservoirs
         W = 0 and M = 0 where the ray no longer meets the sample point, or the radiance
         that leaves it has changed; nulls too, where there is light now.
-
-    Notes
-    -----
-    [Ouyang21, section 4.3].  Biased: whether M survives depends on the sample's value,
-    and of a scene that has changed in part the samples that survive were drawn for more
-    light than there is now.  Of the nulls that M counts, only the one that was kept
-    last is asked.
     """
     y, suffix = r.y, r.y.suffix
     assert suffix is not None

@@ -21,10 +21,7 @@ class WeighedSamples:
 
     Attributes
     ----------
-    y : Samples
-        N rows.
-    value : (N,), radiance/sr
-        p̂(y); 0 outside of the domain.
+    value : (N,), radiance/sr; p̂(y); 0 outside of the domain
     """
 
     y: Samples
@@ -58,12 +55,8 @@ class ShiftedSource:
 
     Attributes
     ----------
-    q_n : NeighborPixels
-        The neighbours.
-    reservoirs : Reservoirs
-        Of `WeighedSamples`, weighed at the neighbours.
-    rows : (K,) int
-        All.
+    reservoirs : Reservoirs; of `WeighedSamples`, weighed at the neighbours
+    rows : (K,) int; all
     """
 
     q_n: NeighborPixels
@@ -93,15 +86,11 @@ def resample_weighted(
 
     Parameters
     ----------
-    q : Pixels
-        K pixels.
+    q : Pixels; K pixels
     sources : sequence of (InitialSamples, Reservoirs or NeighborPixels, (K,))
         In the order of the stream, with the numbers that decide; the last one of q's
         own domain is the canonical one.
-    mis : '1/M', '1/Z', 'balance', 'pairwise' or 'defensive'
-        Weights.
-    cap : float
-        Limit of M.
+    cap : float; limit of M
 
     Returns
     -------

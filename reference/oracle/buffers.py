@@ -40,15 +40,7 @@ def receivers(
 
     Parameters
     ----------
-    at : PreparedFrame
-        A frame.
-    rows : (N,) int, optional
-        Which; by default all in order.
-
-    Returns
-    -------
-    dict of str to array
-        Three buffers.
+    rows : (N,) int, optional; which; by default all in order
     """
     surface = at.last.visible.surface
     if rows is not None:

@@ -63,17 +63,7 @@ def _opened(reached: Reached) -> Backend:
 def batch(reached: Reached, seed: int) -> NDArray[np.float64]:
     """Runs of the backend of this process.
 
-    Parameters
-    ----------
-    reached : Reached
-        The backend.
-    seed : int
-        Of the batch.
-
-    Returns
-    -------
-    (R, 1 + T) float64
-        As of :func:`reference.oracle.levels.means.replicates`.
+    Returns (R, 1 + T) float64; as of :func:`reference.oracle.levels.means.replicates`.
     """
     backend = reached.open()
     return replicates(Asker(whole_contract(), backend), backend.precision, seed)
@@ -82,17 +72,7 @@ def batch(reached: Reached, seed: int) -> NDArray[np.float64]:
 def distribution(reached: Reached, scene: str) -> LevelStep:
     """Step of the distribution test in one scene, with the backend of this process.
 
-    Parameters
-    ----------
-    reached : Reached
-        The backend.
-    scene : str
-        Built-in.
-
-    Returns
-    -------
-    LevelStep
-        As if it had been taken here.
+    As if it had been taken here.
     """
     return distribution_step(whole_contract(), reached.open(), scene)
 
@@ -107,19 +87,7 @@ def distributed_levels(
 
     Parameters
     ----------
-    reached : Reached
-        The backend, for them.
-    backend : Backend
-        The same, of this process.
-    executor : Executor
-        Of :func:`reference.workers.workers`.
-    remaining : callable
-        Seconds that are left.
-
-    Yields
-    ------
-    level, title, callable
-        As of :func:`reference.oracle.ladder.statistical_levels`.
+    remaining : callable; seconds that are left
     """
     found = {s: executor.submit(distribution, reached, s) for s in SCENES}
 

@@ -19,20 +19,7 @@ from reference.rng import Stream
 
 
 def frame_cases(at: PreparedFrame, precision: Precision) -> Iterator[Case]:
-    """One case of each pass of the algorithm, and of each weight of Algorithm 4.
-
-    Parameters
-    ----------
-    at : PreparedFrame
-        A frame of a scene.
-    precision : 'float32' or 'float64'
-        In which the inputs are given.
-
-    Yields
-    ------
-    Case
-        Of N rows.
-    """
+    """One case of each pass of the algorithm, and of each weight of Algorithm 4."""
     size = at.world.camera.width
 
     def case(

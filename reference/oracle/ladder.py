@@ -31,10 +31,8 @@ def ladder(passes: Passes, backend: Backend) -> Iterator[Level]:
 
     Yields
     ------
-    level, title : str
-        Of the next step.
-    callable
-        Takes it.
+    level, title : str; of the next step
+    callable; takes it
     """
     precision = backend.precision
 
@@ -108,10 +106,8 @@ def statistical_levels(
 
     Yields
     ------
-    level, title : str
-        Of the next step.
-    callable
-        Takes it.
+    level, title : str; of the next step
+    callable; takes it
     """
     yield "L4", "mean", partial(_mean, passes, backend, remaining, batches)
     for scene in DISTRIBUTION_SCENES:
@@ -134,10 +130,8 @@ def golden_levels(
 
     Yields
     ------
-    level, title : str
-        Of the next step.
-    callable
-        Takes it.
+    level, title : str; of the next step
+    callable; takes it
     """
     for level in sorted({probe.level for probe in probes}):
         chosen = [probe for probe in probes if probe.level == level]
@@ -153,21 +147,11 @@ def golden_levels(
 def scene_probes(
     scene: str, precision: Precision, seed: int = SEED
 ) -> tuple[Probe, ...]:
-    """Replays of all passes in a frame of a scene, of rung L3.
+    """Replays of all passes in a frame of a scene, of rung L3, of level L3.
 
     Parameters
     ----------
-    scene : str
-        Built-in, of diffuse surfaces alone.
-    precision : 'float32' or 'float64'
-        Of the backend.
-    seed : int
-        Of the frame.
-
-    Returns
-    -------
-    tuple of Probe
-        Of level L3.
+    scene : str; built-in, of diffuse surfaces alone
     """
     at = prepare_frame(find_scene(scene), SIZE, seed)
     return tuple(replayed("L3", case) for case in frame_cases(at, precision))
@@ -209,22 +193,7 @@ def _mean(
 
 
 def distribution_step(passes: Passes, backend: Backend, scene: str) -> LevelStep:
-    """Step of the distribution test in one scene.
-
-    Parameters
-    ----------
-    passes : mapping of str to Pass
-        The contract.
-    backend : Backend
-        Runs cases.
-    scene : str
-        Built-in.
-
-    Returns
-    -------
-    LevelStep
-        Of level L4.
-    """
+    """Step of the distribution test in one scene, of level L4."""
 
     def test(ask: Ask) -> Finding:
         return same_distribution(ask, backend.precision, scene).finding

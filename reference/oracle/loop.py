@@ -81,29 +81,11 @@ def run_frames(
     run: Run,
     precision: Precision,
 ) -> list[LoopFrame]:
-    """Frames of a backend's passes.
+    """Frames of a backend's passes [Ouyang21, Fig. 4].
 
     Parameters
     ----------
-    ask : callable
-        Gives the outputs of a case.
-    harness : Harness
-        Rays.
-    neighbors : callable
-        (N, K) neighbours of each row in a frame, or −1.
-    run : Run
-        How.
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    list of LoopFrame
-        One a frame.
-
-    Notes
-    -----
-    [Ouyang21, Fig. 4].
+    neighbors : callable; (N, K) neighbours of each row in a frame, or −1
     """
     x = harness.receivers()
     rows = len(x["visible_position"])

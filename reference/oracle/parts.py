@@ -49,8 +49,7 @@ class Part:
     own : mapping of str to callable
         The project's own passes: a precision, the buffers and the settings give the
         outputs.
-    probes : callable
-        From a precision to what a backend is asked, on any levels.
+    probes : callable; from a precision to what a backend is asked, on any levels
     hypotheses : tuple of Hypothesis
         Known mistakes; `Rules.part` holds what these judges calculate with.
     frames : callable
@@ -71,15 +70,9 @@ class Part:
 def parts() -> tuple[Part, ...]:
     """All parts beside the core, ours first, then those of plug-ins.
 
-    Returns
-    -------
-    tuple of Part
-        In the order of the names under which they are registered.
+    In the order of the names under which they are registered.
 
-    Raises
-    ------
-    UsageError
-        A package registers what is no part, or a pass that exists.
+    Raises UsageError: a package registers what is no part, or a pass that exists.
     """
     found = [resolve_name(place) for place in OWN]
     points = sorted(entry_points(group=GROUP), key=lambda point: point.name)

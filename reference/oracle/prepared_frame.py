@@ -61,27 +61,10 @@ class PreparedFrame:
 
 
 def prepare_frame(scene: Scene, size: int, seed: int) -> PreparedFrame:
-    """Render the frames before, and draw the samples of the next.
+    """Render the frames before, and draw the samples of the next, with size² rows.
 
-    Parameters
-    ----------
-    scene : Scene
-        Of diffuse surfaces alone.
-    size : int, pixels
-        Width and height.
-    seed : int
-        Of the run.
-
-    Returns
-    -------
-    PreparedFrame
-        With size² rows.
-
-    Raises
-    ------
-    UsageError
-        The scene has materials that are not diffuse, which the contract does not
-        cover.
+    Raises UsageError: the scene has materials that are not diffuse, which the contract
+    does not cover.
     """
     camera = replace(scene.camera, width=size, height=size)
     world = build_world(validate(replace(scene, camera=camera)))

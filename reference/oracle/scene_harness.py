@@ -106,19 +106,8 @@ def open_harness(scene: str, size: int, runs: int, seed: int) -> SceneHarness:
 
     Parameters
     ----------
-    scene : str
-        Of diffuse surfaces alone.
-    size : int, pixels
-        Width and height.
-    runs : int
-        R.
-    seed : int
-        Of the first of them; seeds of batches must differ.
-
-    Returns
-    -------
-    SceneHarness
-        R · size² rows.
+    runs : int; R
+    seed : int; of the first of them; seeds of batches must differ
     """
     found = find_scene(scene)
     camera = replace(found.camera, width=size, height=size)

@@ -28,18 +28,10 @@ class LevelStep:
 
     Attributes
     ----------
-    level : str
-        "L0" to "L4".
-    title : str
-        What it is.
-    answers : list of Answer
-        To its probes.
-    findings : list of Finding
-        Of what is no single call.
-    certified : float or None
-        Bound on the relative bias, where one was found.
-    more : str
-        What more time would buy; empty where it buys nothing.
+    level : str; "L0" to "L4"
+    findings : list of Finding; of what is no single call
+    certified : float or None; bound on the relative bias, where one was found
+    more : str; what more time would buy; empty where it buys nothing
     relies_on : tuple of str
         Departures from the contract under which its findings say nothing.
     unasked : list of str; calls of which nothing is known, and why, a line each
@@ -69,21 +61,7 @@ def asked(
 ) -> LevelStep:
     """A step of probes: ask a backend, and examine what it answers.
 
-    Parameters
-    ----------
-    level, title : str
-        Of the step.
-    passes : mapping of str to Pass
-        The contract.
-    backend : Backend
-        Runs cases.
-    probes : sequence of Probe
-        Questions.
-
-    Returns
-    -------
-    LevelStep
-        With an answer to each question that was asked, in the same order.
+    With an answer to each question that was asked, in the same order.
     """
     outcomes = backend.run(passes, [probe.case for probe in probes])
     _canary()
@@ -172,23 +150,11 @@ def taken(
 
     Findings of tests in which nothing was the backend's own are left out.
 
+    Without findings of tests in which nothing was the backend's own.
+
     Parameters
     ----------
-    level, title : str
-        Of the step.
-    passes : mapping of str to Pass
-        The contract.
-    backend : Backend
-        Runs cases.
-    tests : iterable of callable
-        Each asks, and gives a finding.
-    relies_on : tuple of str
-        Departures under which these say nothing.
-
-    Returns
-    -------
-    LevelStep
-        Without findings of tests in which nothing was the backend's own.
+    relies_on : tuple of str; departures under which these say nothing
     """
     found, unasked = [], []
     for test in tests:

@@ -19,10 +19,8 @@ class Timed:
 
     Attributes
     ----------
-    step : LevelStep
-        What was found.
-    seconds : float
-        Of wall time.
+    step : LevelStep; what was found
+    seconds : float; of wall time
     """
 
     step: LevelStep
@@ -35,16 +33,11 @@ class Verdict:
 
     Attributes
     ----------
-    status : 'PASS', 'FAIL' or 'UNDECIDED'
-        Right to rounding; wrong; or out of time.
-    steps : list of Timed
-        As far as the ladder was run.
-    left : list of str
-        Titles of steps for which there was no time.
-    diagnoses : list of Diagnosis
-        Of passes that are not the contract's, in its order.
-    absent : list of str
-        Passes that the backend does not have.
+    status : 'PASS', 'FAIL' or 'UNDECIDED'; right to rounding; wrong; or out of time
+    steps : list of Timed; as far as the ladder was run
+    left : list of str; titles of steps for which there was no time
+    diagnoses : list of Diagnosis; of passes that are not the contract's, in its order
+    absent : list of str; passes that the backend does not have
     left_running : int
         Processes that the backend had left when it was closed; they were ended.
     """
@@ -99,12 +92,6 @@ def run_ladder(
 
     Parameters
     ----------
-    passes : mapping of str to Pass
-        The contract.
-    precision : 'float32' or 'float64'
-        Of the backend.
-    levels : iterator of Level
-        The ladder.
     budget : float, s
         No step begins after that, and those who ask a backend stop by themselves.
     clock : callable; gives seconds

@@ -14,15 +14,11 @@ def visible_points(world: World, x: Scalars, y: Scalars) -> VisiblePoints:
 
     Parameters
     ----------
-    world : World
-        The scene.
-    x, y : (N,) float64, pixels
-        Points of the image.
+    x, y : (N,) float64, pixels; points of the image
 
     Returns
     -------
-    VisiblePoints
-        N rows; depth 0 where the ray left the scene.
+    VisiblePoints; N rows; depth 0 where the ray left the scene
     """
     surface = first_hits(world, x, y)
     depth = view_depth(world.camera, surface.position)
@@ -39,25 +35,18 @@ def similar(
 ) -> Masks:
     """Whether visible points are alike enough to share samples.
 
+    [Ouyang21, section 4.2]: 25 degrees and 0.05.
+
     Parameters
     ----------
-    n_a, n_b : (N, 3) float64
-        Unit shading normals.
-    depth_a, depth_b : (N,) float64, m
-        View depths, 0 where nothing is seen.
-    max_angle : float, degrees
-        Between the normals, inclusive.
-    max_depth : float
-        Relative difference |a - b| / max(a, b), inclusive.
+    n_a, n_b : (N, 3) float64; unit shading normals
+    depth_a, depth_b : (N,) float64, m; view depths, 0 where nothing is seen
+    max_angle : float, degrees; between the normals, inclusive
+    max_depth : float; relative difference |a - b| / max(a, b), inclusive
 
     Returns
     -------
-    (N,) bool
-        Symmetric in a and b; false where either saw nothing.
-
-    Notes
-    -----
-    [Ouyang21, section 4.2]: 25 degrees and 0.05.
+    (N,) bool; symmetric in a and b; false where either saw nothing
     """
     alike = dot(n_a, n_b) >= np.cos(np.radians(max_angle))
     near, far = np.minimum(depth_a, depth_b), np.maximum(depth_a, depth_b)

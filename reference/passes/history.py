@@ -16,16 +16,14 @@ class History:
 
     Attributes
     ----------
-    temporal, spatial : FrameReservoirs
-        Of the last frame.
+    temporal, spatial : FrameReservoirs; of the last frame
     pixel : (N,) int or None
         Pixel of the last frame that each pixel goes on from, or ``NONE`` where it
         starts over; ``None`` while every pixel is at its own place.
     shifted : bool
         The pixels were other points then, so that samples are shifted between them;
         false where they were the same, or are taken to be, as in the paper.
-    seen : (N,) bool or None
-        Final visibility in the last frame, where it was asked for.
+    seen : (N,) bool or None; final visibility in the last frame, where it was asked for
     """
 
     temporal: FrameReservoirs

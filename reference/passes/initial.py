@@ -36,12 +36,9 @@ class InitialSamples:
 
     Attributes
     ----------
-    y : Samples
-        Sample points; nulls where a path found no light or may not be reused.
-    pdf : (N,) float64, 1/sr
-        Source density of the direction to the sample point.
-    M : (N,) float64
-        1 where a sample was drawn, nulls included; else 0.
+    y : Samples; sample points; nulls where a path found no light or may not be reused
+    pdf : (N,) float64, 1/sr; source density of the direction to the sample point
+    M : (N,) float64; 1 where a sample was drawn, nulls included; else 0
     not_reused : (N, 3) float64, W/(m² sr)
         Light of this frame's paths that cannot be reused by reconnection: by way of a
         delta lobe or a rough dielectric at the visible point, or of a sample point that
@@ -61,14 +58,7 @@ def source_pdf(
 
     Parameters
     ----------
-    source : 'uniform', 'cosine' or 'bsdf'
-        Kind of density.
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N visible points.
-    omega : (N, 3) float64
-        Unit directions.
+    omega : (N, 3) float64; unit directions
 
     Returns
     -------
@@ -94,19 +84,11 @@ def sample_source(
 
     Parameters
     ----------
-    source : 'uniform', 'cosine' or 'bsdf'
-        Kind of density.
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N visible points.
-    u : four (N,) float64
-        Lane 0 picks a lobe, 1 and 2 the direction.
+    u : four (N,) float64; lane 0 picks a lobe, 1 and 2 the direction
 
     Returns
     -------
-    BsdfSamples
-        ``delta`` where ``source`` is the BSDF and it chose a delta lobe.
+    BsdfSamples; ``delta`` where ``source`` is the BSDF and it chose a delta lobe
     """
     if source == "bsdf":
         return sample(table, points, u)
@@ -135,36 +117,21 @@ def initial_samples(
 ) -> InitialSamples:
     """One new sample point for each visible point.
 
+    [Ouyang21, Alg. 2].  Emission of the sample point is direct light of the visible
+    point and stays out of L_o.
+
     Parameters
     ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        N visible points.
-    source : 'uniform', 'cosine' or 'bsdf'
-        Density of the directions.
     glossy_samples : 'path-traced' or 'as-lambertian'
         What becomes of sample points that are not Lambertian.
-    bounces : int
-        Bounces of indirect light, at least 1.
+    bounces : int; bounces of indirect light, at least 1
     directions, paths, speculars : Uniforms
         N rows: for the direction, for L_o at the sample point, for what is not reused.
     numbers : (N,) int64 or None
         Of the paths, where their radiance will have to be found again.
     tail : (N,) float64 or None
         Russian roulette: weight of what lies beyond the first bounce; ``None`` for 1.
-    active : (N,) bool or None
-        Who draws a sample at all; ``None`` for everyone.
-
-    Returns
-    -------
-    InitialSamples
-        N rows.
-
-    Notes
-    -----
-    [Ouyang21, Alg. 2].  Emission of the sample point is direct light of the visible
-    point and stays out of L_o.
+    active : (N,) bool or None; who draws a sample at all; ``None`` for everyone
     """
     # Sample a direction (line 3) and trace it to the sample point (line 4).
     drawn = sample_source(source, world.materials, points, directions.draw(0))
@@ -217,17 +184,7 @@ def initial_samples(
 def is_lambertian(table: MaterialTable, points: SurfacePoints) -> Masks:
     """Whether the radiance that leaves a point is the same in all directions.
 
-    Parameters
-    ----------
-    table : MaterialTable
-        Materials.
-    points : SurfacePoints
-        N points.
-
-    Returns
-    -------
-    (N,) bool
-        By material.
+    Returns (N,) bool; by material.
     """
     lambertian: Masks = table.kind[points.material] == Kind.LAMBERTIAN
     return lambertian
@@ -236,19 +193,12 @@ def is_lambertian(table: MaterialTable, points: SurfacePoints) -> Masks:
 def reuses_all(world: World, source: Source, glossy_samples: GlossySamples) -> bool:
     """Whether all light of the initial paths may be reused.
 
+    False where `InitialSamples.not_reused` may hold light.
+
     Parameters
     ----------
-    world : World
-        The scene.
-    source : 'uniform', 'cosine' or 'bsdf'
-        Density of the directions.
     glossy_samples : 'path-traced' or 'as-lambertian'
         What becomes of sample points that are not Lambertian.
-
-    Returns
-    -------
-    bool
-        False where `InitialSamples.not_reused` may hold light.
     """
     kinds = world.materials.kinds
     lambertian = kinds == (Kind.LAMBERTIAN,)

@@ -25,23 +25,16 @@ def neighbors_of(
 
     Parameters
     ----------
-    q : Pixels
-        K pixels.
-    source : FrameReservoirs
-        Of the frame in which neighbours are sought.
-    rows : (K,) int
-        Where q is in that frame, or ``NONE``: then it has no neighbours.
+    q : Pixels; K pixels
+    source : FrameReservoirs; of the frame in which neighbours are sought
+    rows : (K,) int; where q is in that frame, or ``NONE``: then it has no neighbours
     uniforms : Uniforms
         K rows.  Dimension s: lanes 0 and 1 find neighbour s, lane 2 decides on it.
-    tries : int
-        How many are sought.
-    keeper : callable, optional
-        As of `find_neighbors`.
+    keeper : callable, optional; as of `find_neighbors`
 
     Returns
     -------
-    list of (NeighborPixels, (K,))
-        One for each try.
+    list of (NeighborPixels, (K,)); one for each try
     """
     there, width = rows != NONE, source.world.camera.width
     draws = [uniforms.draw(s) for s in range(tries)]
@@ -64,30 +57,19 @@ def find_neighbors(
 ) -> list[Indices]:
     """Neighbours drawn in a disk around each pixel, one a draw.
 
+    [Ouyang21, section 5]: the radius starts at 10 % of the width; a neighbour that
+    cannot be used halves it, down to 3 pixels.  Only geometry decides, never a sample.
+
     Parameters
     ----------
-    rows : (K,) int
-        Pixels that search.
-    visible : VisiblePoints
-        Of the whole frame.
-    width : int, pixels
-        Of the image.
-    settings : Search
-        Radius and similarity.
-    draws : list of four (K,) float64
-        Lanes 0 and 1 of each give a point of the disk.
+    rows : (K,) int; pixels that search
+    draws : list of four (K,) float64; lanes 0 and 1 of each give a point of the disk
     keeper : callable, optional
         From pixels to those that keep a reservoir for them; by default their own.
 
     Returns
     -------
-    list of (K,) int
-        Row of the neighbour, or ``NONE``.
-
-    Notes
-    -----
-    [Ouyang21, section 5]: the radius starts at 10 % of the width; a neighbour that
-    cannot be used halves it, down to 3 pixels.  Only geometry decides, never a sample.
+    list of (K,) int; row of the neighbour, or ``NONE``
     """
     height = len(visible.depth) // width
     x, y = rows % width, rows // width

@@ -32,12 +32,8 @@ class Pixels:
 
     Attributes
     ----------
-    world : World
-        Of this frame.
-    points : SurfacePoints
-        x_v, their visible points.
-    settings : Settings
-        Source density and target.
+    points : SurfacePoints; x_v, their visible points
+    settings : Settings; source density and target
     shift : callable
         From x_from, x_to, (K, 3) in m, and samples to the Jacobian of their
         reconnection, (K,), 0 where it is refused.
@@ -74,12 +70,7 @@ class FrameReservoirs:
 
     Attributes
     ----------
-    world : World
-        Of their frame.
-    visible : VisiblePoints
-        G-buffer of their frame, N rows.
-    reservoirs : Reservoirs
-        N rows.
+    visible : VisiblePoints; G-buffer of their frame, N rows
     """
 
     world: World
@@ -104,16 +95,10 @@ class NeighborPixels:
 
     Attributes
     ----------
-    q : Pixels
-        K pixels.
-    frame : FrameReservoirs
-        Whose pixels these are.
-    rows : (K,) int
-        Which of them, or ``NONE``.
-    x : Viewpoints
-        Their visible points.
-    reservoirs : Reservoirs
-        R_n, K rows.
+    frame : FrameReservoirs; whose pixels these are
+    rows : (K,) int; which of them, or ``NONE``
+    x : Viewpoints; their visible points
+    reservoirs : Reservoirs; R_n, K rows
     """
 
     q: Pixels

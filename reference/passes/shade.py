@@ -8,25 +8,15 @@ from reference.world import World
 
 
 def shade(world: World, points: SurfacePoints, reservoirs: Reservoirs) -> Vec3s:
-    """Radiance f(y) W that visible points scatter towards the camera.
+    """Radiance f(y) W that visible points scatter towards the camera [Ouyang21, Eq. 8].
 
     Parameters
     ----------
-    world : World
-        The scene.
-    points : SurfacePoints
-        N visible points.
-    reservoirs : Reservoirs
-        Their reservoirs.
+    points : SurfacePoints; N visible points
 
     Returns
     -------
-    (N, 3) float64, W/(m² sr)
-        Visibility of the sample is part of W.
-
-    Notes
-    -----
-    [Ouyang21, Eq. 8].
+    (N, 3) float64, W/(m² sr); visibility of the sample is part of W
     """
     radiance: Vec3s = reflected(world.materials, points, reservoirs.y)
     return radiance * reservoirs.W[:, None]

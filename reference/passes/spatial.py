@@ -25,37 +25,24 @@ def spatial_resampling(
     cap: float,
     mis: PaperMis = "1/Z",
 ) -> Reservoirs:
-    """Each pixel q resamples the temporal reservoirs of pixels near it.
+    """Each pixel q resamples the temporal reservoirs of pixels near it, K rows.
 
-    Parameters
-    ----------
-    q : Receiver
-        K pixels.
-    past : Reservoirs or Neighbor
-        Spatial reservoirs of the last frame: q's own, M = 0 after a reset; or, where
-        something has moved, those of the pixels that q was then.
-    own : Reservoirs
-        q's temporal reservoirs of this frame.
-    neighbors : sequence of (Neighbor, (K,))
-        Similar pixels near q, and a number in [0, 1) for each, which decides on it.
-    u_own : (K,)
-        The number that decides on q's own temporal reservoir.
-    cap : float
-        Limit of M.
-    mis : '1/M' or '1/Z'
-        Biased or unbiased.
-
-    Returns
-    -------
-    Reservoirs
-        K rows.
-
-    Notes
-    -----
     [Ouyang21, Alg. 4].  Line 1 is the loop over rows.  Lines 5 to 8, the search for
     neighbours, are :func:`reference.passes.neighbors.find_neighbors`.  The printed
     algorithm leaves out q's own temporal reservoir; without it nobody need cover the
     domain of q.
+
+    Parameters
+    ----------
+    q : Receiver; K pixels
+    past : Reservoirs or Neighbor
+        Spatial reservoirs of the last frame: q's own, M = 0 after a reset; or, where
+        something has moved, those of the pixels that q was then.
+    neighbors : sequence of (Neighbor, (K,))
+        Similar pixels near q, and a number in [0, 1) for each, which decides on it.
+    u_own : (K,); the number that decides on q's own temporal reservoir
+    cap : float; limit of M
+    mis : '1/M' or '1/Z'; biased or unbiased
     """
     R_s = begin(reused(q, past))  # line 2
     R_s = R_s.then(reused(q, own), u_own)

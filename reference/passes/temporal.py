@@ -29,31 +29,18 @@ def temporal_resampling(
 ) -> Reservoirs:
     """Each pixel's new sample meets the temporal reservoir of the last frame.
 
+    [Ouyang21, Alg. 3].  Line 1 is the loop over rows.  The running sum w of the paper
+    is rebuilt from W and the capped M: kept as it is, it would grow without bound.
+
     Parameters
     ----------
-    q : Receiver
-        K pixels.
-    initial : InitialSamples
-        A new sample each.
     past : Reservoirs or Neighbor
         Temporal reservoirs of the last frame: q's own, M = 0 after a reset; or, where
         something has moved, those of the pixels that q was then.
-    u : (K,)
-        One number in [0, 1) each.
-    cap : float
-        Limit of M.
+    u : (K,); one number in [0, 1) each
+    cap : float; limit of M
     mis : '1/M' or '1/Z'
         The same while nothing moves: both samples come from one domain, and M is exact.
-
-    Returns
-    -------
-    Reservoirs
-        K rows.
-
-    Notes
-    -----
-    [Ouyang21, Alg. 3].  Line 1 is the loop over rows.  The running sum w of the paper
-    is rebuilt from W and the capped M: kept as it is, it would grow without bound.
     """
     S = initial.y  # line 2
     R = begin(reused(q, past))  # line 3

@@ -18,32 +18,19 @@ def render_page(
 ) -> bytes:
     """Fill in a template that extends ``page.html``.
 
-    Parameters
-    ----------
-    package : str
-        Whose folder ``templates`` holds the template, and what it includes.
-    template : str
-        Name of the file.
-    values : mapping of str to any
-        Every name that the template uses; what it writes of them is escaped.
-    filters : mapping of str to callable, optional
-        Filters of this page alone.
-
-    Returns
-    -------
-    bytes
-        The file: UTF-8, and a backslash escape for what has no UTF-8, as half a
-        surrogate pair in the name of a file.
-
-    Raises
-    ------
-    jinja2.UndefinedError
-        The template uses a name that is not given.
-
-    Notes
-    -----
     The page is whole before anything is written, so an older one stays whole when this
     one fails.
+
+    The file: UTF-8, and a backslash escape for what has no UTF-8, as half a surrogate
+    pair in the name of a file.
+
+    Raises jinja2.UndefinedError: the template uses a name that is not given.
+
+    Parameters
+    ----------
+    package : str; whose folder ``templates`` holds the template, and what it includes
+    values : mapping of str to any
+        Every name that the template uses; what it writes of them is escaped.
     """
     templates = Environment(
         loader=ChoiceLoader([PackageLoader(package), PackageLoader(SHARED)]),
@@ -59,16 +46,5 @@ def render_page(
 
 
 def base64(data: bytes) -> str:
-    """Bytes as the text in which a page carries them.
-
-    Parameters
-    ----------
-    data : bytes
-        Any.
-
-    Returns
-    -------
-    str
-        ASCII.
-    """
+    """Bytes as the text in which a page carries them."""
     return b64encode(data).decode()

@@ -71,16 +71,9 @@ class Candidate:
 
     Attributes
     ----------
-    neighbor : SourceReservoirs
-        Who offers it.
-    slot : int
-        In the stream.
-    weighted : Candidates
-        K rows, of which y is the slot.
-    value : record or (K, 3)
-        Of the samples at the receivers.
-    jacobian : (K,)
-        Of their shifts.
+    weighted : Candidates; K rows, of which y is the slot
+    value : record or (K, 3); of the samples at the receivers
+    jacobian : (K,); of their shifts
     """
 
     neighbor: SourceReservoirs
@@ -130,19 +123,7 @@ def resample(
 def candidate(neighbor: SourceReservoirs, slot: int, target: Target) -> Candidate:
     """Shift what a neighbour offers: w = p̂(T(x)) W M |∂T/∂x|, still without m.
 
-    Parameters
-    ----------
-    neighbor : SourceReservoirs
-        Of K receivers.
-    slot : int
-        In the stream.
-    target : callable
-        p̂ of values.
-
-    Returns
-    -------
-    Candidate
-        Where nothing could be shifted w is 0, and M counts all the same.
+    Where nothing could be shifted w is 0, and M counts all the same.
     """
     r, row = neighbor.reservoirs, np.maximum(neighbor.rows, 0)
     none, size = neighbor.rows == NONE, len(row)

@@ -26,6 +26,9 @@ def within_limit(jacobian: Scalars, limit: float) -> Masks:
     It looks at the sample: refusing a shift is biased unless the weights of others
     count its donor only where it would not have been refused.
 
+    It looks at the sample: refusing a shift is biased unless the weights of others
+    count its neighbour only where it would not have been refused.
+
     Parameters
     ----------
     jacobian : (N,), sr/sr; not negative
@@ -35,11 +38,6 @@ def within_limit(jacobian: Scalars, limit: float) -> Masks:
     -------
     (N,) bool
         The same for a shift and for the way back, whose Jacobian is 1/J; false for 0.
-
-    Notes
-    -----
-    It looks at the sample: refusing a shift is biased unless the weights of others
-    count its neighbour only where it would not have been refused.
     """
     allowed: Masks = (jacobian > 0) & (jacobian <= limit) & (jacobian >= 1 / limit)
     return allowed.astype(bool, copy=False)

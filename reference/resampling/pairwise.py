@@ -32,32 +32,24 @@ def pairwise_neighbor(
 ) -> Scalars:
     """Weight m_k of a neighbour's own sample: (M_k / S) · S p_k / (S p_k + M_c p_c).
 
-    Parameters
-    ----------
-    M_k : (N,)
-        Confidence of the neighbour, 0 where there is none.
-    p_k : (N,), radiance/sr
-        Target of its sample at the neighbour times |∂ω_k / ∂ω_receiver|; 0 outside of
-        D_k.
-    M_c : (N,)
-        Confidence of the canonical reservoir.
-    p_c : (N,), radiance/sr
-        Target of the neighbour's sample at the receiver.
-    S : (N,)
-        Sum of the confidences of all neighbours, *without* M_c.
-    defensive : bool
-        M_k / (S + M_c) in place of M_k / S.
-
-    Returns
-    -------
-    (N,)
-        From 0 to 1; 0 without a neighbour, and where both targets are 0.
-
-    Notes
-    -----
     Of [Lin22], written out in the text of the module.  To be multiplied with
     p̂ W |∂T/∂y| in place of M; the sum of weights is then not divided.  One ray: whether
     the receiver sees the sample.
+
+    Parameters
+    ----------
+    M_k : (N,); confidence of the neighbour, 0 where there is none
+    p_k : (N,), radiance/sr
+        Target of its sample at the neighbour times |∂ω_k / ∂ω_receiver|; 0 outside of
+        D_k.
+    M_c : (N,); confidence of the canonical reservoir
+    p_c : (N,), radiance/sr; target of the neighbour's sample at the receiver
+    S : (N,); sum of the confidences of all neighbours, *without* M_c
+    defensive : bool; M_k / (S + M_c) in place of M_k / S
+
+    Returns
+    -------
+    (N,); from 0 to 1; 0 without a neighbour, and where both targets are 0
 
     Parameters
     ----------
@@ -100,8 +92,7 @@ def pairwise_canonical(
 
     Returns
     -------
-    (N,)
-        From 0 to 1; 1 without neighbours.
+    (N,); from 0 to 1; 1 without neighbours
 
     Notes
     -----

@@ -143,25 +143,18 @@ def initial_candidates(
 
     [Ouyang21, Eq. 5].
 
+    [Ouyang21, Eq. 5].
+
     Parameters
     ----------
-    y : record or (N,) array
-        The samples.
-    p_hat : (N,)
-        Target of each.
-    pdf : (N,), 1/sr
-        Source density of each.
+    p_hat : (N,); target of each
+    pdf : (N,), 1/sr; source density of each
     M : (N,), optional
         1 where a sample was drawn, nulls included, and 0 elsewhere; by default 1.
 
     Returns
     -------
-    Candidates
-        w = 0 where p̂, p or M is, at most the largest number.
-
-    Notes
-    -----
-    [Ouyang21, Eq. 5].
+    Candidates; w = 0 where p̂, p or M is, at most the largest number
     """
     with np.errstate(over="ignore", invalid="ignore"):
         w = divide_or_zero(p_hat, pdf)
@@ -180,10 +173,8 @@ def reused_candidates(
 
     Parameters
     ----------
-    r : Reservoirs
-        Neighbours; M already capped.
-    p_hat : (N,)
-        Target of their samples at the receiver, 0 where it cannot use them.
+    r : Reservoirs; neighbours; M already capped
+    p_hat : (N,); target of their samples at the receiver, 0 where it cannot use them
     jacobian : (N,) or None, sr/sr
         |∂ω_to / ∂ω_from|; ``None`` where neighbour and receiver are one point.
 

@@ -56,10 +56,8 @@ class CandidateStream:
 
     Attributes
     ----------
-    merged : Candidates
-        The reservoir; ``y`` is the slot of the candidate that is kept.
-    candidates : tuple of Candidates
-        In the order in which they came.
+    merged : Candidates; the reservoir; ``y`` is the slot of the candidate that is kept
+    candidates : tuple of Candidates; in the order in which they came
     """
 
     merged: Candidates
@@ -99,15 +97,12 @@ def reused(q: Receiver, source: Reservoirs | Neighbor) -> Candidates:
 
     Parameters
     ----------
-    q : Receiver
-        K pixels.
     source : Reservoirs or Neighbor
         Their own reservoirs, K rows, whose samples need no shift; or a neighbour's.
 
     Returns
     -------
-    Candidates
-        w = p̂_q(y) W M, times the Jacobian where the sample is shifted.
+    Candidates; w = p̂_q(y) W M, times the Jacobian where the sample is shifted
     """
     if isinstance(source, Reservoirs):
         return reused_candidates(source, q.target(source.y))
@@ -115,23 +110,11 @@ def reused(q: Receiver, source: Reservoirs | Neighbor) -> Candidates:
 
 
 def shifted(q: Receiver, q_n: Neighbor) -> Candidates:
-    """Offer the reservoirs of a neighbour to q.
-
-    Parameters
-    ----------
-    q : Receiver
-        K pixels.
-    q_n : Neighbor
-        A neighbour of each.
+    """Offer the reservoirs of a neighbour to q [Ouyang21, Alg. 4, lines 9 to 13].
 
     Returns
     -------
-    Candidates
-        w = p̂_q(y) W M J, and 0 where q does not see y; M counts all the same.
-
-    Notes
-    -----
-    [Ouyang21, Alg. 4, lines 9 to 13].
+    Candidates; w = p̂_q(y) W M J, and 0 where q does not see y; M counts all the same
     """
     R_n = q_n.reservoirs  # line 9
     J = q_n.jacobian()  # line 10, Eq. 11
@@ -147,12 +130,12 @@ def normalization(
 ) -> Scalars:
     """What the sum of weights is divided by: M, or Z.
 
+    [Ouyang21, Alg. 4, lines 16 to 19].  Line 18 asks for p̂_n > 0; visibility belongs to
+    the question, or Z counts pixels that do not see the sample.
+
     Parameters
     ----------
-    mis : '1/M' or '1/Z'
-        Biased, as Algorithm 3 has it, or unbiased.
-    R : CandidateStream
-        K rows, merged.
+    mis : '1/M' or '1/Z'; biased, as Algorithm 3 has it, or unbiased
     Q : sequence of Candidates, Reservoirs or Neighbor
         Where each candidate came from.  All but neighbours' come from q's own domain,
         which holds every sample that q keeps.
@@ -162,11 +145,6 @@ def normalization(
     (K,)
         Σ M over those of Q that could have made the kept sample, or over all.
         Meaningless where nothing was kept.
-
-    Notes
-    -----
-    [Ouyang21, Alg. 4, lines 16 to 19].  Line 18 asks for p̂_n > 0; visibility belongs to
-    the question, or Z counts pixels that do not see the sample.
     """
     if mis == "1/M":
         return one_over_m(R.M)

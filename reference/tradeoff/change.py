@@ -42,8 +42,7 @@ class Recovery:
 
     Attributes
     ----------
-    point : Design
-        Method and settings.
+    point : Design; method and settings
     error : (F,) float64
         Root mean squared error of the tiles of frame 0, 1, ... after the change, as a
         share of the mean light.
@@ -59,17 +58,7 @@ class Recovery:
 def points_after_change(base: Design, method: Method) -> tuple[Design, ...]:
     """What is looked at after a change of light.
 
-    Parameters
-    ----------
-    base : Design
-        Where all begins.
-    method : Method
-        Of the base.
-
-    Returns
-    -------
-    tuple of Design
-        Ways to treat the past; the base alone where the method knows but one.
+    Ways to treat the past; the base alone where the method knows but one.
     """
     found = usable([WAYS], method)
     if not found:

@@ -26,10 +26,8 @@ def curves(scores: Sequence[DesignScore], light: float) -> "Figure":
 
     Parameters
     ----------
-    scores : sequence of DesignScore
-        At most `LINES`.
-    light : float
-        Mean of the truth.
+    scores : sequence of DesignScore; at most `LINES`
+    light : float; mean of the truth
 
     Returns
     -------
@@ -79,17 +77,13 @@ def bars(groups: Sequence[tuple[str, Sequence[DesignScore]]], light: float) -> "
 
     The line over each bar is the interval of their sum, the MSE.
 
+    The line over each bar is the interval of their sum, the MSE.
+
     Parameters
     ----------
     groups : sequence of (str, sequence of DesignScore)
         A knob, and its levels; at least one.
-    light : float
-        Mean of the truth.
-
-    Returns
-    -------
-    Figure
-        The line over each bar is the interval of their sum, the MSE.
+    light : float; mean of the truth
     """
     columns = min(3, len(groups))
     rows = -(-len(groups) // columns)
@@ -121,18 +115,12 @@ def front(scores: Sequence[DesignScore], light: float) -> "Figure":
     Names stand at the points that nothing dominates, where there is something to be
     seen of them.
 
+    Names stand at the points that nothing dominates, where there is something to be
+    seen of them.
+
     Parameters
     ----------
-    scores : sequence of DesignScore
-        All, each once.
-    light : float
-        Mean of the truth.
-
-    Returns
-    -------
-    Figure
-        Names stand at the points that nothing dominates, where there is something to
-        be seen of them.
+    light : float; mean of the truth
     """
     picture = blank(11, 5)
     scale = light or 1.0
@@ -164,15 +152,12 @@ def neighbours(groups: Sequence[tuple[str, Sequence[DesignScore]]]) -> "Figure":
 
     A row a knob: correlation length, and lag.
 
+    A row a knob: correlation length, and lag.
+
     Parameters
     ----------
     groups : sequence of (str, sequence of DesignScore)
         A knob, and its levels; at least one.
-
-    Returns
-    -------
-    Figure
-        A row a knob: correlation length, and lag.
     """
     picture = blank(7.5, 2.5 * len(groups))
     panels = picture.subplots(len(groups), 2, squeeze=False)

@@ -21,17 +21,11 @@ MOST_DRAWS = 1000
 def one_at_a_time(base: Design, knobs: Iterable[Knob]) -> list[Design]:
     """Points that differ from the base in one knob.
 
+    All levels of all knobs; one of a knob may be as the base is.
+
     Parameters
     ----------
-    base : Design
-        Where all begins.
-    knobs : iterable of Knob
-        Turned one after the other.
-
-    Returns
-    -------
-    list of Design
-        All levels of all knobs; one of a knob may be as the base is.
+    knobs : iterable of Knob; turned one after the other
     """
     return [
         Design(base.method, (*base.values, *values), knob.name, label)
@@ -50,27 +44,14 @@ def at_random(
 
     Raises UsageError: hardly any go together.
 
+    A Latin hypercube: [McKay79].  Levels that cannot go together, such as a coarse
+    lattice without spatial reuse, are drawn again.
+
+    Raises UsageError: hardly any go together.
+
     Parameters
     ----------
-    base : Design
-        Where all begins.
-    knobs : sequence of Knob
-        Each turned to one of its levels, over all points evenly.
-    count : int
-        Points.
-    seed : int
-        Decides which levels meet.
-
-    Returns
-    -------
-    list of Design
-        A Latin hypercube: [McKay79].  Levels that cannot go together, such as a coarse
-        lattice without spatial reuse, are drawn again.
-
-    Raises
-    ------
-    UsageError
-        Hardly any go together.
+    knobs : sequence of Knob; each turned to one of its levels, over all points evenly
     """
     if not knobs:
         return []
@@ -99,18 +80,7 @@ def _turned(knobs: Sequence[Knob], cube: Scalars) -> Iterator[tuple[str, ...]]:
 
 
 def methods_beside(base: Design) -> list[Design]:
-    """Other methods, as they are by default.
-
-    Parameters
-    ----------
-    base : Design
-        Whose method is left out.
-
-    Returns
-    -------
-    list of Design
-        All that make frames one by one.
-    """
+    """Other methods, as they are by default.  All that make frames one by one."""
     return [
         Design(name, (), "method", name)
         for name in method_names()

@@ -10,16 +10,8 @@ from reference.tradeoff.scores import DesignScore
 def on_front(scores: Sequence[DesignScore]) -> list[bool]:
     """Whether no other point is as good in everything and better in something.
 
-    Parameters
-    ----------
-    scores : sequence of DesignScore
-        Measured.
-
-    Returns
-    -------
-    list of bool
-        By time, bias and standard deviation, as they were measured; the bias is that
-        which is certain, so that noise makes nobody worse.
+    By time, bias and standard deviation, as they were measured; the bias is that which
+    is certain, so that noise makes nobody worse.
     """
     rows = np.array([(s.ms.value, s.bias, s.error.variance.value) for s in scores])
     as_good = (rows[:, None] <= rows).all(axis=2)
@@ -29,19 +21,11 @@ def on_front(scores: Sequence[DesignScore]) -> list[bool]:
 
 
 def best_within(scores: Sequence[DesignScore], ms: float) -> DesignScore | None:
-    """Point of the least error that a frame's time allows.
+    """Point of the least error that a frame's time allows; None if all take longer.
 
     Parameters
     ----------
-    scores : sequence of DesignScore
-        Measured.
-    ms : float
-        A frame may take.
-
-    Returns
-    -------
-    DesignScore or None
-        None if all take longer.
+    ms : float; a frame may take
     """
     allowed = [s for s in scores if s.ms.value <= ms]
     return min(allowed, key=lambda s: s.error.mse.value, default=None)
@@ -50,17 +34,11 @@ def best_within(scores: Sequence[DesignScore], ms: float) -> DesignScore | None:
 def fastest_for(scores: Sequence[DesignScore], mse: float) -> DesignScore | None:
     """Point of the least time that makes an error small enough.
 
+    None if none is so exact.
+
     Parameters
     ----------
-    scores : sequence of DesignScore
-        Measured.
-    mse : float, (W/(m² sr))²
-        Of one frame, at most.
-
-    Returns
-    -------
-    DesignScore or None
-        None if none is so exact.
+    mse : float, (W/(m² sr))²; of one frame, at most
     """
     allowed = [s for s in scores if s.error.mse.value <= mse]
     return min(allowed, key=lambda s: s.ms.value, default=None)
@@ -73,10 +51,8 @@ def advice(
 
     Parameters
     ----------
-    scores : sequence of DesignScore
-        Measured; the first is the base.
-    light : float
-        Mean of the truth.
+    scores : sequence of DesignScore; measured; the first is the base
+    light : float; mean of the truth
     percent : float, optional
         Error that is allowed, of the mean; by default that of the base.
     ms : float, optional; time that is allowed; by default that of the base
@@ -96,17 +72,11 @@ def advice(
 def rms_percent(score: DesignScore, light: float) -> float:
     """Root mean squared error of a frame, as a share of the mean light.
 
+    In percent; 0 where there is no light at all.
+
     Parameters
     ----------
-    score : DesignScore
-        Measured.
-    light : float
-        Mean of the truth.
-
-    Returns
-    -------
-    float
-        In percent; 0 where there is no light at all.
+    light : float; mean of the truth
     """
     mse = max(score.error.mse.value, 0.0)
     return float(100 * np.sqrt(mse) / light) if light > 0 else 0.0

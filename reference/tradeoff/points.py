@@ -42,22 +42,13 @@ class Design:
 
 
 def settings_of(point: Design) -> Any:
-    """Settings of a point.
+    """Settings of a point, of the type of the method's own.
+
+    Raises UsageError: there is no such method, setting or value.
 
     Parameters
     ----------
-    point : Design
-        With the name of a method.
-
-    Returns
-    -------
-    dataclass instance
-        Of the type of the method's own.
-
-    Raises
-    ------
-    UsageError
-        There is no such method, setting or value.
+    point : Design; with the name of a method
     """
     return with_values(method_named(point.method).settings, point.values)
 
@@ -67,15 +58,11 @@ def can_run(point: Design) -> bool:
 
     Its settings exist, and none rules out another.
 
+    Its settings exist, and none rules out another.
+
     Parameters
     ----------
-    point : Design
-        With the name of a method.
-
-    Returns
-    -------
-    bool
-        Its settings exist, and none rules out another.
+    point : Design; with the name of a method
     """
     try:
         settings_of(point)

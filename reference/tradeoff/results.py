@@ -15,12 +15,8 @@ class Results:
 
     Attributes
     ----------
-    sweep : Sweep
-        What was measured.
-    truth : Moments
-        Of the base.
-    scores : list of DesignScore
-        One a point, the first that of the base.
+    sweep : Sweep; what was measured
+    scores : list of DesignScore; one a point, the first that of the base
     recoveries : list of Recovery
         After a change of light; none where the scene changes by itself.
     percent, ms : float or None; error and time that the user allows

@@ -28,18 +28,12 @@ class DesignScore:
 
     Attributes
     ----------
-    point : Design
-        Method and settings.
-    ms : Interval
-        A frame on one thread; the median of the runs, and their quartiles.
-    rays : dict of str to float
-        A pixel and frame, by kind.
-    kept : float
-        Bytes a pixel from frame to frame.
-    error : Split
-        MSE of a frame, its squared bias and variance.
-    deviation : Deviation
-        Of the mean luminance of the picture, relative to the truth.
+    point : Design; method and settings
+    ms : Interval; a frame on one thread; the median of the runs, and their quartiles
+    rays : dict of str to float; a pixel and frame, by kind
+    kept : float; bytes a pixel from frame to frame
+    error : Split; MSE of a frame, its squared bias and variance
+    deviation : Deviation; of the mean luminance of the picture, relative to the truth
     length : Interval, pixels
         Side of the square in which pixels err alike: √(A Var[mean of A] / Var[pixel])
         for tiles of A pixels; 1 for independent pixels, at most the side of the tile.
@@ -73,25 +67,13 @@ class DesignScore:
 def score(
     point: Design, trials: list[Trial], truth: Moments, width: int, counted: int
 ) -> DesignScore:
-    """Measure a point by its runs.
+    """Measure a point by its runs.  Intervals of errors: 95 %, bootstrap over runs.
 
     Parameters
     ----------
-    point : Design
-        Method and settings.
-    trials : list of Trial
-        Runs of different seeds, at least 3.
-    truth : Moments
-        Path-traced.
-    width : int, pixels
-        Of the picture.
-    counted : int
-        Frames in the mean of a run.
-
-    Returns
-    -------
-    DesignScore
-        Intervals of errors: 95 %, bootstrap over runs.
+    trials : list of Trial; runs of different seeds, at least 3
+    truth : Moments; path-traced
+    counted : int; frames in the mean of a run
     """
     colors = np.array([t.color for t in trials])
     means = [t.mean.astype(np.float64) for t in trials]

@@ -28,18 +28,9 @@ class Sweep:
 
     Attributes
     ----------
-    named : Named
-        The scene.
-    bounces : int
-        Of indirect light.
-    frames : int
-        Of a run.
-    runs : int
-        Of each point, of seeds ``seed``, ``seed + 1``, ...
-    seed : int
-        Of the first.
-    points : tuple of Design
-        The first is the base.
+    bounces : int; of indirect light
+    runs : int; of each point, of seeds ``seed``, ``seed + 1``, ...
+    points : tuple of Design; the first is the base
     changed : tuple of Design
         What is seen after a change of light; none for no such runs.
     """
@@ -53,18 +44,7 @@ class Sweep:
     changed: tuple[Design, ...]
 
     def runs_of(self, point: Design) -> list[Task]:
-        """Runs of a point, in a scene that is left alone.
-
-        Parameters
-        ----------
-        point : Design
-            Method and settings.
-
-        Returns
-        -------
-        list of Task
-            One a seed.
-        """
+        """Runs of a point, in a scene that is left alone."""
         seeds = range(self.seed, self.seed + self.runs)
         scene = self.named, self.bounces, self.frames, point
         return [Task(*scene, seed) for seed in seeds]
@@ -72,15 +52,7 @@ class Sweep:
     def runs_after_change(self, point: Design) -> list[Task]:
         """Runs of a point, whose lights change when as many frames are still to come.
 
-        Parameters
-        ----------
-        point : Design
-            Method and settings.
-
-        Returns
-        -------
-        list of Task
-            At most `CHANGES` of them, each twice as long.
+        At most `CHANGES` of them, each twice as long.
         """
         seeds = range(self.seed, self.seed + min(self.runs, CHANGES))
         scene = self.named, self.bounces, 2 * self.frames, point
@@ -128,21 +100,11 @@ def run_sweep(sweep: Sweep, store: Store, executor: Executor, tick: Tick) -> Non
 def scores_of(
     sweep: Sweep, store: Store, truths: Mapping[Pixel, Moments]
 ) -> list[DesignScore]:
-    """Scores of all points.
+    """Scores of all points, in the order of the points.
 
     Parameters
     ----------
-    sweep : Sweep
-        All of whose runs are there.
-    store : Store
-        Where.
-    truths : mapping of 'center' and 'box' to Moments
-        Those that `pixels_of` names.
-
-    Returns
-    -------
-    list of DesignScore
-        In the order of the points.
+    truths : mapping of 'center' and 'box' to Moments; those that `pixels_of` names
     """
     counted = sweep.runs_of(sweep.points[0])[0].counted
     return [
@@ -160,15 +122,7 @@ def scores_of(
 def pixel_of(point: Design) -> Pixel:
     """What a pixel of a point's pictures shows.
 
-    Parameters
-    ----------
-    point : Design
-        Method and settings.
-
-    Returns
-    -------
-    'center' or 'box'
-        What its centre sees, or the mean over its area.
+    What its centre sees, or the mean over its area.
     """
     pixel: Pixel = getattr(
         settings_of(point), "pixel", method_named(point.method).pixel
@@ -181,16 +135,5 @@ def _once(points: Sequence[Design]) -> list[Design]:
 
 
 def pixels_of(points: Sequence[Design]) -> list[Pixel]:
-    """Which truths are needed.
-
-    Parameters
-    ----------
-    points : sequence of Design
-        All.
-
-    Returns
-    -------
-    list of 'center' or 'box'
-        Each once.
-    """
+    """Which truths are needed."""
     return sorted({pixel_of(point) for point in points})

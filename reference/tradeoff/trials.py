@@ -29,16 +29,8 @@ class Task:
 
     Attributes
     ----------
-    named : Named
-        The scene.
-    bounces : int
-        Of indirect light.
-    frames : int
-        From an empty history to the picture; time is taken of the second half.
-    point : Design
-        How.
-    seed : int
-        Of the run.
+    bounces : int; of indirect light
+    frames : int; from an empty history to the picture; time is taken of the second half
     change : int
         Frame from which on the lights are those of the scene, after they were
         `BEFORE` times as bright; 0 for a scene that is left alone.

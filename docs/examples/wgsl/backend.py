@@ -110,8 +110,7 @@ class WgslBackend:
 
     Parameters
     ----------
-    plant : str, optional
-        Mistake to make; by default what ``RESTIR_PLANT`` says.
+    plant : str, optional; mistake to make; by default what ``RESTIR_PLANT`` says
     """
 
     precision = "float32"

@@ -96,10 +96,5 @@ def all_of(*choices: Choice) -> Choice:
 
 
 def where_positive(number: Bounded) -> Choice:
-    """Yes where a number is above 0.  An exact 0 is a certain no.
-
-    Parameters
-    ----------
-    number : Bounded; (N,)
-    """
+    """Yes where a number is above 0.  An exact 0 is a certain no."""
     return Choice(number.value > 0, number.surely_positive | number.surely_not_positive)

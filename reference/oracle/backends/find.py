@@ -15,13 +15,7 @@ ATTRIBUTE = "BACKEND"
 
 
 def backend_names() -> list[str]:
-    """Names of built-in and registered backends.
-
-    Returns
-    -------
-    list of str
-        Nothing is imported.
-    """
+    """Names of built-in and registered backends.  Nothing is imported."""
     return [*BUILT_IN, *sorted(point.name for point in entry_points(group=GROUP))]
 
 

@@ -107,11 +107,8 @@ class LastWords:
     def last_line(self) -> str:
         """Last line that is not empty, at most 200 characters.
 
-        Returns
-        -------
-        str
-            Of what is there shortly after the process ended: who still holds the pipe
-            is not waited for.
+        Of what is there shortly after the process ended: who still holds the pipe is
+        not waited for.
         """
         self._reader.join(SHORTLY)
         text = self._kept.decode(errors="replace")

@@ -60,10 +60,8 @@ def renderer_levels(
 
     Yields
     ------
-    level, title : str
-        Of the next step.
-    callable
-        Takes it.
+    level, title : str; of the next step
+    callable; takes it
     """
     yield "L2", "seeds", lambda: LevelStep("L2", "seeds", findings=[_seeds(renderer)])
     rendered = (pictures or partial(map, renderer.render))(count(FIRST_SEED))

@@ -65,22 +65,7 @@ def reservoirs_of(buffers: Arrays, prefix: str = "") -> Reservoirs:
 
 
 def pixels_of(buffers: Arrays, kind: Any, known: Sequence[Known] = ()) -> Pixels:
-    """Pixels among buffers.
-
-    Parameters
-    ----------
-    buffers : mapping of str to array
-        With the visible points.
-    kind : 'scattered' or 'outgoing'
-        Target.
-    known : sequence of Known
-        Visibility.
-
-    Returns
-    -------
-    Pixels
-        N rows.
-    """
+    """Pixels among buffers."""
     points = surface_of(
         buffers["visible_position"], buffers["visible_normal"], buffers["albedo"]
     )

@@ -92,13 +92,7 @@ def _keys(viewer: Indices, position: Vec3s) -> NDArray[np.uint64]:
 
 
 def diffuse_table() -> MaterialTable:
-    """Materials of the contract: diffuse, of any colour.
-
-    Returns
-    -------
-    MaterialTable
-        One row.
-    """
+    """Materials of the contract: diffuse, of any colour."""
     return tabulate([Lambertian((0.5, 0.5, 0.5))])
 
 

@@ -55,26 +55,15 @@ def same_distribution(
     The functionals are the means of tiles, capped and not, how many pixels are black,
     the spread within the image and the mean of M.
 
+    The functionals are the means of tiles, capped and not, how many pixels are black,
+    the spread within the image and the mean of M.
+
     Parameters
     ----------
-    ask : callable
-        The backend.
-    precision : 'float32' or 'float64'
-        Of the backend.
-    scene : str
-        Built-in, of diffuse surfaces alone.
-    tests : int
-        Scenes that are tested, among which alpha is shared.
-    alpha : float
-        Probability of a false alarm in all of them.
-    seed : int
-        Of the runs; the reference has others.
-
-    Returns
-    -------
-    DistributionTest
-        The functionals are the means of tiles, capped and not, how many pixels are
-        black, the spread within the image and the mean of M.
+    scene : str; built-in, of diffuse surfaces alone
+    tests : int; scenes that are tested, among which alpha is shared
+    alpha : float; probability of a false alarm in all of them
+    seed : int; of the runs; the reference has others
     """
     ours = BuiltIn("float64")
 

@@ -66,18 +66,8 @@ def _up_to_the_largest(W: Scalars, w: Scalars) -> Scalars:
 def judged_exactly(case: Case, judgement: Judgement) -> Judgement:
     """A judgement with exact numbers as what is expected.
 
-    Parameters
-    ----------
-    case : Case
-        As for `exact_outputs`.
-    judgement : Judgement
-        Of the replay.
-
-    Returns
-    -------
-    Judgement
-        What rounding may explain is as it was: the bounds and the decisions within
-        rounding.
+    What rounding may explain is as it was: the bounds and the decisions within
+    rounding.
     """
     exact = exact_outputs(case)
     compared = (replace(c, expected=exact[c.name]) for c in judgement.compared)

@@ -38,16 +38,8 @@ SOURCES: Mapping[Value, tuple[Polar, Kernel]] = {
 def rows_of(case: Case) -> list[Row]:
     """What a case gives, row by row.
 
-    Parameters
-    ----------
-    case : Case
-        Of N rows.
-
-    Returns
-    -------
-    list of Row
-        Numbers that stay exact.  Rows of ``direction`` have an ``origin`` beside, the
-        azimuth's random number in the first row that has their normal.
+    Numbers that stay exact.  Rows of ``direction`` have an ``origin`` beside, the
+    azimuth's random number in the first row that has their normal.
     """
     columns = {name: values.tolist() for name, values in case.inputs.items()}
     rows: list[Row] = [

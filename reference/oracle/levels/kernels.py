@@ -31,18 +31,12 @@ def kernel_probes(precision: Precision, seed: int = 2026) -> tuple[Probe, ...]:
     All but ``random``, which is integer, are held against exact numbers, which are
     calculated when an answer is examined.
 
+    Of level L0.  All but ``random``, which is integer, are held against exact numbers,
+    which are calculated when an answer is examined.
+
     Parameters
     ----------
-    precision : 'float32' or 'float64'
-        Of the backend.
-    seed : int
-        Of the rows that are no extremes.
-
-    Returns
-    -------
-    tuple of Probe
-        Of level L0.  All but ``random``, which is integer, are held against exact
-        numbers, which are calculated when an answer is examined.
+    seed : int; of the rows that are no extremes
     """
     rng = np.random.default_rng(seed)
     words = _random(rng, precision)

@@ -42,15 +42,7 @@ errors cosines of at least 0.15 magnify; a term with its neighbour's J has two."
 def lattice_probes(precision: Precision) -> list[Probe]:
     """Expectations of the passes that choose, of rung L1.
 
-    Parameters
-    ----------
-    precision : 'float32' or 'float64'
-        Of the backend.
-
-    Returns
-    -------
-    list of Probe
-        Of level L1; exact, so that a right backend cannot fail.
+    Of level L1; exact, so that a right backend cannot fail.
     """
     return [
         _merge(precision),

@@ -32,12 +32,7 @@ class Probe:
 
     Attributes
     ----------
-    level : str
-        "L0" to "L4".
-    case : Case
-        What is asked.
-    examine : callable
-        What the answer shows.
+    level : str; "L0" to "L4"
     """
 
     level: str

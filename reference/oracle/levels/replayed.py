@@ -13,17 +13,7 @@ from reference.oracle.replay.rules import CONTRACT_RULES
 def replayed(level: str, case: Case) -> Probe:
     """Question of a case that the replay answers.
 
-    Parameters
-    ----------
-    level : str
-        Of the ladder.
-    case : Case
-        What is asked.
-
-    Returns
-    -------
-    Probe
-        No false alarm, but for the budget of decisions within rounding.
+    No false alarm, but for the budget of decisions within rounding.
     """
     return Probe(level, case, _examine)
 

@@ -17,22 +17,7 @@ from reference.oracle.replay.verbs import (
 
 
 def target(kind: Value, x: ReceiverPoint, y: SamplePoint) -> Bounded:
-    """Target p̂, Equation 9 or 10.
-
-    Parameters
-    ----------
-    kind : 'scattered' or 'outgoing'
-        Which.
-    x : ReceiverPoint
-        N visible points.
-    y : SamplePoint
-        N sample points.
-
-    Returns
-    -------
-    Bounded
-        (N,)
-    """
+    """Target p̂, Equation 9 or 10, (N,)."""
     if kind == "outgoing":
         return on_both_sides(x, y, luminance(y.radiance))
     light = luminance(x.albedo * y.radiance)
@@ -41,39 +26,18 @@ def target(kind: Value, x: ReceiverPoint, y: SamplePoint) -> Bounded:
 
 
 def reflected(x: ReceiverPoint, y: SamplePoint) -> Bounded:
-    """Integrand f = albedo / π · cos θ · L_o.
-
-    Parameters
-    ----------
-    x : ReceiverPoint
-        N visible points.
-    y : SamplePoint
-        N sample points.
-
-    Returns
-    -------
-    Bounded
-        (N, 3)
-    """
+    """Integrand f = albedo / π · cos θ · L_o, (N, 3)."""
     cosine = cosine_at(x, y)
     color = times(x.albedo * y.radiance, cosine / constant(pi, cosine))
     return on_both_sides(x, y, color)
 
 
 def jacobian(x_from: ReceiverPoint, x_to: ReceiverPoint, y: SamplePoint) -> Bounded:
-    """Ratio |∂ω_to / ∂ω_from|, Equation 11.
+    """Ratio |∂ω_to / ∂ω_from|, Equation 11, (N,).
 
     Parameters
     ----------
-    x_from, x_to : ReceiverPoint
-        N visible points each; their normals are not used.
-    y : SamplePoint
-        N sample points.
-
-    Returns
-    -------
-    Bounded
-        (N,)
+    x_from, x_to : ReceiverPoint; N visible points each; their normals are not used
     """
     v_from, v_to = x_from.position - y.position, x_to.position - y.position
     d_from, d_to = inner(v_from, v_from), inner(v_to, v_to)

@@ -24,15 +24,11 @@ def sum_of_shares(color: Bounded, shares: tuple[float, float, float]) -> Bounded
 
     Parameters
     ----------
-    color : Bounded
-        (N, 3)
-    shares : three floats
-        Of red, green and blue.
+    color : Bounded; (N, 3)
 
     Returns
     -------
-    Bounded
-        (N,)
+    Bounded; (N,)
     """
     rounding = color.rounding
     of_rows = np.broadcast_to(shares, color.value.shape)
@@ -42,17 +38,7 @@ def sum_of_shares(color: Bounded, shares: tuple[float, float, float]) -> Bounded
 def cosine_at(x: ReceiverPoint, y: SamplePoint) -> Bounded:
     """Cosine of the sample's direction with the receiver's normal.
 
-    Parameters
-    ----------
-    x : ReceiverPoint
-        N visible points.
-    y : SamplePoint
-        N sample points.
-
-    Returns
-    -------
-    Bounded
-        (N,), negative below the horizon.
+    Returns Bounded; (N,), negative below the horizon.
     """
     toward = y.position - x.position
     return inner(x.normal, toward) / square_root(inner(toward, toward))
@@ -61,37 +47,17 @@ def cosine_at(x: ReceiverPoint, y: SamplePoint) -> Bounded:
 def lit_at(x: ReceiverPoint, y: SamplePoint) -> Bounded:
     """Positive where the receiver is on the lit side of the sample point.
 
-    Parameters
-    ----------
-    x : ReceiverPoint
-        N visible points.
-    y : SamplePoint
-        N sample points.
-
-    Returns
-    -------
-    Bounded
-        (N,), −n_s·(x_s − x).
+    Returns Bounded; (N,), −n_s·(x_s − x).
     """
     return -inner(y.normal, y.position - x.position)
 
 
 def on_both_sides(x: ReceiverPoint, y: SamplePoint, value: Bounded) -> Bounded:
-    """A value where the sample is above the horizon and lit, else 0.
+    """A value where the sample is above the horizon and lit, else 0, of the same shape.
 
     Parameters
     ----------
-    x : ReceiverPoint
-        N visible points.
-    y : SamplePoint
-        N sample points.
-    value : Bounded
-        (N,) or (N, 3)
-
-    Returns
-    -------
-    Bounded
-        Of the same shape.
+    value : Bounded; (N,) or (N, 3)
     """
     above = where_positive(inner(x.normal, y.position - x.position), value)
     return where_positive(lit_at(x, y), above)

@@ -47,14 +47,11 @@ class Decisions:
 
     Attributes
     ----------
-    illegal : (N,) bool
-        No rounding explains the choice.
-    differing : int
-        Choices that differ from the exact rule within rounding.
+    illegal : (N,) bool; no rounding explains the choice
+    differing : int; choices that differ from the exact rule within rounding
     expected : float
         Mean number of decisions that rounding leaves open, if u are random.
-    what : str
-        That was decided, for messages.
+    what : str; that was decided, for messages
     """
 
     illegal: Masks
@@ -77,8 +74,7 @@ class Judgement:
     compared : tuple of Compared; every output of the pass
     terms : mapping of str to (N,) or (N, ...) array
         What the expected values are made of, for the report.
-    decisions : Decisions or None
-        Of passes that choose.
+    decisions : Decisions or None; of passes that choose
     counted : bool
         Differing choices count against the budget: the decisions were random.
     """

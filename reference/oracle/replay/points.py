@@ -26,12 +26,6 @@ class ReceiverPoint:
         Parameters
         ----------
         rows : (K,) int
-            Which.
-
-        Returns
-        -------
-        ReceiverPoint
-            K rows.
         """
         return ReceiverPoint(self.position[rows], self.normal[rows], self.albedo[rows])
 
@@ -55,12 +49,6 @@ class SamplePoint:
         Parameters
         ----------
         rows : (K,) int
-            Which.
-
-        Returns
-        -------
-        SamplePoint
-            K rows.
         """
         return SamplePoint(self.position[rows], self.normal[rows], self.radiance[rows])
 
@@ -74,15 +62,6 @@ def receiver_of(
     ----------
     buffers : mapping of str to array
         With ``visible_position``, ``visible_normal`` and ``albedo``.
-    rounding : Rounding
-        Of the backend.
-    prefix : str
-        Before each name.
-
-    Returns
-    -------
-    ReceiverPoint
-        N rows.
     """
     names = ("visible_position", "visible_normal", "albedo")
     return ReceiverPoint(*(exact(buffers[prefix + name], rounding) for name in names))
@@ -93,17 +72,7 @@ def point_of(buffers: Buffers, rounding: Rounding, prefix: str = "") -> SamplePo
 
     Parameters
     ----------
-    buffers : mapping of str to array
-        With ``position``, ``normal`` and ``radiance``.
-    rounding : Rounding
-        Of the backend.
-    prefix : str
-        Before each name.
-
-    Returns
-    -------
-    SamplePoint
-        N rows.
+    buffers : mapping of str to array; with ``position``, ``normal`` and ``radiance``
     """
     names = ("position", "normal", "radiance")
     return SamplePoint(*(exact(buffers[prefix + name], rounding) for name in names))
@@ -114,10 +83,7 @@ def same_points(buffers: Buffers, y: SamplePoint) -> Masks:
 
     Parameters
     ----------
-    buffers : mapping of str to array
-        With ``position``, ``normal`` and ``radiance``.
-    y : SamplePoint
-        N rows.
+    buffers : mapping of str to array; with ``position``, ``normal`` and ``radiance``
 
     Returns
     -------

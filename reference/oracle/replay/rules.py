@@ -51,29 +51,20 @@ class Rules:
         The receiver's own reservoir, and that of who made the kept sample.
     receivers_domain : bool
         The domain test is that of the receiver in place of the source.
-    backwards : bool
-        The stream is read from its end, with the same numbers.
-    canonical_merged : bool
-        The receiver's own reservoir takes part.
-    normalization : str
-        'asked', or in place of that '1/M', '1/Z' or '1'.
-    refused_counts : bool
-        M of a reservoir whose shift has a Jacobian of 0.
+    backwards : bool; the stream is read from its end, with the same numbers
+    canonical_merged : bool; the receiver's own reservoir takes part
+    normalization : str; 'asked', or in place of that '1/M', '1/Z' or '1'
+    refused_counts : bool; M of a reservoir whose shift has a Jacobian of 0
     rejected_counts, none_is_first : bool
         A neighbour of row −1 brings the M of row 0, or all that row 0 has.
-    source_target : bool
-        The target of reused samples is that at the source.
-    target_of : 'kept' or 'first'
-        Slot whose target W is divided by.
+    source_target : bool; the target of reused samples is that at the source
+    target_of : 'kept' or 'first'; slot whose target W is divided by
     counted_as : 'own', 'last', 'one', 'merged' or 'rest'
         What Z adds for a reservoir: its M, that of the last one, 1, or for those of the
         receiver the sum of all.  'rest': 1/M leaves out the first in the stream.
-    as_stored : bool
-        What moved is reused as if it had not.
-    divides_by_source_target : bool
-        W is divided by the target of who made the sample.
-    neighbor_trust : float
-        Factor on M of neighbours in their weight.
+    as_stored : bool; what moved is reused as if it had not
+    divides_by_source_target : bool; W is divided by the target of who made the sample
+    neighbor_trust : float; factor on M of neighbours in their weight
     shared_decision : '', 'neighbors' or 'all'
         One number decides on all neighbours, or on all reservoirs.
     ignored_words : tuple of int; words of the random key that are taken for 0

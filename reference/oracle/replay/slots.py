@@ -17,10 +17,8 @@ class Domain:
 
     Attributes
     ----------
-    x : ReceiverPoint
-        Visible points of the sources.
-    sees : (S, N) bool
-        Whether they see the sample of each slot.
+    x : ReceiverPoint; visible points of the sources
+    sees : (S, N) bool; whether they see the sample of each slot
     """
 
     x: ReceiverPoint
@@ -33,14 +31,9 @@ class Slot:
 
     Attributes
     ----------
-    y : SamplePoint
-        Its sample.
-    p_hat, w, M : Bounded
-        (N,): target at the receiver, weight and confidence.
-    u : Bounded
-        (N,), decides on it.
-    domain : Domain or None
-        ``None`` for what stands at the receiver itself.
+    p_hat, w, M : Bounded; (N,): target at the receiver, weight and confidence
+    u : Bounded; (N,), decides on it
+    domain : Domain or None; ``None`` for what stands at the receiver itself
     """
 
     y: SamplePoint
@@ -57,16 +50,9 @@ class Closing:
 
     Attributes
     ----------
-    kind : str
-        Target.
-    mis : '1/M' or '1/Z'
-        What the sum of weights is divided by.
-    cap : float
-        Limit of M.
-    canonical : int
-        Slot of the receiver's own sample.
-    receiver : ReceiverPoint
-        N visible points.
+    mis : '1/M' or '1/Z'; what the sum of weights is divided by
+    cap : float; limit of M
+    canonical : int; slot of the receiver's own sample
     """
 
     kind: str

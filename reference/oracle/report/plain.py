@@ -20,19 +20,11 @@ def as_plain(verdict: Verdict, name: str, passes: Passes) -> dict[str, Any]:
 
     JSON can hold it; numbers that are not finite are ``None``.
 
+    JSON can hold it; numbers that are not finite are ``None``.
+
     Parameters
     ----------
-    verdict : Verdict
-        As far as the ladder was run.
-    name : str
-        Of the backend.
-    passes : mapping of str to Pass
-        The contract.
-
-    Returns
-    -------
-    dict
-        JSON can hold it; numbers that are not finite are ``None``.
+    verdict : Verdict; as far as the ladder was run
     """
     told = [_pass(verdict, pass_name) for pass_name in passes]
     wrong = [p["name"] for p in told if p["status"] == "wrong"]

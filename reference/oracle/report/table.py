@@ -11,15 +11,7 @@ from rich.text import Text
 def table(plain: Mapping[str, Any]) -> Group:
     """A verdict for the terminal.
 
-    Parameters
-    ----------
-    plain : mapping
-        Of `plain.as_plain`.
-
-    Returns
-    -------
-    Group
-        A line for each level, two for each wrong pass, and last the verdict.
+    A line for each level, two for each wrong pass, and last the verdict.
     """
     parts: list[Table | Text] = [_levels(plain)] if plain["steps"] else []
     wrong = [p for p in plain["passes"] if p["status"] in ("wrong", "departs")]

@@ -41,10 +41,7 @@ def specular_floor() -> Scene:
 def mirror_floor() -> Scene:
     """A room on a mirror.
 
-    Returns
-    -------
-    Scene
-        Rays hit the lamp by way of the floor too, where light sampling finds nothing.
+    Rays hit the lamp by way of the floor too, where light sampling finds nothing.
     """
     return _on(mirror((0.9, 0.9, 0.92)), "mirror-floor")
 

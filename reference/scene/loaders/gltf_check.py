@@ -38,14 +38,9 @@ def replace_word(
 
     Parameters
     ----------
-    ledger : Ledger
-        Of the file.
-    element, name : str
-        Row of the table that a reader judges.
-    where : str
-        'material "wall"'.
-    problem : str
-        What is not modelled.
+    element, name : str; row of the table that a reader judges
+    where : str; 'material "wall"'
+    problem : str; what is not modelled
     """
     ledger.replace(f"{where}: {problem}", TABLE[element, name].remark)
 
@@ -55,19 +50,11 @@ def named(element: str, entry: dict[str, Any], index: int) -> str:
 
     'material "paint"' or 'material 3'.
 
+    'material "wall"' or 'material 3'.
+
     Parameters
     ----------
-    element : str
-        "material".
-    entry : dict
-        As in the file.
-    index : int
-        In its list.
-
-    Returns
-    -------
-    str
-        'material "wall"' or 'material 3'.
+    element : str; "material"
     """
     name = entry.get("name")
     if not isinstance(name, str) or not name:

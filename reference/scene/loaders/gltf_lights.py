@@ -16,17 +16,7 @@ from reference.scene.loaders.ledger import Ledger
 
 @dataclass(slots=True)
 class GltfLights:
-    """Lights of a scene, as they are found.
-
-    Attributes
-    ----------
-    points : list of PointLight
-        Point lights.
-    spots : list of SpotLight
-        Spot lights.
-    suns : list of DirectionalLight
-        Directional lights.
-    """
+    """Lights of a scene, as they are found."""
 
     points: list[PointLight] = field(default_factory=list)
     spots: list[SpotLight] = field(default_factory=list)
@@ -44,16 +34,7 @@ def add_light(
 
     Parameters
     ----------
-    lights : GltfLights
-        Takes it.
-    index : int
-        In the list of the file.
-    light : dict
-        As in the file.
-    matrix : (4, 4) float64
-        Of its node, to the world; the light shines along -z.
-    ledger : Ledger
-        Takes notes.
+    matrix : (4, 4) float64; of its node, to the world; the light shines along -z
 
     Raises
     ------

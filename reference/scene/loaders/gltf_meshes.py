@@ -43,17 +43,7 @@ class PlacedPrimitive:
 def read_primitive(document: Document, placed: PlacedPrimitive) -> Mesh | None:
     """Triangles of one material, in the world.
 
-    Parameters
-    ----------
-    document : Document
-        The file.
-    placed : PlacedPrimitive
-        What to read.
-
-    Returns
-    -------
-    Mesh or None
-        All instances; ``None`` if there are none, or no vertices.
+    All instances; ``None`` if there are none, or no vertices.
     """
     primitive, finish = placed.primitive, placed.finish
     attributes = primitive["attributes"]

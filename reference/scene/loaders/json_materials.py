@@ -26,20 +26,13 @@ WHITE = (1.0, 1.0, 1.0)
 def read_material(entry: JsonObject) -> Material:
     """Material of a file; one-sided unless it says ``"twosided": true``.
 
+    As the type says.
+
+    Raises UsageError: the type or a key is not understood, unless lenient.
+
     Parameters
     ----------
-    entry : JsonObject
-        An object with a "type".
-
-    Returns
-    -------
-    Material
-        As the type says.
-
-    Raises
-    ------
-    UsageError
-        The type or a key is not understood, unless lenient.
+    entry : JsonObject; an object with a "type"
     """
     kind = entry.get("type")
     if not isinstance(kind, str) or kind not in KNOWN:

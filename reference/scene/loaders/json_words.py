@@ -65,18 +65,10 @@ WORDS = (
 
 
 def names(element: str, use: Use = Use.MODELLED) -> tuple[str, ...]:
-    """Words of an element of one use.
+    """Words of an element of one use, in the order of the table.
 
     Parameters
     ----------
-    element : str
-        As in `WORDS`.
-    use : Use
-        Theirs.
-
-    Returns
-    -------
-    tuple of str
-        In the order of the table.
+    element : str; as in `WORDS`
     """
     return tuple(w.name for w in WORDS if w.element == element and w.use is use)

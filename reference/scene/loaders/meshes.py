@@ -99,8 +99,7 @@ def read_parts(name: str, ledger: Ledger) -> list[MeshPart]:
 
     Returns
     -------
-    list of MeshPart
-        Of one material each, in the order of their names.
+    list of MeshPart; of one material each, in the order of their names
 
     Raises
     ------

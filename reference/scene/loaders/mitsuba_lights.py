@@ -27,14 +27,7 @@ class MitsubaLights:
 
     Attributes
     ----------
-    points : list of PointLight
-        Point lights.
-    spots : list of SpotLight
-        Spot lights.
-    suns : list of DirectionalLight
-        Directional lights.
-    environment : Environment or None
-        What surrounds the scene.
+    environment : Environment or None; what surrounds the scene
     """
 
     points: list[PointLight] = field(default_factory=list)
@@ -48,12 +41,7 @@ def add_light(lights: MitsubaLights, node: Node, textures: Textures) -> None:
 
     Parameters
     ----------
-    lights : MitsubaLights
-        Grows.
-    node : Node
-        The emitter.
-    textures : Textures
-        Of the file.
+    lights : MitsubaLights; grows
     """
     ledger = textures.ledger
     # An area emitter outside the shapes shines from those alone that refer to it.

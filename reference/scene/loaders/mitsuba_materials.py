@@ -74,19 +74,11 @@ class Materials:
     weighed: set[Path] = field(default_factory=set)
 
     def of(self, node: Node, two_sided: bool = False) -> MitsubaAppearance | None:
-        """Look of a BSDF.
+        """Look of a BSDF; ``None`` if the shape is to be left out.
 
         Parameters
         ----------
-        node : Node
-            The BSDF.
-        two_sided : bool
-            It stands inside a ``twosided``.
-
-        Returns
-        -------
-        MitsubaAppearance or None
-            ``None`` if the shape is to be left out.
+        two_sided : bool; it stands inside a ``twosided``
         """
         key = id(node), two_sided
         if key not in self.made:

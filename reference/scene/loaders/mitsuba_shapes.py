@@ -27,18 +27,11 @@ class ReadShape:
 
     Attributes
     ----------
-    node : Node
-        The shape.
-    matrix : (4, 4) float64
-        Its own frame to world.
-    look : MitsubaAppearance
-        How it scatters, and where.
-    emission : Texture
-        Radiance of its front.
-    path : Path or None
-        The file of its triangles.
-    turn : (2, 3) float64 or None
-        What becomes of its texture coordinates.
+    matrix : (4, 4) float64; its own frame to world
+    look : MitsubaAppearance; how it scatters, and where
+    emission : Texture; radiance of its front
+    path : Path or None; the file of its triangles
+    turn : (2, 3) float64 or None; what becomes of its texture coordinates
     """
 
     node: Node
@@ -68,14 +61,8 @@ def plan_shapes(
 
     Parameters
     ----------
-    node : Node
-        The shape.
-    materials : Materials
-        Of the file.
-    plans : list of ReadShape
-        Grows, by each shape that is not left out, which is noted.
-    outer : (4, 4) float64 or None
-        What an instance does with it.
+    plans : list of ReadShape; grows, by each shape that is not left out, which is noted
+    outer : (4, 4) float64 or None; what an instance does with it
     """
     ledger = materials.ledger
     if not node.is_modelled(ledger):
@@ -171,20 +158,7 @@ def _plain_look(
 
 
 def build_shape(plan: ReadShape, materials: Materials) -> Mesh | Sphere:
-    """The shape of a plan, with its triangles.
-
-    Parameters
-    ----------
-    plan : ReadShape
-        What its words say.
-    materials : Materials
-        Of the file.
-
-    Returns
-    -------
-    Mesh or Sphere
-        In the world.
-    """
+    """The shape of a plan, with its triangles, in the world."""
     ledger = materials.ledger
     if plan.node.kind == "sphere":
         return _sphere(plan, ledger)

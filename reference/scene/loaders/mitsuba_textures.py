@@ -62,23 +62,12 @@ class Textures:
 
         Linear Rec. 709; a factor on the colours of the mesh.
 
+        Linear Rec. 709; a factor on the colours of the mesh.
+
         Parameters
         ----------
-        node : Node
-            The plugin.
-        key : str
-            Name of the parameter.
-        default : float
-            What Mitsuba takes if the file does not say.
-        emission : bool
-            It is one of emitted light.
-        diffuse : bool
-            Colours of the mesh may stand for it, see `attribute`.
-
-        Returns
-        -------
-        Texture
-            Linear Rec. 709; a factor on the colours of the mesh.
+        default : float; what Mitsuba takes if the file does not say
+        diffuse : bool; colours of the mesh may stand for it, see `attribute`
         """
         texture = node.children.get(key)
         if texture is None:

@@ -133,8 +133,7 @@ def read_looks(
 
     Returns
     -------
-    dict of str to MtlAppearance, bool
-        By their names; whether all files could be read.
+    dict of str to MtlAppearance, bool; by their names; whether all files could be read
 
     Raises
     ------

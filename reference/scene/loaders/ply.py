@@ -83,21 +83,11 @@ class _TooShortError(Exception):
 
 
 def read_ply(contents: bytes, name: str, ledger: Ledger) -> MeshPart:
-    """All triangles of a PLY file; nothing is merged or dropped.
+    """All triangles of a PLY file; nothing is merged or dropped.  Without a material.
 
     Parameters
     ----------
-    contents : bytes
-        The file.
-    name : str
-        Of the file, for messages: empty for the scene file, else with a colon.
-    ledger : Ledger
-        Of the scene.
-
-    Returns
-    -------
-    MeshPart
-        Without a material.
+    name : str; of the file, for messages: empty for the scene file, else with a colon
 
     Raises
     ------

@@ -23,14 +23,10 @@ class Word:
 
     Attributes
     ----------
-    element : str
-        Where it stands: "material", "perspective camera".
-    name : str
-        As the file spells it.
-    use : Use
-        What the loader does with it.
-    remark : str
-        What stands in for it, or within which limits it is modelled.
+    element : str; where it stands: "material", "perspective camera"
+    name : str; as the file spells it
+    use : Use; what the loader does with it
+    remark : str; what stands in for it, or within which limits it is modelled
     """
 
     element: str

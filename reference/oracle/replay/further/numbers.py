@@ -84,8 +84,7 @@ class Choice:
 
         Returns
         -------
-        Decisions
-            No more rows can differ than are open, so that all may.
+        Decisions; no more rows can differ than are open, so that all may
         """
         differing = ~self.certain & (found != self.own)
         none = np.zeros(len(self.own), bool)
