@@ -9,6 +9,7 @@ import numpy as np
 
 from reference.arrays import Indices, Masks, Scalars, Vec3s
 from reference.frame import FrameContext, frames
+from reference.not_reused import reuses_all
 from reference.options.boiling import boiling_filter
 from reference.options.fused import fused_resampling
 from reference.options.history import moved_history
@@ -20,7 +21,7 @@ from reference.options.storage import stored
 from reference.options.visibility import finally_seen, trusting, without_hidden
 from reference.options.weights import resample_weighted
 from reference.passes.history import History
-from reference.passes.initial import InitialSamples, initial_samples, reuses_all
+from reference.passes.initial import InitialSamples, initial_samples
 from reference.passes.neighbors import neighbors_of
 from reference.passes.pixels import FrameReservoirs, NeighborPixels, Pixels
 from reference.passes.shade import shade

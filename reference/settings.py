@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from math import inf
 from typing import Literal
 
+from reference.resampling.source import Source
 from reference.resampling.target import Target
 
-Source = Literal["uniform", "cosine", "bsdf"]
 Mis = Literal["1/M", "1/Z", "balance", "pairwise", "defensive"]
 Visibility = Literal["all", "chosen", "none"]
 GlossySamples = Literal["path-traced", "as-lambertian"]

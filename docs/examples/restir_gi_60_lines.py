@@ -10,13 +10,14 @@ from dataclasses import replace
 import numpy as np
 
 from reference.passes.gbuffer import visible_points
-from reference.passes.initial import initial_samples, source_pdf
+from reference.passes.initial import initial_samples
 from reference.passes.neighbors import find_neighbors
 from reference.passes.shade import shade
 from reference.records import NONE, take
 from reference.resampling import reservoir as r
 from reference.resampling.mis import one_over_z
 from reference.resampling.shift import reconnection_jacobian
+from reference.resampling.source import source_pdf
 from reference.resampling.target import target
 from reference.rng import KeyedUniforms, Stream
 from reference.scene.camera import pixel_centers

@@ -27,7 +27,7 @@ from reference.figures.record import PaperFigure, Row, Work
 from reference.figures.regions import floor_points, zones
 from reference.intervals import Interval, mean_interval, ratio_interval
 from reference.methods.restir_gi import UNBIASED
-from reference.settings import Source
+from reference.resampling.source import Source
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.axes import Axes

@@ -8,7 +8,14 @@ from reference.options.checkerboard import draws_new_sample
 from reference.options.reduced_resolution import keeps_reservoir
 from reference.options.validation import validates
 from reference.passes.history import History
+from reference.records import NONE, indices
 from reference.settings import Settings
+
+
+def goes_on(history: History, rows: slice) -> Masks:
+    """Whether K pixels go on from the last frame, (K,) bool."""
+    found: Masks = indices(history.rows(rows)) != NONE
+    return found
 
 
 def who_keeps(frame: FrameContext[Settings], rows: slice) -> Masks | None:
@@ -26,10 +33,11 @@ def who_draws(
     able, drawn = who_keeps(frame, rows), None
     if history and validates(frame):
         # The rays of this frame go into old samples, where there are.
-        drawn = ~history.exists(rows)
+        drawn = ~goes_on(history, rows)
     elif history and frame.settings.checkerboard:
         pixel, width = np.arange(rows.start, rows.stop), frame.world.camera.width
-        drawn = draws_new_sample(pixel, width, frame.number, history.exists(rows))
+        past = goes_on(history, rows)
+        drawn = draws_new_sample(pixel, width, frame.number, past)
     if able is None or drawn is None:
         return able if drawn is None else drawn
     return drawn & able

@@ -6,6 +6,7 @@ import numpy as np
 
 from reference.arrays import Masks
 from reference.frame import FrameContext
+from reference.options.masks import goes_on
 from reference.passes.history import History
 from reference.passes.pixels import Pixels, sees
 from reference.records import indices
@@ -53,7 +54,7 @@ def finally_seen(
         last = history.of(history.spatial, q, rows)
         past = last if isinstance(last, Reservoirs) else last.reservoirs
         same = (shown.y.position == past.y.position).all(axis=1)
-        known = history.exists(rows) & same & (past.W > 0)
+        known = goes_on(history, rows) & same & (past.W > 0)
         then = np.maximum(indices(history.rows(rows)), 0)
         seen = known & history.seen[then]
     return seen | sees(q.world, q.points, shown.y, full & ~known)

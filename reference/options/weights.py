@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import Indices, Scalars, divide_or_zero, saturate
+from reference.arrays import Indices, Masks, Scalars, divide_or_zero, saturate
 from reference.passes.initial import InitialSamples
-from reference.passes.pixels import NeighborPixels, Pixels
+from reference.passes.pixels import NeighborPixels, Pixels, reconnection, sees
+from reference.records import take
+from reference.resampling.domain import target_if_drawn
 from reference.resampling.generalized import Mis, Shifted, resample
 from reference.resampling.reservoir import Reservoirs, Samples
 
@@ -75,7 +77,7 @@ class ShiftedSource:
         """p̂_n of the pixels' samples, 0 outside of D_n, and the Jacobian back."""
         asked = np.zeros(len(self.rows), bool)
         asked[at] = True
-        p, J = self.q_n.inverse(samples.y, asked, made=asked & False)
+        p, J = _inverse(self.q_n, samples.y, asked, made=asked & False)
         return p[at], J[at]
 
 
@@ -117,7 +119,7 @@ def weighed(q: Pixels, source: Source) -> OwnSource | ShiftedSource:
     if isinstance(source, NeighborPixels):
         r = source.reservoirs
         made = r.W > 0
-        p, _ = source.inverse(r.y, made, made)
+        p, _ = _inverse(source, r.y, made, made)
         return ShiftedSource(source, replace(r, y=WeighedSamples(r.y, p)), rows)
     if isinstance(source, InitialSamples):
         pdf = source.pdf
@@ -126,3 +128,24 @@ def weighed(q: Pixels, source: Source) -> OwnSource | ShiftedSource:
         source = Reservoirs(source.y, W, source.M)
     value = q.target(source.y)
     return OwnSource(replace(source, y=WeighedSamples(source.y, value)), rows)
+
+
+def _inverse(
+    q_n: NeighborPixels, y: Samples, asked: Masks, made: Masks
+) -> tuple[Scalars, Scalars]:
+    """Target at q_n of samples at q, and |∂ω_n / ∂ω_q| of the way back; (K,) each.
+
+    The target is 0 outside of the domain of q_n and where not asked.  Samples that q_n
+    ``made`` are seen there: no ray.
+    """
+    q, frame = q_n.q, q_n.frame
+    y, x_q = q_n.before(y, asked)
+    points = take(frame.visible.surface, np.maximum(q_n.rows, 0))
+    source, kind = q.settings.source, q.settings.target
+    p = target_if_drawn(source, kind, frame.world.materials, points, y)
+    possible = asked & (p > 0)
+    if q.refuses is not None:
+        possible &= ~q.refuses(q_n.x.position, x_q, y)
+    seen = made | sees(frame.world, q_n.x, y, possible & ~made)
+    J = reconnection(x_q, q_n.x.position, y)
+    return np.where(possible & seen, p, p * 0), J

@@ -36,11 +36,6 @@ class History:
         """Pixels of the last frame for K pixels of this one, or ``NONE``."""
         return rows if self.pixel is None else self.pixel[rows]
 
-    def exists(self, rows: slice | Indices) -> Masks:
-        """Whether K pixels go on from the last frame, (K,) bool."""
-        found: Masks = indices(self.rows(rows)) != NONE
-        return found
-
     def confidence(self, last: FrameReservoirs, rows: slice | Indices) -> Scalars:
         """M of K pixels in the last frame, (K,); 0 where they start over."""
         there = self.rows(rows)

@@ -5,18 +5,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s, dot
-from reference.passes.initial import source_pdf
+from reference.arrays import Indices, Masks, Scalars, Vec3s
 from reference.records import NONE, take
+from reference.resampling.domain import supports
 from reference.resampling.reservoir import Reservoirs, Samples
 from reference.resampling.shift import reconnection_jacobian
 from reference.resampling.target import target
-from reference.scene.surface import (
-    SurfacePoints,
-    Viewpoints,
-    VisiblePoints,
-    direction_and_distance,
-)
+from reference.scene.surface import SurfacePoints, Viewpoints, VisiblePoints
 from reference.settings import Settings
 from reference.world import World
 
@@ -130,41 +125,6 @@ class NeighborPixels:
 
     def supports(self, y: Samples) -> Masks:
         """Whether q_n draws y and gives it a target above 0, whoever may hide it."""
-        settings, materials = self.q.settings, self.frame.world.materials
-        if not materials.plain:
-            return self.target(y) > 0
-        # Every point here is black or reflects all colours to its whole horizon, so
-        # that whether the target is positive is a question of geometry.
-        surface, row = self.frame.visible.surface, np.maximum(self.rows, 0)
-        toward = y.position - self.x.position
-        holds: Masks = dot(y.normal, toward) < 0
-        # A black point draws samples as others do, and Equation 10 does not mind it.
-        if settings.target == "scattered" or settings.source == "bsdf":
-            holds &= surface.color[row, 0] > 0
-        holds &= dot(take(surface.normal, row), toward) > 0
-        if surface.smooth is not None:
-            holds &= dot(take(surface.smooth, row), toward) > 0
-        return holds
-
-    def target(self, y: Samples) -> Scalars:
-        """Target of y at q_n, 0 where it is not drawn; (K,), without visibility."""
-        settings, materials = self.q.settings, self.frame.world.materials
-        points = take(self.frame.visible.surface, np.maximum(self.rows, 0))
-        omega, _ = direction_and_distance(points.position, y.position)
-        drawn = source_pdf(settings.source, materials, points, omega) > 0
-        return np.where(drawn, target(settings.target, materials, points, y), 0.0)
-
-    def inverse(self, y: Samples, asked: Masks, made: Masks) -> tuple[Scalars, Scalars]:
-        """Target at q_n of samples at q, and |∂ω_n / ∂ω_q| of the way back; (K,) each.
-
-        The target is 0 outside of the domain of q_n and where not asked.  Samples that
-        q_n ``made`` are seen there: no ray.
-        """
-        y, x_q = self.before(y, asked)
-        p = self.target(y)
-        possible = asked & (p > 0)
-        if self.q.refuses is not None:
-            possible &= ~self.q.refuses(self.x.position, x_q, y)
-        seen = made | sees(self.frame.world, self.x, y, possible & ~made)
-        J = reconnection(x_q, self.x.position, y)
-        return np.where(possible & seen, p, p * 0), J
+        s, frame, rows = self.q.settings, self.frame, np.maximum(self.rows, 0)
+        table, surface = frame.world.materials, frame.visible.surface
+        return supports(s.source, s.target, table, surface, rows, y)

@@ -1,8 +1,10 @@
 """The rest of a sample's path: what finds its radiance again in another frame."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from reference.arrays import Indices, Scalars
+import numpy as np
+
+from reference.arrays import Indices, Masks, Scalars
 from reference.scene.surface import SurfacePoints
 
 
@@ -21,6 +23,12 @@ class Suffix:
 
     number: Indices
     surface: SurfacePoints
+
+
+def suffix_of(number: Indices, met: SurfacePoints, kept: Masks) -> Suffix:
+    """Suffixes of N paths; where ``kept`` is false nothing leaves the sample point."""
+    primitive = np.where(kept, met.primitive, -1)
+    return Suffix(number, replace(met, primitive=primitive))
 
 
 def age(suffix: Suffix, frame: int, pixels: int) -> Scalars:

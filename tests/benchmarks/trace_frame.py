@@ -1,6 +1,7 @@
 """What a reader has to open: files and functions that one default frame enters.
 
     python -m tests.benchmarks.trace_frame [--list] [NAME ...]
+    python -m tests.benchmarks.trace_frame --statements [FOLDER]
 
 A name is a method, or a function as ``method/module:name``, for which the same is
 counted between its call and its return in a frame of that method.  By default all
@@ -16,19 +17,25 @@ own settings, one band.  Three numbers of files and of functions:
 
 Functions, methods and properties count, also inner ones; comprehensions, lambdas and
 what dataclasses generate do not.
+
+With ``--statements``: how many statements inside of the functions of a folder run up to
+such a frame of ``restir-gi-unbiased``; of ``reference/passes`` by default.
 """
 
+import ast
 import sys
 from argparse import ArgumentParser
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from itertools import islice
+from pathlib import Path
 from types import CodeType, FrameType
 from typing import Any
 
 from reference.methods.discovery import method_named, method_names
 from reference.methods.method import Job, Method
+from reference.passes.gbuffer import visible_points
 from reference.scene.catalogue.registry import find_scene
 from reference.scene.validation import validate
 from reference.schedule import Schedule
@@ -150,12 +157,65 @@ def count(found: Entered) -> str:
     return f"{len(found)} in {len({module for module, _, _ in found})}"
 
 
+def statements(path: Path) -> set[int]:
+    """First lines of the statements inside of the functions of a file."""
+    tree = ast.parse(path.read_text("utf-8"))
+    found = set()
+    for function in ast.walk(tree):
+        if isinstance(function, ast.FunctionDef):
+            for node in ast.walk(function):
+                told = isinstance(node, ast.Expr) and isinstance(
+                    node.value, ast.Constant
+                )
+                if isinstance(node, ast.stmt) and node is not function and not told:
+                    found.add(node.lineno)
+    return found
+
+
+def lines_run(folder: Path) -> dict[Path, set[int]]:
+    """Lines of a folder's files that run in the default frames up to the third."""
+    frames = frames_of(method_named("restir-gi-unbiased"))
+    run: dict[Path, set[int]] = {path: set() for path in sorted(folder.rglob("*.py"))}
+
+    def follow(frame: FrameType, event: str, arg: Any) -> Any:
+        lines = run.get(Path(frame.f_code.co_filename))
+        if lines is None:
+            return None
+        lines.add(frame.f_lineno)
+        return follow
+
+    before = sys.gettrace()
+    sys.settrace(follow)
+    try:
+        list(islice(frames, BEFORE + 1))
+    finally:
+        sys.settrace(before)
+    return run
+
+
+def print_statements(folder: Path) -> None:
+    """Print a line a file, and the sum."""
+    total = ran = 0
+    for path, lines in lines_run(folder).items():
+        there = statements(path)
+        total, ran = total + len(there), ran + len(there & lines)
+        print(f"{path.name:24}{len(there & lines):5} of {len(there)}")
+    print(f"{'statements that run':24}{ran:5} of {total}: {ran / total:.0%}")
+
+
 def main(words: list[str]) -> None:
     """Print a line a name."""
     parser = ArgumentParser(prog="trace_frame", description=__doc__.split("\n")[0])
     parser.add_argument("names", nargs="*", metavar="NAME")
     parser.add_argument("--list", action="store_true", help="name the files")
+    parser.add_argument("--statements", nargs="?", const="", metavar="FOLDER")
     given = parser.parse_args(words)
+    if given.statements is not None:
+        default = Path(visible_points.__code__.co_filename).parent
+        print_statements(
+            Path(given.statements).resolve() if given.statements else default
+        )
+        return
     names = given.names or [
         *(n for n in method_names() if method_named(n).frames is not None),
         *FUNCTIONS,

@@ -15,7 +15,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 import reference
-from reference import arrays, frames, sampling, tables
+from reference import arrays, frames, not_reused, sampling, tables
 from reference.options import checkerboard, history_search, jacobian, roulette
 from reference.passes import gbuffer, initial, neighbors
 from reference.records import take
@@ -25,6 +25,7 @@ from reference.resampling import (
     pairwise,
     reservoir,
     shift,
+    source,
     suffix,
     target,
 )
@@ -239,6 +240,10 @@ KERNELS = {
         lambda M, p, q, u: pairwise.pairwise_neighbor(M, p, u, q, M + u, False),
         (CLOSED.M, COS * LIVE, ALPHA, U[0]),
     ),
+    suffix.suffix_of: (
+        lambda number, p, kept: suffix.suffix_of(number, p, kept),
+        (np.arange(N), POINTS, MASK),
+    ),
     suffix.age: (
         lambda number, points: suffix.age(suffix.Suffix(number, points), 99, 7),
         (np.arange(N), POINTS),
@@ -325,18 +330,18 @@ KERNELS = {
         lambda n, d, m, e: gbuffer.similar(n, d, m, e, 25.0, 0.05),
         (OMEGA, 1 + 0.1 * COS, unit(OMEGA + 0.3 * LOCAL), 1 + 0.1 * ALPHA),
     ),
-    initial.is_lambertian: of_view(initial.is_lambertian),
-    initial.sample_source: (
+    not_reused.is_lambertian: of_view(not_reused.is_lambertian),
+    source.sample_source: (
         lambda p, u: tuple(
-            initial.sample_source(source, TABLE, p, u)
-            for source in ("uniform", "cosine", "bsdf")
+            source.sample_source(kind, TABLE, p, u)
+            for kind in ("uniform", "cosine", "bsdf")
         ),
         (POINTS, U),
     ),
-    initial.source_pdf: (
+    source.source_pdf: (
         lambda p, w: tuple(
-            initial.source_pdf(source, TABLE, p, w)
-            for source in ("uniform", "cosine", "bsdf")
+            source.source_pdf(kind, TABLE, p, w)
+            for kind in ("uniform", "cosine", "bsdf")
         ),
         (POINTS, WI),
     ),
@@ -381,7 +386,8 @@ ELSEWHERE = {
     "table.by_kind": "splits rows, in order",
     "gbuffer.visible_points": "traces rays: tests of the frame loop",
     "initial.initial_samples": "traces rays: tests of the frame loop",
-    "initial.reuses_all": "of a scene",
+    "not_reused.reuses_all": "of a scene",
+    "not_reused.split_light": "traces rays: tests of the frame loop",
     "history_search.find_history": "of a whole frame",
     "jacobian.with_jacobian": "of settings",
     "neighbors.neighbors_of": "of a whole frame",
@@ -403,7 +409,7 @@ MODULES = [
     target,
 ]
 MODULES += [checkerboard, history_search, jacobian, jacobian_limits, pairwise]
-MODULES += [roulette, suffix]
+MODULES += [not_reused, roulette, source, suffix]
 MODULES += [coat, coated, conductor, dielectric, fresnel, lambertian, microfacet]
 MODULES += [rough_dielectric]
 MODULES += [bsdf_sampling, parameters, table]

@@ -413,7 +413,7 @@ MUTANTS = [
         SPATIAL,
         PAST,
         "c = reused(q, past)\n"
-        "    R_s = begin(type(c)(c.y, c.p_hat, c.w, (past.M > 0) * 1))",
+        "    R_s = begin(type(c)(c.y, c.p_hat, c.w, (c.M > 0) * 1))",
         ("loop_of_two_frames",),
     ),
     # Weights of the general engine know a limit, too.

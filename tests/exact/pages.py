@@ -37,6 +37,7 @@ from reference.passes import pixels as scene
 from reference.passes.history import History
 from reference.passes.initial import InitialSamples
 from reference.passes.pixels import FrameReservoirs, reconnection
+from reference.resampling import domain
 from reference.resampling.reservoir import Reservoirs
 from reference.restir_gi import PassInput
 from reference.settings import Settings
@@ -231,8 +232,9 @@ def on_the_domain() -> Iterator[None]:
         return x_to, None
 
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(scene, "target", target)
         for stand_in in (target, source_pdf, direction_and_distance):
-            patch.setattr(scene, stand_in.__name__, stand_in)
+            patch.setattr(domain, stand_in.__name__, stand_in)
         kernel = scene.reconnection_jacobian
         patch.setattr(scene, "reconnection_jacobian", once_for_each(kernel))
         yield

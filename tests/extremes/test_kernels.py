@@ -14,7 +14,6 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from reference.arrays import dot, length
 from reference.passes.gbuffer import similar
-from reference.passes.initial import sample_source, source_pdf
 from reference.records import take
 from reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
 from reference.resampling.reservoir import (
@@ -29,6 +28,7 @@ from reference.resampling.reservoir import (
     reused_candidates,
 )
 from reference.resampling.shift import reconnection_jacobian
+from reference.resampling.source import sample_source, source_pdf
 from reference.resampling.target import reflected
 from reference.resampling.target import target as p_hat_of
 from reference.scene.materials import bsdf_sampling

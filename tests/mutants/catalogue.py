@@ -15,6 +15,7 @@ SHIFT = "reference.resampling.shift"
 MIS = "reference.resampling.mis"
 REUSED = "reference.resampling.reuse"
 PIXELS = "reference.passes.pixels"
+DOMAIN = "reference.resampling.domain"
 SPATIAL = "reference.passes.spatial"
 NEIGHBORS = "reference.passes.neighbors"
 SHADE = "reference.passes.shade"
@@ -92,7 +93,7 @@ SHOWN = "return radiance * reservoirs.W[:, None]"
 REFLECTED = "points.color * (lit_cosine(table, points, wi) / np.pi)[:, None]"
 SIDE = "lit = dot(y.normal, omega) < 0"
 LIT_COSINE = "cosine = np.maximum(dot(points.shading, wi), 0.0)"
-NEIGHBOR_TARGET = "np.where(drawn, target(settings.target, materials, points, y), 0.0)"
+NEIGHBOR_TARGET = "np.where(drawn, target(kind, table, points, y), 0.0)"
 LOOKS = "return sees(self.frame.world, self.x, y, possible)"
 UNIFORM = "np.where(cos_theta >= 0, 1.0 / (2.0 * np.pi), 0.0)"
 COSINE_PDF = "np.maximum(cos_theta, 0.0) / np.pi"
@@ -756,7 +757,7 @@ REUSE = [
     Mutant(
         "Z asks for light, not for the horizon",
         ("SR-05",),
-        PIXELS,
+        DOMAIN,
         "return " + NEIGHBOR_TARGET,
         "return y.radiance.max(axis=1)",
         ("horizon-missing-in-z",),
@@ -764,7 +765,7 @@ REUSE = [
     Mutant(
         "Z does not ask on which side the sample shines",
         ("SR-05",),
-        PIXELS,
+        DOMAIN,
         NEIGHBOR_TARGET,
         "np.where(drawn, y.radiance.max(axis=1), 0.0)",
         ("side-missing-in-z",),
@@ -789,8 +790,9 @@ REUSE = [
         "Z asks for the receiver's horizon",
         ("SR-05",),
         PIXELS,
-        "points = take(self.frame.visible.surface, np.maximum(self.rows, 0))",
-        "points = self.q.points",
+        "table, surface = frame.world.materials, frame.visible.surface",
+        "table, surface = frame.world.materials, self.q.points\n"
+        "        rows = np.arange(len(surface))",
         ("receivers-target-in-z",),
     ),
     Mutant(

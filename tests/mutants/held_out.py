@@ -12,6 +12,7 @@ from tests.mutants.catalogue import (
     CLOSE_S,
     COSINES,
     COULD,
+    DOMAIN,
     JACOBIAN,
     JACOBIAN_OF_NEIGHBOR,
     LIMITED,
@@ -39,6 +40,8 @@ Z_TERMS = (
 
 WHOLE_GEOMETRY_TERM = """y, x_q = self.reservoirs.y, self.q.points
         n_from = take(self.frame.visible.surface.normal, np.maximum(self.rows, 0))
+        from reference.scene.surface import direction_and_distance
+
         u_from, _ = direction_and_distance(self.x.position, y.position)
         u_to, _ = direction_and_distance(x_q.position, y.position)
         c_from = np.maximum((n_from * u_from).sum(axis=1), 1e-4)
@@ -206,6 +209,7 @@ HELD_OUT: tuple[Mutant, ...] = (
         ("SR-05", "SR-25"),
         REUSED,
         COULD,
+        DOMAIN,
         "could[slot] = R.candidates[slot].w > 0",
     ),
     Mutant(
@@ -218,14 +222,14 @@ HELD_OUT: tuple[Mutant, ...] = (
     Mutant(
         "Z asks that the source has the sample 6 degrees above its horizon",
         ("SR-05", "JC-12"),
-        PIXELS,
-        "holds &= dot(take(surface.normal, row), toward) > 0",
+        DOMAIN,
+        "holds &= dot(take(surface.normal, rows), toward) > 0",
         "least = 0.1 * np.sqrt(dot(toward, toward))\n"
-        "        holds &= dot(take(surface.normal, row), toward) > least",
+        "    holds &= dot(take(surface.normal, rows), toward) > least",
         also=(
             (
-                PIXELS,
-                "drawn = source_pdf(settings.source, materials, points, omega) > 0",
+                DOMAIN,
+                "drawn = source_pdf(source, table, points, omega) > 0",
                 "drawn = dot(points.normal, omega) > 0.1",
             ),
         ),
@@ -242,6 +246,7 @@ HELD_OUT: tuple[Mutant, ...] = (
         ("HS-17",),
         REUSED,
         COULD,
+        DOMAIN,
         ONCE_EACH,
     ),
     *HELD_OUT_MORE,

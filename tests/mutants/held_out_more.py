@@ -34,7 +34,6 @@ HISTORY = "reference.options.history"
 PATH = "radiance = reflected_radiance(world, met, bounces - 1, paths, tail=tail)"
 SHINING = "shining = np.where(shared[:, None], radiance, 0.0)"
 OMEGA = "omega, _ = direction_and_distance(points.position, x_s)"
-SHARED = "shared = ~drawn.delta & (density > 0)"
 FAR = "omega, distance = direction_and_distance(points.position, x_s)"
 DENSITY = "density = source_pdf(source, world.materials, points, omega)"
 REFLECTS = "value = scattering(table, receiver, omega) * y.radiance"
@@ -132,10 +131,9 @@ HELD_OUT_MORE: tuple[Mutant, ...] = (
         "new rays end after half the extent of the scene",
         ("IS-29", "SR-33"),
         INITIAL_PASS,
-        SHARED,
-        f"{SHARED}\n"
-        "    reach = ((x_s - points.position) ** 2).sum(axis=1)\n"
-        "    shared &= reach < world.geometry.extent**2",
+        SHINING,
+        "reach = ((x_s - points.position) ** 2).sum(axis=1)\n"
+        f"    shared &= reach < world.geometry.extent**2\n    {SHINING}",
     ),
     Mutant(
         "θ is uniform",
@@ -166,6 +164,7 @@ HELD_OUT_MORE: tuple[Mutant, ...] = (
         f"{OMEGA}\n    {DENSITY}",
         f"{OMEGA}\n    {DENSITY}\n"
         '    if source == "cosine":\n'
+        "        from reference.sampling import pdf_cosine_hemisphere\n\n"
         "        density = pdf_cosine_hemisphere(-(met.normal * omega).sum(axis=1))",
     ),
     Mutant(
