@@ -117,8 +117,8 @@ class Named(ast.NodeTransformer):
         if hasattr(builtins, node.id):
             return node
         found = getattr(self._module, node.id, None)
-        home = found if isinstance(found, type) else self._module
-        full = f"{getattr(home, '__module__', home.__name__)}.{node.id}"
+        owner = found if isinstance(found, type) else self._module
+        full = f"{getattr(owner, '__module__', owner.__name__)}.{node.id}"
         return ast.UnaryOp(ast.Invert(), ast.Name(full))
 
 

@@ -335,9 +335,9 @@ class Shift:
     ) -> tuple[Vec3s, Scalars]:
         """Shift paths to other visible points [Lin22, section 7.2].
 
-        [Lin22, section 7.2].  Replayed vertices keep their random numbers, and add the
-        factor 1.  At the joint p(ω_(c-1)) cos φ_c / d² p(ω_c) of the offset path is
-        divided by the same of the base path.
+        Replayed vertices keep their random numbers, and add the factor 1.  At the joint
+        p(ω_(c-1)) cos φ_c / d² p(ω_c) of the offset path is divided by the same of the
+        base path.
 
         Parameters
         ----------

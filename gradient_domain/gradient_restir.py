@@ -292,7 +292,7 @@ class PairNeighbor:
     same_domain: bool = False
 
     def shifted(self, at: Indices) -> tuple[PairValue, Scalars]:
-        """Integrand and Jacobian of the sources' samples at the receivers.
+        """Integrand and Jacobian of the sources' samples at the receivers, (A,).
 
         Parameters
         ----------
@@ -308,7 +308,7 @@ class PairNeighbor:
         )
 
     def inverse(self, samples: Any, at: Indices) -> tuple[PairValue, Scalars]:
-        """The same of the receivers' samples at their sources, for the sources' sign.
+        """The same of the receivers' samples, (A,), at their sources, for their sign.
 
         Parameters
         ----------

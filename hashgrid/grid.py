@@ -284,10 +284,6 @@ class Grid:
 def build_grid(keys: Keys, active: Masks, buckets: int = BUCKETS) -> Grid:
     """Sort vertices into cells, as if they came one after the other.
 
-    [Boisse21, Alg. 2], of which the sum that gives each cell its first place in the
-    list leaves the cell itself out.  On a GPU the order of atomic additions decides;
-    here the number of the vertex does.
-
     [Boisse21, Alg. 2], whose prefix sum leaves the cell itself out.  On a GPU the order
     of atomic additions decides; here the number of the vertex does.
 

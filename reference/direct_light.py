@@ -59,11 +59,6 @@ def choose_light(
     ----------
     u : four (N,) float64; lane 0 chooses the light, 1 and 2 the point on it
     active : (N,) bool, optional; who asks; by default everyone
-
-    Parameters
-    ----------
-    u : four (N,) float64; lane 0 chooses the light, 1 and 2 the point on it
-    active : (N,) bool, optional; who asks; by default everyone
     """
     if world.emitters is None or len(points) == 0:
         none, size = zero_vectors(len(points)), len(points)

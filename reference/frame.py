@@ -54,12 +54,12 @@ class FrameContext(Generic[Settings_co]):
         return self.number * self.pixels + indices(rows)
 
     def uniforms(self, stream: Stream, rows: slice | Indices) -> KeyedUniforms:
-        """Random numbers of K pixels in this frame, K rows."""
+        """Random numbers of pixels ``rows``, (K,), in this frame; K rows."""
         pixel = indices(rows).astype(np.uint32)
         return KeyedUniforms(pixel, self.number, self.seed, stream)
 
     def uniforms_of(self, stream: Stream, numbers: Indices) -> KeyedUniforms:
-        """Random numbers of the paths with given numbers, of any frame; a row each."""
+        """Random numbers of the paths ``numbers``, (K,), of any frame; K rows."""
         frame, pixel = np.divmod(numbers, self.pixels)
         return KeyedUniforms(pixel.astype(np.uint32), frame, self.seed, stream)
 

@@ -250,7 +250,7 @@ def spatial_inputs(
     temporal: Reservoirs,
     r: slice,
 ) -> Iterator[tuple[slice | Indices, "PassInput[Reservoirs]"]]:
-    """What spatial resampling of K pixels is given.
+    """What spatial resampling of pixels (K,) is given.
 
     Pixels whose spatial M is below half of its limit try more neighbours [Ouyang21,
     section 5]: they come apart from the others, each pixel once.
@@ -343,7 +343,7 @@ def resampled(
 
 
 def pixels_of(frame: FrameContext[Settings], rows: slice | Indices) -> Pixels:
-    """K pixels, about to resample."""
+    """Pixels (K,), about to resample."""
     s = frame.settings
     q = Pixels(frame.world, select(frame.visible.surface, rows), s)
     if s.jacobian != "multiplied" or isfinite(s.jacobian_limit):

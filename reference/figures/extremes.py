@@ -38,7 +38,7 @@ and those before a cosine count κ times, κ = Σ |n_i v_i| / |n·v|."""
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PatchGeometry:
-    """Visible points and a sample point, N rows of float64."""
+    """Visible points x_from and x_to, and a sample point; (N, 3) float64 each."""
 
     x_from: Vec3s
     x_to: Vec3s

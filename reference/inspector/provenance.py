@@ -68,13 +68,13 @@ class Provenance:
         return len(self.drawn)
 
     def own(self, pixels: Indices) -> Origin:
-        """Of new samples, or of temporal reservoirs, of K pixels."""
+        """Of new samples, or of temporal reservoirs, of ``pixels``, (K,)."""
         if self.temporal is None:
             return _origin("new sample", self.frame, pixels, self.drawn)
         return _origin("own temporal reservoir", self.frame, pixels, self.temporal)
 
     def past(self, pixels: Indices) -> Origin:
-        """Of the history of K pixels."""
+        """Of the history of ``pixels``, (K,)."""
         assert self.history is not None
         assert self.before is not None
         rows = indices(self.history.rows(pixels))

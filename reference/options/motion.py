@@ -46,7 +46,7 @@ class TemporalShift:
         return _carried(self.after, self.motion, self.replay, y, active)
 
     def backward(self, y: Samples, active: Masks) -> Samples:
-        """Samples of this frame as they were in the last one; as `forward`."""
+        """Samples of this frame as they were in the last one, (N,); as `forward`."""
         return _carried(self.before, self.reverse, self.replay, y, active)
 
     def points_forward(self, y: Samples, x: Vec3s) -> Vec3s:
@@ -91,7 +91,7 @@ class EarlierReservoirs(FrameReservoirs):
     shift: TemporalShift
 
     def neighbors(self, q: Pixels, rows: Indices) -> "EarlierPixels":
-        """Pixels of the last frame for each q, their samples brought to this one."""
+        """Pixels ``rows``, (K,), of the last frame; their samples brought to this."""
         n = FrameReservoirs.neighbors(self, q, rows)
         r = n.reservoirs
         y = self.shift.forward(r.y, (rows != NONE) & (r.W > 0))
@@ -116,12 +116,12 @@ class EarlierPixels(NeighborPixels):
         return self.q.shift(x_n, self.q.points.position, y)
 
     def before(self, y: Samples, asked: Masks) -> tuple[Samples, Vec3s]:
-        """Samples at q as they were in the last frame, and x_v of q beside them."""
+        """Samples at q as they were in the last frame, (K,), and x_v of q with them."""
         x_q = self.temporal_shift.points_backward(y, self.q.points.position)
         return self.temporal_shift.backward(y, asked), x_q
 
     def supports(self, y: Samples) -> Masks:
-        """As then: a sample that shines now may have been dark."""
+        """As then, (K,): a sample that shines now may have been dark."""
         shone: Masks = y.radiance.any(axis=1) & NeighborPixels.supports(self, y)
         return shone
 

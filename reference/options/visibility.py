@@ -19,7 +19,7 @@ class TrustingPixels(Pixels):
     """Pixels q that take samples over without looking at them."""
 
     def sees(self, y: Samples, asked: Masks) -> Masks:
-        """All that are asked: no ray."""
+        """All that are asked, (K,): no ray."""
         return asked
 
 

@@ -30,24 +30,30 @@ class WeighedSamples:
     value: Scalars
 
     def moved(self, value: Scalars, jacobian: Scalars) -> "WeighedSamples":
-        """The same samples at other pixels."""
+        """The same samples at other pixels.
+
+        Parameters
+        ----------
+        value : (N,), radiance/sr
+        jacobian : (N,), sr/sr; of the shift, a factor of the weight alone
+        """
         return replace(self, value=value)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OwnSource:
-    """Reservoirs of K pixels' own domain."""
+    """Reservoirs of pixels' own domain, of which rows (K,) are merged."""
 
     reservoirs: Reservoirs
     rows: Indices
     same_domain: bool = True
 
     def shifted(self, at: Indices) -> Shifted:
-        """Never asked."""
+        """Never asked of (A,) rows: NotImplementedError."""
         raise NotImplementedError
 
     def inverse(self, samples: Any, at: Indices) -> Shifted:
-        """Never asked."""
+        """Never asked of (A,) rows: NotImplementedError."""
         raise NotImplementedError
 
 
@@ -67,14 +73,14 @@ class ShiftedSource:
     same_domain: bool = False
 
     def shifted(self, at: Indices) -> Shifted:
-        """p̂_q of the neighbours' samples, 0 where hidden, and the Jacobian."""
+        """p̂_q of the neighbours' samples, (A,), 0 where hidden, and the Jacobian."""
         q, y, W = self.q_n.q, self.reservoirs.y.y, self.reservoirs.W
         p, J = q.target(y), self.q_n.jacobian()
         seen = q.sees(y, (W > 0) & (p > 0) & (J > 0))
         return np.where(seen, p, p * 0)[at], J[at]
 
     def inverse(self, samples: WeighedSamples, at: Indices) -> Shifted:
-        """p̂_n of the pixels' samples, 0 outside of D_n, and the Jacobian back."""
+        """p̂_n of the pixels' samples, (A,), 0 outside of D_n, and the Jacobian back."""
         asked = np.zeros(len(self.rows), bool)
         asked[at] = True
         p, J = _inverse(self.q_n, samples.y, asked, made=asked & False)
@@ -109,7 +115,7 @@ def resample_weighted(
 
 
 def itself(value: Scalars) -> Scalars:
-    """Target of `WeighedSamples`, whose value it is."""
+    """Target of `WeighedSamples`, (N,), whose value it is."""
     return value
 
 

@@ -147,7 +147,7 @@ def golden_levels(
 def scene_probes(
     scene: str, precision: Precision, seed: int = SEED
 ) -> tuple[Probe, ...]:
-    """Replays of all passes in a frame of a scene, of rung L3, of level L3.
+    """Replays of all passes in a frame of a scene, of level L3.
 
     Parameters
     ----------

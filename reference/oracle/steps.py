@@ -150,8 +150,6 @@ def taken(
 
     Findings of tests in which nothing was the backend's own are left out.
 
-    Without findings of tests in which nothing was the backend's own.
-
     Parameters
     ----------
     relies_on : tuple of str; departures under which these say nothing

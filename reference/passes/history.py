@@ -33,7 +33,7 @@ class History:
     seen: Masks | None = None
 
     def rows(self, rows: slice | Indices) -> slice | Indices:
-        """Pixels of the last frame for K pixels of this one, or ``NONE``."""
+        """Pixels of the last frame for those of this one, (K,), or ``NONE``."""
         return rows if self.pixel is None else self.pixel[rows]
 
     def confidence(self, last: FrameReservoirs, rows: slice | Indices) -> Scalars:
@@ -46,7 +46,7 @@ class History:
     def of(
         self, last: FrameReservoirs, q: Pixels, rows: slice | Indices
     ) -> Reservoirs | NeighborPixels:
-        """Reservoirs of K pixels: their own, or those of the points that they were."""
+        """Reservoirs of pixels, (K,): their own, or those of the points they were."""
         there = self.rows(rows)
         if self.shifted:
             return last.neighbors(q, indices(there))

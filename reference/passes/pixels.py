@@ -17,7 +17,12 @@ from reference.world import World
 
 
 def reconnection(x_from: Vec3s, x_to: Vec3s, y: Samples) -> Scalars:
-    """Jacobian of Equation 11 for samples; (K,), sr/sr."""
+    """Jacobian of Equation 11, (K,) sr/sr, for samples.
+
+    Parameters
+    ----------
+    x_from, x_to : (K, 3), m; visible points
+    """
     return reconnection_jacobian(x_from, x_to, y.position, y.normal)
 
 
@@ -73,7 +78,7 @@ class FrameReservoirs:
     reservoirs: Reservoirs
 
     def at(self, rows: Indices) -> Reservoirs:
-        """Reservoirs of some pixels, or ``NONE``, for which M and W are 0."""
+        """Reservoirs of pixels, (K,); of ``NONE``, M and W are 0."""
         there = rows != NONE
         r = take(self.reservoirs, np.maximum(rows, 0))
         return replace(r, W=np.where(there, r.W, 0.0), M=np.where(there, r.M, 0.0))
@@ -120,11 +125,11 @@ class NeighborPixels:
         return sees(self.frame.world, self.x, y, possible)
 
     def before(self, y: Samples, asked: Masks) -> tuple[Samples, Vec3s]:
-        """Samples at q as they were in the frame of q_n, and x_v of q beside them."""
+        """Samples at q as they were in the frame of q_n, (K,), and x_v of q."""
         return y, self.q.points.position
 
     def supports(self, y: Samples) -> Masks:
-        """Whether q_n draws y and gives it a target above 0, whoever may hide it."""
+        """Whether q_n draws y, (K,), with a target above 0, whoever may hide it."""
         s, frame, rows = self.q.settings, self.frame, np.maximum(self.rows, 0)
         table, surface = frame.world.materials, frame.visible.surface
         return supports(s.source, s.target, table, surface, rows, y)

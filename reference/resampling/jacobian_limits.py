@@ -24,9 +24,6 @@ def within_limit(jacobian: Scalars, limit: float) -> Masks:
     """Whether max(J, 1/J) is at most the limit.
 
     It looks at the sample: refusing a shift is biased unless the weights of others
-    count its donor only where it would not have been refused.
-
-    It looks at the sample: refusing a shift is biased unless the weights of others
     count its neighbour only where it would not have been refused.
 
     Parameters

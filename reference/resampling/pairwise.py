@@ -50,20 +50,6 @@ def pairwise_neighbor(
     Returns
     -------
     (N,); from 0 to 1; 0 without a neighbour, and where both targets are 0
-
-    Parameters
-    ----------
-    M_k : (N,); confidence of the donor, 0 where there is none
-    p_k : (N,), radiance/sr
-        Target of its sample at the donor times |∂ω_k / ∂ω_receiver|; 0 outside of D_k.
-    M_c : (N,); confidence of the canonical reservoir
-    p_c : (N,), radiance/sr; target of the donor's sample at the receiver
-    S : (N,); sum of the confidences of all donors, *without* M_c
-    defensive : bool; M_k / (S + M_c) in place of M_k / S
-
-    Returns
-    -------
-    (N,); from 0 to 1; 0 without a donor, and where both targets are 0
     """
     total = plus(S, M_c) if defensive else S
     return divide_or_zero(M_k * _share(S, p_k, M_c, p_c), total)

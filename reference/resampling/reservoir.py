@@ -143,8 +143,6 @@ def initial_candidates(
 
     [Ouyang21, Eq. 5].
 
-    [Ouyang21, Eq. 5].
-
     Parameters
     ----------
     p_hat : (N,); target of each

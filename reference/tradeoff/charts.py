@@ -77,8 +77,6 @@ def bars(groups: Sequence[tuple[str, Sequence[DesignScore]]], light: float) -> "
 
     The line over each bar is the interval of their sum, the MSE.
 
-    The line over each bar is the interval of their sum, the MSE.
-
     Parameters
     ----------
     groups : sequence of (str, sequence of DesignScore)
@@ -115,9 +113,6 @@ def front(scores: Sequence[DesignScore], light: float) -> "Figure":
     Names stand at the points that nothing dominates, where there is something to be
     seen of them.
 
-    Names stand at the points that nothing dominates, where there is something to be
-    seen of them.
-
     Parameters
     ----------
     light : float; mean of the truth
@@ -149,8 +144,6 @@ def front(scores: Sequence[DesignScore], light: float) -> "Figure":
 
 def neighbours(groups: Sequence[tuple[str, Sequence[DesignScore]]]) -> "Figure":
     """How far, and for how long, pixels err alike.
-
-    A row a knob: correlation length, and lag.
 
     A row a knob: correlation length, and lag.
 

@@ -44,11 +44,6 @@ def at_random(
 
     Raises UsageError: hardly any go together.
 
-    A Latin hypercube: [McKay79].  Levels that cannot go together, such as a coarse
-    lattice without spatial reuse, are drawn again.
-
-    Raises UsageError: hardly any go together.
-
     Parameters
     ----------
     knobs : sequence of Knob; each turned to one of its levels, over all points evenly

@@ -58,8 +58,6 @@ def can_run(point: Design) -> bool:
 
     Its settings exist, and none rules out another.
 
-    Its settings exist, and none rules out another.
-
     Parameters
     ----------
     point : Design; with the name of a method

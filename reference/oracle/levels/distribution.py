@@ -55,9 +55,6 @@ def same_distribution(
     The functionals are the means of tiles, capped and not, how many pixels are black,
     the spread within the image and the mean of M.
 
-    The functionals are the means of tiles, capped and not, how many pixels are black,
-    the spread within the image and the mean of M.
-
     Parameters
     ----------
     scene : str; built-in, of diffuse surfaces alone

@@ -26,13 +26,10 @@ ROWS = 2048
 # The same cases for every backend, so that their exact numbers are calculated once.
 @lru_cache(maxsize=4)
 def kernel_probes(precision: Precision, seed: int = 2026) -> tuple[Probe, ...]:
-    """One probe of rung L0 for each kernel, and more where it has extremes.
+    """One probe of level L0 for each kernel, and more where it has extremes.
 
     All but ``random``, which is integer, are held against exact numbers, which are
     calculated when an answer is examined.
-
-    Of level L0.  All but ``random``, which is integer, are held against exact numbers,
-    which are calculated when an answer is examined.
 
     Parameters
     ----------

@@ -40,9 +40,9 @@ errors cosines of at least 0.15 magnify; a term with its neighbour's J has two."
 
 
 def lattice_probes(precision: Precision) -> list[Probe]:
-    """Expectations of the passes that choose, of rung L1.
+    """Expectations of the passes that choose, of level L1.
 
-    Of level L1; exact, so that a right backend cannot fail.
+    They are exact, so that a right backend cannot fail.
     """
     return [
         _merge(precision),

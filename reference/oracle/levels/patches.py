@@ -117,7 +117,7 @@ def whole_weight(who: int, cells: Indices) -> Indices:
 
 
 def visible_bits(viewers: Indices, cells: list[Indices]) -> NDArray[np.uint32]:
-    """Bits of who sees which patch.
+    """Bits of who sees which patch, (N, V).
 
     Parameters
     ----------

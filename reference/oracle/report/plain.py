@@ -20,8 +20,6 @@ def as_plain(verdict: Verdict, name: str, passes: Passes) -> dict[str, Any]:
 
     JSON can hold it; numbers that are not finite are ``None``.
 
-    JSON can hold it; numbers that are not finite are ``None``.
-
     Parameters
     ----------
     verdict : Verdict; as far as the ladder was run

@@ -48,8 +48,6 @@ def replace_word(
 def named(element: str, entry: dict[str, Any], index: int) -> str:
     """An element as messages call it: by its name, or else by its number.
 
-    'material "paint"' or 'material 3'.
-
     'material "wall"' or 'material 3'.
 
     Parameters

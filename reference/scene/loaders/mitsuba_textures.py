@@ -62,8 +62,6 @@ class Textures:
 
         Linear Rec. 709; a factor on the colours of the mesh.
 
-        Linear Rec. 709; a factor on the colours of the mesh.
-
         Parameters
         ----------
         default : float; what Mitsuba takes if the file does not say
