@@ -33,11 +33,12 @@ def split_light(
 
     Parameters
     ----------
-    world, points, source, glossy_samples, bounces, speculars, tail
+    world, points, source, glossy_samples, bounces, speculars
         As of :func:`reference.passes.initial.initial_samples`.
     omega : (N, 3) float64; unit directions to the sample points
     density : (N,) float64, 1/sr; source density of ``omega``
     radiance : (N, 3) float64, W/(m² sr); that leaves the sample points
+    tail : (N,) float64 or None; Russian roulette, as there
 
     Returns
     -------
