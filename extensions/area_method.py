@@ -6,9 +6,9 @@ from extensions.area_restir import render_area_frames
 from extensions.area_settings import AreaSettings
 from extensions.frame_loop import PathFrame
 from extensions.method import PATHS, path_layers
-from reference.arrays import Scalars
 from reference.methods.framed import Framed
 from reference.methods.method import Job
+from reference.numerics.arrays import Scalars
 
 PLACES = {
     "x": "where the kept path appears in the image, pixels from the left",

@@ -6,12 +6,12 @@ import numpy as np
 
 from extensions.candidates import draw_paths
 from extensions.shifting import Criterion, Paths
-from reference.arrays import Indices, Scalars, Vec3s
-from reference.path_tracer import first_hits
+from reference.numerics.arrays import Indices, Scalars, Vec3s
+from reference.numerics.rng import Draw, Uniforms
 from reference.resampling.reservoir import Candidates
 from reference.resampling.target import luminance
-from reference.rng import Draw, Uniforms
-from reference.world import World
+from reference.transport.path_tracer import first_hits
+from reference.transport.world import World
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,15 +11,15 @@ from extensions.area_settings import AreaSettings
 from extensions.area_shift import AreaNeighbor, AreaShift
 from extensions.frame_loop import PathFrame, path_frames, path_shift
 from extensions.windows import resample_past, windows
-from reference.arrays import Indices
 from reference.frame import FrameContext
+from reference.numerics.arrays import Indices
+from reference.numerics.rng import Stream
+from reference.numerics.schedule import Schedule, in_bands
 from reference.passes.neighbors import find_neighbors
 from reference.resampling.generalized import resample
 from reference.resampling.reservoir import Reservoirs, finalize
-from reference.rng import Stream
 from reference.scene.animation import Animation
-from reference.schedule import Schedule, in_bands
-from reference.world import World
+from reference.transport.world import World
 
 
 def render_area_frames(

@@ -7,16 +7,16 @@ import numpy as np
 
 from extensions.area_paths import AreaPaths, PlacedValue
 from extensions.shifting import Shift
-from reference.arrays import Indices, Masks, Scalars, Vec3s, dot
-from reference.caster import STOP
+from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, dot
+from reference.numerics.records import scatter, take
 from reference.options.reprojection import row_at
-from reference.path_tracer import first_hits
-from reference.records import scatter, take
 from reference.resampling.reservoir import Reservoirs
 from reference.scene.camera import Camera, image_points, view_depth
 from reference.scene.origins import contact
 from reference.scene.surface import SurfacePoints
-from reference.world import World
+from reference.transport.caster import STOP
+from reference.transport.path_tracer import first_hits
+from reference.transport.world import World
 
 Primary = Literal["move", "keep"]
 """The primary hit moves with the place in the image, or stays where it is."""

@@ -18,15 +18,15 @@ from extensions.shifting import (
     leave,
     start,
 )
-from reference.arrays import Indices, Masks, Scalars, Vec3s, zero_vectors
-from reference.direct_light import choose_light, emitter_hits
-from reference.light_mis import bsdf_sampling_weight
-from reference.records import scatter, where
+from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, zero_vectors
+from reference.numerics.records import scatter, where
+from reference.numerics.rng import Uniforms
 from reference.resampling.reservoir import Candidates, merge
 from reference.resampling.target import luminance
-from reference.rng import Uniforms
 from reference.scene.surface import SurfacePoints
-from reference.world import World
+from reference.transport.direct_light import choose_light, emitter_hits
+from reference.transport.light_mis import bsdf_sampling_weight
+from reference.transport.world import World
 
 
 def draw_paths(

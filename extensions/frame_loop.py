@@ -7,14 +7,14 @@ from typing import TypeVar
 
 from extensions.pt_settings import CRITERIA, PathSettings
 from extensions.shifting import Shift
-from reference.arrays import Vec3s
 from reference.frame import FrameContext, frames
+from reference.numerics.arrays import Vec3s
+from reference.numerics.rng import Stream
+from reference.numerics.schedule import Schedule
 from reference.resampling.reservoir import Reservoirs
-from reference.rng import Stream
 from reference.scene.animation import Animation
 from reference.scene.surface import VisiblePoints
-from reference.schedule import Schedule
-from reference.world import World, same_but_for_the_camera
+from reference.transport.world import World, same_but_for_the_camera
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,9 +8,9 @@ from extensions.frame_loop import PathFrame
 from extensions.pt_settings import PathSettings
 from extensions.restir_pt import render_path_frames
 from extensions.shifting import Paths
-from reference.arrays import Scalars
 from reference.methods.framed import Framed
 from reference.methods.method import Job
+from reference.numerics.arrays import Scalars
 from reference.resampling.reservoir import Reservoirs
 
 PATHS = {

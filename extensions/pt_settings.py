@@ -6,8 +6,8 @@ from typing import Literal
 
 from extensions.shifting import Criterion
 from reference.methods.framed import Image
+from reference.methods.setting_values import refuse_beyond
 from reference.resampling.generalized import Mis
-from reference.setting_values import refuse_beyond
 from reference.settings import Search
 
 ShiftKind = Literal["reconnection", "replay", "hybrid"]

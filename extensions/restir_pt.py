@@ -10,17 +10,17 @@ from extensions.candidates import draw_paths
 from extensions.frame_loop import PathFrame, path_frames, path_shift
 from extensions.pt_settings import PathSettings
 from extensions.shifting import PathNeighbor
-from reference.arrays import Indices
 from reference.frame import FrameContext
+from reference.numerics.arrays import Indices
+from reference.numerics.records import cut
+from reference.numerics.rng import Stream
+from reference.numerics.schedule import Schedule, in_bands
 from reference.options.reprojection import reproject
 from reference.passes.neighbors import find_neighbors
-from reference.records import cut
 from reference.resampling.generalized import resample
 from reference.resampling.reservoir import Reservoirs, finalize
-from reference.rng import Stream
 from reference.scene.animation import Animation
-from reference.schedule import Schedule, in_bands
-from reference.world import World
+from reference.transport.world import World
 
 
 def render_path_frames(

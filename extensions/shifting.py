@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import (
+from reference.numerics.arrays import (
     Indices,
     Masks,
     Scalars,
@@ -28,12 +28,10 @@ from reference.arrays import (
     dot,
     zero_vectors,
 )
-from reference.direct_light import choose_light, emitter_hits
-from reference.light_mis import balance, bsdf_sampling_weight, light_sampling_weight
-from reference.records import scatter, take, where
+from reference.numerics.records import scatter, take, where
+from reference.numerics.rng import Uniforms
 from reference.resampling.generalized import Shifted
 from reference.resampling.reservoir import Reservoirs
-from reference.rng import Uniforms
 from reference.scene.geometry import Geometry
 from reference.scene.hits import Hits, surface_points
 from reference.scene.materials.bsdf_sampling import BsdfSamples, sample
@@ -41,7 +39,13 @@ from reference.scene.materials.parameters import Kind, MaterialTable
 from reference.scene.materials.table import pdf, scattering
 from reference.scene.origins import contact, step_before
 from reference.scene.surface import SurfacePoints, direction_and_distance
-from reference.world import World
+from reference.transport.direct_light import choose_light, emitter_hits
+from reference.transport.light_mis import (
+    balance,
+    bsdf_sampling_weight,
+    light_sampling_weight,
+)
+from reference.transport.world import World
 
 NEVER_JOINED = (Kind.SMOOTH_CONDUCTOR, Kind.DIELECTRIC, Kind.ROUGH_DIELECTRIC)
 """Kinds that scatter into single directions alone, and those that see both sides."""

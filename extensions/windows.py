@@ -7,10 +7,10 @@ import numpy as np
 
 from extensions.frame_loop import PathFrame
 from extensions.pt_settings import PathSettings
-from reference.arrays import Indices, Scalars
 from reference.frame import FrameContext
+from reference.numerics.arrays import Indices, Scalars
+from reference.numerics.records import NONE, take
 from reference.options.reprojection import alike_before, places_before, row_at
-from reference.records import NONE, take
 from reference.resampling.generalized import SourceReservoirs, Target, resample
 from reference.resampling.reservoir import Reservoirs, cap_confidence
 

@@ -11,9 +11,9 @@ import numpy as np
 from extensions.windows import Window
 from gradient_domain.pairs import Pairs, draw_around
 from gradient_domain.settings import GradientSettings, Signs
-from reference.arrays import Indices
 from reference.frame import FrameContext
-from reference.rng import Stream
+from reference.numerics.arrays import Indices
+from reference.numerics.rng import Stream
 
 
 def reused_signs(signs: Signs, sign: int) -> tuple[int, ...]:

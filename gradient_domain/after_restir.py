@@ -14,12 +14,12 @@ from gradient_domain.gradient_restir import (
 )
 from gradient_domain.pairs import pixel_pairs
 from gradient_domain.settings import AfterSettings
-from reference.arrays import Vec3s
 from reference.frame import FrameContext
+from reference.numerics.arrays import Vec3s
+from reference.numerics.schedule import Schedule
 from reference.resampling.target import luminance
 from reference.scene.animation import Animation
-from reference.schedule import Schedule
-from reference.world import World
+from reference.transport.world import World
 
 
 def render_after_frames(

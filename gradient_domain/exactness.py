@@ -3,9 +3,9 @@
 from typing import Any
 
 from gradient_domain.gradient_restir import share_of_base
-from reference.arrays import Scalars
-from reference.exactness.draws import Draws
-from reference.exactness.kernel import Inputs, Kernel, Row
+from reference.numerics.arrays import Scalars
+from reference.oracle.exact.draws import Draws
+from reference.oracle.exact.kernel import Inputs, Kernel, Row
 
 
 def _draw(draws: Draws) -> dict[str, Any]:

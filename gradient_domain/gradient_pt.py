@@ -14,9 +14,9 @@ from gradient_domain.gradient_restir import (
 from gradient_domain.pairs import pixel_pairs
 from gradient_domain.settings import GradientPathSettings
 from reference.frame import FrameContext
+from reference.numerics.schedule import Schedule, in_bands
 from reference.scene.animation import Animation
-from reference.schedule import Schedule, in_bands
-from reference.world import World
+from reference.transport.world import World
 
 
 def render_gradient_paths(

@@ -33,7 +33,8 @@ from gradient_domain.pairs import (
     pixel_pairs,
 )
 from gradient_domain.settings import GradientSettings
-from reference.arrays import (
+from reference.frame import FrameContext
+from reference.numerics.arrays import (
     Indices,
     Masks,
     Scalars,
@@ -43,16 +44,15 @@ from reference.arrays import (
     plus,
     saturate,
 )
-from reference.frame import FrameContext
-from reference.records import NONE, cut, put, scatter, take
+from reference.numerics.records import NONE, cut, put, scatter, take
+from reference.numerics.rng import Stream, Uniforms
+from reference.numerics.schedule import Schedule, in_bands
 from reference.resampling.generalized import Target, resample
 from reference.resampling.reservoir import Candidates, Reservoirs, finalize, merge
 from reference.resampling.target import luminance
-from reference.rng import Stream, Uniforms
 from reference.scene.animation import Animation
 from reference.scene.surface import VisiblePoints
-from reference.schedule import Schedule, in_bands
-from reference.world import World
+from reference.transport.world import World
 
 # ------------------------------------- 4.2.1: the domain (Ω_i × {0}) ∪ (Ω_j × {1})
 

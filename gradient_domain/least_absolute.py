@@ -4,7 +4,7 @@ import numpy as np
 
 from gradient_domain.differences import Differences, differences, spread_back
 from gradient_domain.reconstruction import ALPHA, check, least_squares, screened
-from reference.arrays import Scalars
+from reference.numerics.arrays import Scalars
 
 STEPS = 200
 """Of alternation."""

@@ -19,9 +19,9 @@ from gradient_domain.settings import (
     GradientSettings,
     Reconstruction,
 )
-from reference.arrays import Scalars, Vec3s
 from reference.methods.framed import Framed
 from reference.methods.method import Job, Method
+from reference.numerics.arrays import Scalars, Vec3s
 
 GRADIENTS = {
     "dx": "right neighbour less pixel, of the last frame",

@@ -9,9 +9,9 @@ from extensions.frame_loop import PathFrame
 from extensions.windows import Window, windows
 from gradient_domain.differences import Differences
 from gradient_domain.settings import GradientSettings
-from reference.arrays import Indices, Scalars, Vec3s
 from reference.frame import FrameContext
-from reference.records import NONE, scatter
+from reference.numerics.arrays import Indices, Scalars, Vec3s
+from reference.numerics.records import NONE, scatter
 from reference.scene.surface import VisiblePoints
 
 

@@ -6,7 +6,7 @@ from typing import Literal
 from extensions.area_settings import AreaSettings
 from extensions.pt_settings import ShiftKind
 from reference.methods.framed import Image
-from reference.setting_values import refuse_beyond
+from reference.methods.setting_values import refuse_beyond
 
 Reconstruction = Literal["l2", "l1"]
 """Norm of what is left of the differences: least squares, or least absolute values."""

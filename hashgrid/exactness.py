@@ -3,11 +3,11 @@
 from typing import Any
 
 from hashgrid.grid import FARTHEST, SMALLEST, Lattice, levels
-from reference.arrays import Indices
-from reference.exactness.draws import Draws
-from reference.exactness.kernel import Inputs, Kernel, Row
-from reference.exactness.numbers import EXACT, Exact, UndecidedError, exact, literal
-from reference.exactness.vectors import inner
+from reference.numerics.arrays import Indices
+from reference.oracle.exact.draws import Draws
+from reference.oracle.exact.kernel import Inputs, Kernel, Row
+from reference.oracle.exact.numbers import EXACT, Exact, UndecidedError, exact, literal
+from reference.oracle.exact.vectors import inner
 
 _LATTICE = Lattice((0.0, 0.0, 0.0), 0.02)
 

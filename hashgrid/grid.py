@@ -13,15 +13,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s, dot, length
 from reference.frame import FrameContext
-from reference.frames import normal_frames
-from reference.records import NONE, cut, take
+from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, dot, length
+from reference.numerics.frames import normal_frames
+from reference.numerics.records import NONE, cut, take
+from reference.numerics.rng import Draw, KeyedUniforms, Stream, Uniforms
 from reference.resampling.reservoir import Reservoirs
-from reference.rng import Draw, KeyedUniforms, Stream, Uniforms
 from reference.scene.camera import Camera
 from reference.scene.surface import SurfacePoints
-from reference.world import World
+from reference.transport.world import World
 
 UInts = NDArray[np.uint32]
 Hashes = NDArray[np.uint64]

@@ -7,9 +7,9 @@ import numpy as np
 from hashgrid.grid import levels
 from hashgrid.light_settings import LightSettings
 from hashgrid.world_reservoirs import LightFrame, render_light_frames
-from reference.arrays import Scalars
 from reference.methods.framed import Framed
 from reference.methods.method import Job
+from reference.numerics.arrays import Scalars
 
 VERTEX = {
     "M": "confidence of the reservoir at the first surface point after the visible one",

@@ -5,8 +5,8 @@ from math import inf
 
 from hashgrid.lights import Chance
 from reference.methods.framed import Image
+from reference.methods.setting_values import refuse_beyond
 from reference.resampling.generalized import Mis
-from reference.setting_values import refuse_beyond
 
 LEAST_AND_MOST = {
     "candidates": (1, 32),

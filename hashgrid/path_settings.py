@@ -5,9 +5,9 @@ from math import inf
 from typing import Literal
 
 from extensions.pt_settings import PathSettings
-from reference.arrays import Masks, Scalars
+from reference.methods.setting_values import refuse_beyond
+from reference.numerics.arrays import Masks, Scalars
 from reference.resampling.generalized import Mis
-from reference.setting_values import refuse_beyond
 
 CELL_LIMITS = {
     "query": (0, 31),

@@ -34,18 +34,18 @@ from extensions.shifting import (
 )
 from hashgrid.grid import Cache, insert, lattice_of, look_up, vertex_uniforms
 from hashgrid.path_settings import CellSettings
-from reference.arrays import Indices, Masks, Scalars, Vec3s, divide_or_zero
 from reference.frame import FrameContext
-from reference.records import NONE, concatenate, cut, take, where
+from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, divide_or_zero
+from reference.numerics.records import NONE, concatenate, cut, take, where
+from reference.numerics.rng import Stream
+from reference.numerics.schedule import Schedule, in_bands
 from reference.resampling.generalized import Shifted, resample
 from reference.resampling.reservoir import Candidates, Reservoirs, finalize, merge
 from reference.resampling.target import luminance
-from reference.rng import Stream
 from reference.scene.animation import Animation
 from reference.scene.materials.table import pdf, scattering
 from reference.scene.surface import SurfacePoints
-from reference.schedule import Schedule, in_bands
-from reference.world import World
+from reference.transport.world import World
 
 
 @dataclass(frozen=True, slots=True, eq=False)

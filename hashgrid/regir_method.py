@@ -5,9 +5,9 @@ from collections.abc import Iterator, Mapping
 from extensions.method import PATHS, path_layers
 from hashgrid.path_settings import CellSettings
 from hashgrid.regir_gi import CellFrame, render_cell_frames
-from reference.arrays import Scalars
 from reference.methods.framed import Framed
 from reference.methods.method import Job
+from reference.numerics.arrays import Scalars
 
 
 def _frames(job: Job) -> Iterator[CellFrame]:

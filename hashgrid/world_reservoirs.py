@@ -25,10 +25,11 @@ from hashgrid.lights import (
     reflected_hits,
     renumbered,
 )
-from reference.arrays import Indices, Vec3s, dot, zero_vectors
-from reference.direct_light import sees_light
 from reference.frame import FrameContext, frames
-from reference.records import concatenate, cut, keep, take
+from reference.numerics.arrays import Indices, Vec3s, dot, zero_vectors
+from reference.numerics.records import concatenate, cut, keep, take
+from reference.numerics.rng import KeyedUniforms, Stream
+from reference.numerics.schedule import Schedule, in_bands
 from reference.resampling.generalized import Shifted, resample
 from reference.resampling.reservoir import (
     Reservoirs,
@@ -37,13 +38,12 @@ from reference.resampling.reservoir import (
     merge,
 )
 from reference.resampling.target import luminance
-from reference.rng import KeyedUniforms, Stream
 from reference.scene.animation import Animation
 from reference.scene.hits import surface_points
 from reference.scene.materials.bsdf_sampling import sample
 from reference.scene.surface import SurfacePoints, VisiblePoints
-from reference.schedule import Schedule, in_bands
-from reference.world import World
+from reference.transport.direct_light import sees_light
+from reference.transport.world import World
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,15 +6,15 @@ from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
-from reference.arrays import Indices
+from reference.numerics.arrays import Indices
+from reference.numerics.records import indices
+from reference.numerics.rng import KeyedUniforms, Stream
+from reference.numerics.schedule import Schedule, in_bands
 from reference.passes.gbuffer import visible_points
-from reference.records import indices
-from reference.rng import KeyedUniforms, Stream
 from reference.scene.animation import Animation, Changes, still
 from reference.scene.camera import pixel_centers
 from reference.scene.surface import VisiblePoints
-from reference.schedule import Schedule, in_bands
-from reference.world import World, next_world
+from reference.transport.world import World, next_world
 
 Settings = TypeVar("Settings")
 Settings_co = TypeVar("Settings_co", covariant=True)

@@ -7,9 +7,11 @@ from typing import Generic, Literal, TypeVar
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s
 from reference.frame import FrameContext, frames
-from reference.not_reused import reuses_all
+from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
+from reference.numerics.records import concatenate, cut, indices, select, take
+from reference.numerics.rng import Stream
+from reference.numerics.schedule import Schedule, in_bands
 from reference.options.boiling import boiling_filter
 from reference.options.fused import fused_resampling
 from reference.options.history import moved_history
@@ -27,14 +29,12 @@ from reference.passes.pixels import FrameReservoirs, NeighborPixels, Pixels
 from reference.passes.shade import shade
 from reference.passes.spatial import spatial_resampling
 from reference.passes.temporal import temporal_resampling
-from reference.records import concatenate, cut, indices, select, take
 from reference.resampling.reservoir import Reservoirs, Samples
-from reference.rng import Stream
 from reference.scene.animation import Animation
 from reference.scene.surface import VisiblePoints
-from reference.schedule import Schedule, in_bands
 from reference.settings import Settings
-from reference.world import World
+from reference.transport.not_reused import reuses_all
+from reference.transport.world import World
 
 OWN = 63
 """Dimension that decides on the pixel's own reservoir; the others are neighbours'."""

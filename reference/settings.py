@@ -6,10 +6,10 @@ from typing import Literal
 
 from reference.resampling.source import Source
 from reference.resampling.target import Target
+from reference.transport.not_reused import GlossySamples
 
 Mis = Literal["1/M", "1/Z", "balance", "pairwise", "defensive"]
 Visibility = Literal["all", "chosen", "none"]
-GlossySamples = Literal["path-traced", "as-lambertian"]
 JacobianUse = Literal["multiplied", "left-out", "divided"]
 BeyondLimit = Literal["reject-mirrored", "reject", "clamp"]
 MotionReuse = Literal["shifted", "as-stored"]

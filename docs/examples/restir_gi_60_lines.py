@@ -9,22 +9,22 @@ from dataclasses import replace
 
 import numpy as np
 
+from reference.numerics.records import NONE, take
+from reference.numerics.rng import KeyedUniforms, Stream
 from reference.passes.gbuffer import visible_points
 from reference.passes.initial import initial_samples
 from reference.passes.neighbors import find_neighbors
 from reference.passes.shade import shade
-from reference.records import NONE, take
 from reference.resampling import reservoir as r
 from reference.resampling.mis import one_over_z
 from reference.resampling.shift import reconnection_jacobian
 from reference.resampling.source import source_pdf
 from reference.resampling.target import target
-from reference.rng import KeyedUniforms, Stream
 from reference.scene.camera import pixel_centers
 from reference.scene.catalogue.registry import find_scene
 from reference.scene.surface import direction_and_distance
 from reference.settings import UNBIASED
-from reference.world import build_world
+from reference.transport.world import build_world
 
 s = UNBIASED
 

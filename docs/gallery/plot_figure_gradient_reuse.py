@@ -18,10 +18,10 @@ runs: its numbers have wider intervals.
 import matplotlib.pyplot as plt
 from rich.console import Console
 
-from gradient_domain.figures.ablations import reuse
-from reference.figures.record import Work
-from reference.figures.table import table
-from reference.schedule import Schedule
+from docs.figures.gradient_domain.ablations import reuse
+from reference.numerics.schedule import Schedule
+from reference.reports.figures.record import Work
+from reference.reports.figures.table import table
 
 figure = reuse(Work(size=32, runs=2, schedule=Schedule()), ["checker"])
 plt.figure().figimage(figure.pixels(), resize=True)

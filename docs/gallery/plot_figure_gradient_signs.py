@@ -17,10 +17,10 @@ runs: its numbers have wider intervals.
 import matplotlib.pyplot as plt
 from rich.console import Console
 
-from gradient_domain.figures.ablations import signs
-from reference.figures.record import Work
-from reference.figures.table import table
-from reference.schedule import Schedule
+from docs.figures.gradient_domain.ablations import signs
+from reference.numerics.schedule import Schedule
+from reference.reports.figures.record import Work
+from reference.reports.figures.table import table
 
 figure = signs(Work(size=32, runs=3, schedule=Schedule()), ["checker"])
 plt.figure().figimage(figure.pixels(), resize=True)

@@ -36,10 +36,10 @@ numbers have wider intervals, and those above are the ones to quote.
 import matplotlib.pyplot as plt
 from rich.console import Console
 
-from hashgrid.figures.shaft import shaft
-from reference.figures.record import Work
-from reference.figures.table import table
-from reference.schedule import Schedule
+from docs.figures.hashgrid.shaft import shaft
+from reference.numerics.schedule import Schedule
+from reference.reports.figures.record import Work
+from reference.reports.figures.table import table
 
 figure = shaft(Work(size=32, runs=2, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)

@@ -23,17 +23,17 @@ Two densities
 These are the functions that the renderer calls. Each turns two numbers in [0, 1) into a
 direction about the *z* axis; beside each stands its density.
 
-.. literalinclude:: /../reference/sampling.py
+.. literalinclude:: /../reference/numerics/sampling.py
    :pyobject: sample_uniform_hemisphere
 
-.. literalinclude:: /../reference/sampling.py
+.. literalinclude:: /../reference/numerics/sampling.py
    :pyobject: sample_cosine_hemisphere
 """
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from reference.sampling import (
+from reference.numerics.sampling import (
     pdf_cosine_hemisphere,
     pdf_uniform_hemisphere,
     sample_cosine_hemisphere,

@@ -21,10 +21,10 @@ This is Equation 11 of the paper, and the whole kernel:
 import matplotlib.pyplot as plt
 import numpy as np
 
-from reference.figures.jacobian import jacobian
-from reference.figures.record import Work
+from docs.figures.jacobian import jacobian
+from reference.numerics.schedule import Schedule
+from reference.reports.figures.record import Work
 from reference.resampling.shift import reconnection_jacobian
-from reference.schedule import Schedule
 
 # %%
 # Is it the ratio of the solid angles? Take a small triangle on a wall and measure the

@@ -24,14 +24,14 @@ from dataclasses import replace
 import matplotlib.pyplot as plt
 import numpy as np
 
-from reference.path_tracer import camera_radiance
+from reference.numerics.rng import KeyedUniforms, Stream
+from reference.numerics.schedule import Schedule
 from reference.restir_gi import render_frames
-from reference.rng import KeyedUniforms, Stream
 from reference.scene.animation import Animation
 from reference.scene.catalogue.registry import find_scene
-from reference.schedule import Schedule
 from reference.settings import UNBIASED
-from reference.world import build_world
+from reference.transport.path_tracer import camera_radiance
+from reference.transport.world import build_world
 
 # %%
 # The Cornell box, 32 x 32 pixels, one bounce. The truth is a path tracer's.

@@ -32,7 +32,7 @@ from hashgrid.grid import build_grid, jittered, keys_of, lattice_of
 from reference.passes.gbuffer import visible_points
 from reference.scene.camera import pixel_centers
 from reference.scene.catalogue.registry import find_scene
-from reference.world import build_world
+from reference.transport.world import build_world
 
 # %%
 # Cells of the visible points of a hall, each in a colour of its own. They double in

@@ -26,17 +26,17 @@ from dataclasses import replace
 import matplotlib.pyplot as plt
 import numpy as np
 
+from docs.figures.gradient_domain.toy import toy
 from gradient_domain.differences import Differences, differences
-from gradient_domain.figures.toy import toy
 from gradient_domain.reconstruction import least_squares
-from reference.figures.record import Work
-from reference.path_tracer import camera_radiance
+from reference.numerics.rng import KeyedUniforms, Stream
+from reference.numerics.schedule import Schedule
+from reference.reports.figures.record import Work
 from reference.restir_gi import render_frames
-from reference.rng import KeyedUniforms, Stream
 from reference.scene.catalogue.registry import find_scene
-from reference.schedule import Schedule
 from reference.settings import UNBIASED
-from reference.world import build_world
+from reference.transport.path_tracer import camera_radiance
+from reference.transport.world import build_world
 
 # %%
 # A picture of the Cornell box, and what is known of it: a noisy image, and differences

@@ -1,11 +1,11 @@
 """Methods by name: the built-in ones, and those of plug-ins."""
 
-from reference.errors import UsageError
 from reference.methods.method import Method
 from reference.methods.path import PATH
 from reference.methods.restir_gi import BIASED, UNBIASED
-from reference.plugins import find_plugin, plugin_names
-from reference.suggestions import unknown
+from reference.system.errors import UsageError
+from reference.system.plugins import find_plugin, plugin_names
+from reference.system.suggestions import unknown
 
 GROUP = "restir.methods"
 BUILT_IN = {method.name: method for method in (PATH, BIASED, UNBIASED)}

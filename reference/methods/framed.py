@@ -7,15 +7,15 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 
-from reference.accumulate import Pixel
-from reference.arrays import Scalars, Vec3s
-from reference.errors import UsageError
 from reference.methods.aovs import GBUFFER, gbuffer_layers
 from reference.methods.method import Job, Method, Progress, Rendering, Shown
 from reference.methods.path import mean_of_paths
-from reference.records import fields_but, nbytes
-from reference.rng import Stream
-from reference.world import World, next_world
+from reference.numerics.arrays import Scalars, Vec3s
+from reference.numerics.records import fields_but, nbytes
+from reference.numerics.rng import Stream
+from reference.system.errors import UsageError
+from reference.transport.accumulate import Pixel
+from reference.transport.world import World, next_world
 
 Image = Literal["last", "mean"]
 

@@ -29,12 +29,12 @@ from collections.abc import Callable, Generator, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from reference.accumulate import Pixel
-from reference.arrays import Scalars, Vec3s
-from reference.path_tracer import Light
+from reference.numerics.arrays import Scalars, Vec3s
+from reference.numerics.schedule import Schedule
 from reference.scene.animation import Animation
-from reference.schedule import Schedule
-from reference.world import World
+from reference.transport.accumulate import Pixel
+from reference.transport.path_tracer import Light
+from reference.transport.world import World
 
 Layers = Mapping[str, Scalars]
 """Quantities by name, (N,) or (N, 3); ``"color"`` is the picture."""
@@ -118,7 +118,7 @@ class Method:
     counts : mapping of str to int
         Which of the options ``"frames"`` and ``"spp"`` it heeds, and their defaults.
     settings : dataclass instance
-        Defaults of what ``--set`` changes; :mod:`reference.setting_values` says which
+        Defaults of what ``--set`` changes; :mod:`reference.methods.setting_values` says which
         fields it may have.
     aovs : mapping of str to str; names that ``--aov`` takes, and what they are
     render : callable; takes a `Job` and generates; `Rendering`

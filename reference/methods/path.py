@@ -5,16 +5,16 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import count
 
-from reference.accumulate import PathSamples, Pixel, accumulate, path_samples
-from reference.arrays import Scalars
-from reference.errors import UsageError
 from reference.methods.aovs import GBUFFER, gbuffer_layers
 from reference.methods.method import Job, Method, Progress, Rendering, Shown
-from reference.moments import Moments, no_samples
-from reference.path_tracer import Light
-from reference.rng import Stream
-from reference.schedule import in_bands
-from reference.world import World, next_world
+from reference.numerics.arrays import Scalars
+from reference.numerics.moments import Moments, no_samples
+from reference.numerics.rng import Stream
+from reference.numerics.schedule import in_bands
+from reference.system.errors import UsageError
+from reference.transport.accumulate import PathSamples, Pixel, accumulate, path_samples
+from reference.transport.path_tracer import Light
+from reference.transport.world import World, next_world
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,15 +4,15 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 
 from reference import settings
-from reference.arrays import Scalars
-from reference.biases import biases
 from reference.methods.aovs import RESERVOIRS, reservoir_layers
+from reference.methods.biases import biases
 from reference.methods.framed import Framed, Image
 from reference.methods.method import Job, Method
+from reference.methods.setting_values import refuse_beyond
+from reference.numerics.arrays import Scalars
+from reference.numerics.records import nbytes
 from reference.options.storage import stored_bytes
-from reference.records import nbytes
 from reference.restir_gi import Frame, render_frames
-from reference.setting_values import refuse_beyond
 from reference.settings import Settings
 
 LEAST_AND_MOST = {

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from reference.arrays import Indices, divide_or_zero, saturate
+from reference.numerics.arrays import Indices, divide_or_zero, saturate
 from reference.resampling.reservoir import Reservoirs
 from reference.resampling.target import luminance
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from reference.arrays import Scalars
+from reference.numerics.arrays import Scalars
 from reference.passes.initial import InitialSamples
 from reference.resampling.reservoir import (
     Reservoirs,

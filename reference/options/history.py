@@ -5,8 +5,10 @@ from math import isfinite
 
 import numpy as np
 
-from reference.arrays import Indices
 from reference.frame import FrameContext
+from reference.numerics.arrays import Indices
+from reference.numerics.records import NONE, cut
+from reference.numerics.schedule import in_bands
 from reference.options.history_search import find_history
 from reference.options.motion import EarlierReservoirs, TemporalShift, temporal_shift
 from reference.options.reduced_resolution import corner, keeps_reservoir
@@ -14,12 +16,10 @@ from reference.options.replay import replay_of
 from reference.options.validation import validated, validates
 from reference.passes.history import History
 from reference.passes.pixels import FrameReservoirs
-from reference.records import NONE, cut
 from reference.resampling.reservoir import Reservoirs
 from reference.resampling.suffix import age
 from reference.scene.motion import carry
 from reference.scene.surface import SurfacePoints, VisiblePoints
-from reference.schedule import in_bands
 from reference.settings import Settings
 
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars
 from reference.frame import FrameContext
+from reference.numerics.arrays import Indices, Masks, Scalars
+from reference.numerics.records import NONE
+from reference.numerics.rng import Draw, Stream
 from reference.options.reprojection import alike_before, places_before, row_at
 from reference.passes.pixels import FrameReservoirs
-from reference.records import NONE
-from reference.rng import Draw, Stream
 from reference.scene.motion import Motion
 from reference.settings import Settings
 

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from math import isfinite
 
-from reference.arrays import Masks, Scalars, Vec3s, divide_or_zero
+from reference.numerics.arrays import Masks, Scalars, Vec3s, divide_or_zero
 from reference.passes.pixels import Pixels, reconnection
 from reference.resampling.jacobian_limits import clamp_jacobian, within_limit
 from reference.resampling.reservoir import Samples

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from reference.arrays import Masks
 from reference.frame import FrameContext
+from reference.numerics.arrays import Masks
+from reference.numerics.records import NONE, indices
 from reference.options.checkerboard import draws_new_sample
 from reference.options.reduced_resolution import keeps_reservoir
 from reference.options.validation import validates
 from reference.passes.history import History
-from reference.records import NONE, indices
 from reference.settings import Settings
 
 

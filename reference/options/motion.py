@@ -2,14 +2,14 @@
 
 from dataclasses import dataclass, replace
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s
+from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
+from reference.numerics.records import NONE
 from reference.options.replay import Replay
 from reference.passes.pixels import FrameReservoirs, NeighborPixels, Pixels
-from reference.records import NONE
 from reference.resampling.reservoir import Samples
 from reference.scene.motion import Motion, carry, motion_between, turn
 from reference.scene.surface import SurfacePoints
-from reference.world import World, same_but_for_the_camera
+from reference.transport.world import World, same_but_for_the_camera
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,14 +5,14 @@ from functools import partial
 
 import numpy as np
 
-from reference.arrays import Indices, Scalars
 from reference.frame import FrameContext
+from reference.numerics.arrays import Indices, Scalars
+from reference.numerics.records import NONE, indices
+from reference.numerics.rng import Uniforms
 from reference.options.reduced_resolution import corner
 from reference.passes.history import History
 from reference.passes.neighbors import neighbors_of
 from reference.passes.pixels import FrameReservoirs, NeighborPixels, Pixels
-from reference.records import NONE, indices
-from reference.rng import Uniforms
 from reference.settings import Settings
 
 Neighbors = list[tuple[NeighborPixels, Scalars]]

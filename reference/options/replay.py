@@ -5,14 +5,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s
 from reference.frame import FrameContext
+from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
+from reference.numerics.rng import Stream, Uniforms
 from reference.options.roulette import tail_weights
-from reference.path_tracer import reflected_radiance
 from reference.resampling.suffix import Suffix
-from reference.rng import Stream, Uniforms
 from reference.settings import Settings
-from reference.world import World
+from reference.transport.path_tracer import reflected_radiance
+from reference.transport.world import World
 
 
 @dataclass(frozen=True, slots=True)

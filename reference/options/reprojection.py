@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars
+from reference.numerics.arrays import Indices, Masks, Scalars
+from reference.numerics.records import NONE, take
 from reference.passes.gbuffer import similar
-from reference.records import NONE, take
 from reference.scene.camera import image_points, view_depth
 from reference.scene.motion import Motion, carry, turn
 from reference.scene.surface import VisiblePoints
 from reference.settings import Search
-from reference.world import World
+from reference.transport.world import World
 
 
 def places_before(

@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from reference.arrays import Indices, Scalars
 from reference.frame import FrameContext
-from reference.rng import KeyedUniforms, Stream
+from reference.numerics.arrays import Indices, Scalars
+from reference.numerics.rng import KeyedUniforms, Stream
 from reference.settings import Settings
 
 TILE_WIDTH, TILE_HEIGHT = 64, 32

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.records import map_rows, nbytes
+from reference.numerics.records import map_rows, nbytes
 from reference.resampling.packing.paper import pack, unpack
 from reference.resampling.reservoir import Reservoirs
 from reference.scene.surface import SurfacePoints

@@ -4,17 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from reference.arrays import Masks, dot
-from reference.caster import STOP
 from reference.frame import FrameContext
+from reference.numerics.arrays import Masks, dot
 from reference.options.replay import Replay
-from reference.path_tracer import follow
 from reference.resampling.reservoir import Reservoirs, Samples
 from reference.resampling.target import luminance
 from reference.scene.origins import contact
 from reference.scene.surface import SurfacePoints, direction_and_distance
 from reference.settings import Settings
-from reference.world import World
+from reference.transport.caster import STOP
+from reference.transport.path_tracer import follow
+from reference.transport.world import World
 
 
 def validates(frame: FrameContext[Settings]) -> bool:

@@ -4,12 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.arrays import Masks
 from reference.frame import FrameContext
+from reference.numerics.arrays import Masks
+from reference.numerics.records import indices
 from reference.options.masks import goes_on
 from reference.passes.history import History
 from reference.passes.pixels import Pixels, sees
-from reference.records import indices
 from reference.resampling.reservoir import Reservoirs, Samples
 from reference.settings import Settings
 

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, divide_or_zero, saturate
+from reference.numerics.arrays import Indices, Masks, Scalars, divide_or_zero, saturate
+from reference.numerics.records import take
 from reference.passes.initial import InitialSamples
 from reference.passes.pixels import NeighborPixels, Pixels, reconnection, sees
-from reference.records import take
 from reference.resampling.domain import target_if_drawn
 from reference.resampling.generalized import Mis, Shifted, resample
 from reference.resampling.reservoir import Reservoirs, Samples

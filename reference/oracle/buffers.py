@@ -5,11 +5,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.arrays import Indices
+from reference.numerics.arrays import Indices
+from reference.numerics.records import take
 from reference.oracle.cases import Buffers
 from reference.oracle.contract.fields import Precision, dtype_of
 from reference.oracle.prepared_frame import PreparedFrame
-from reference.records import take
 from reference.resampling.reservoir import Reservoirs, Samples
 
 

@@ -8,7 +8,6 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from reference.errors import UsageError
 from reference.oracle.backends.open import open_backend
 from reference.oracle.backends.running import Limits
 from reference.oracle.cases import UnaskedError
@@ -18,6 +17,7 @@ from reference.oracle.golden import read_golden
 from reference.oracle.ladder import golden_levels, ladder, statistical_levels
 from reference.oracle.parts import whole_contract
 from reference.oracle.verdict import Verdict, run_ladder
+from reference.system.errors import UsageError
 
 
 def _silent(title: str) -> None:

@@ -25,7 +25,7 @@ from reference.oracle.levels.distribution import SCENES
 from reference.oracle.levels.means import replicates
 from reference.oracle.parts import whole_contract
 from reference.oracle.steps import Asker, Level, LevelStep
-from reference.workers import ahead
+from reference.system.workers import ahead
 
 AHEAD = 32
 """Batches that are handed out before they are wanted."""

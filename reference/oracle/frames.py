@@ -6,16 +6,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.arrays import Indices, Masks
+from reference.numerics.arrays import Indices, Masks
+from reference.numerics.records import take
+from reference.numerics.rng import Stream
 from reference.oracle.buffers import given, prefixed, receivers, reservoirs, samples
 from reference.oracle.cases import Case
 from reference.oracle.contract.fields import Precision, Value
 from reference.oracle.prepared_frame import CAPS, NEIGHBORS, SIMILARITY, PreparedFrame
 from reference.oracle.visibility import made_it
 from reference.passes.pixels import sees
-from reference.records import take
 from reference.resampling.reservoir import Samples
-from reference.rng import Stream
 
 
 def frame_cases(at: PreparedFrame, precision: Precision) -> Iterator[Case]:

@@ -16,14 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.errors import UsageError
-from reference.exactness.registry import limits_of
-from reference.files import make_folder, read_file, write_file
-from reference.leftovers import scratch_folder, sweep
 from reference.oracle.buffers import given
 from reference.oracle.builtin.backend import BuiltIn
 from reference.oracle.cases import Case
 from reference.oracle.contract.fields import Passes, Precision
+from reference.oracle.exact.registry import limits_of
 from reference.oracle.exr_frames import write_frames
 from reference.oracle.levels.exact import exact_outputs, examined_exactly
 from reference.oracle.levels.kernels import kernel_probes
@@ -32,7 +29,10 @@ from reference.oracle.levels.probe import Probe
 from reference.oracle.levels.replayed import replayed
 from reference.oracle.parts import parts
 from reference.oracle.raw import read_cases, write_cases
-from reference.version import project_version
+from reference.system.errors import UsageError
+from reference.system.files import make_folder, read_file, write_file
+from reference.system.leftovers import scratch_folder, sweep
+from reference.system.version import project_version
 
 MANIFEST, FORM = "manifest.json", "restir-golden 1"
 

@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
 
-from reference.errors import UsageError
 from reference.oracle.contract.fields import Pass, Passes, Precision
 from reference.oracle.contract.registry import CONTRACT
 from reference.oracle.diagnosis.hypothesis import Hypothesis
 from reference.oracle.replay.judges import JUDGES, Judge
+from reference.system.errors import UsageError
 
 if TYPE_CHECKING:
     from reference.oracle.levels.probe import Probe

@@ -5,19 +5,19 @@ from itertools import islice
 
 import numpy as np
 
-from reference.arrays import Indices
-from reference.errors import UsageError
+from reference.numerics.arrays import Indices
+from reference.numerics.rng import KeyedUniforms, Stream
+from reference.numerics.schedule import Schedule
 from reference.oracle.contract.fields import Value
 from reference.passes.initial import InitialSamples, initial_samples
 from reference.passes.neighbors import find_neighbors
 from reference.restir_gi import Frame, render_frames
-from reference.rng import KeyedUniforms, Stream
 from reference.scene.materials.parameters import Kind
 from reference.scene.scene import Scene
 from reference.scene.validation import validate
-from reference.schedule import Schedule
 from reference.settings import UNBIASED
-from reference.world import World, build_world
+from reference.system.errors import UsageError
+from reference.transport.world import World, build_world
 
 SCENES = ("cornell-box", "door-ajar", "sunlit-wall", "grazing-light", "many-lights")
 """All diffuse, and unlike: corners, a slit, grazing angles, small lights."""

@@ -6,20 +6,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.arrays import Indices, Masks, Vec3s
+from reference.numerics.arrays import Indices, Masks, Vec3s
+from reference.numerics.records import take
+from reference.numerics.rng import KeyedUniforms, Stream
 from reference.oracle.prepared_frame import NEIGHBORS
 from reference.passes.gbuffer import visible_points
 from reference.passes.neighbors import find_neighbors
-from reference.path_tracer import follow, reflected_radiance
-from reference.records import take
-from reference.rng import KeyedUniforms, Stream
 from reference.scene.camera import pixel_centers
 from reference.scene.catalogue.registry import find_scene
 from reference.scene.origins import contact
 from reference.scene.surface import SurfacePoints, VisiblePoints
 from reference.scene.validation import validate
 from reference.settings import UNBIASED
-from reference.world import World, build_world
+from reference.transport.path_tracer import follow, reflected_radiance
+from reference.transport.world import World, build_world
 
 
 @dataclass(frozen=True, slots=True, eq=False)

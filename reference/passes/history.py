@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars
+from reference.numerics.arrays import Indices, Masks, Scalars
+from reference.numerics.records import NONE, indices, select
 from reference.passes.pixels import FrameReservoirs, NeighborPixels, Pixels
-from reference.records import NONE, indices, select
 from reference.resampling.reservoir import Reservoirs
 
 

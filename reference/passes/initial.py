@@ -4,17 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s
-from reference.not_reused import split_light
-from reference.path_tracer import follow, reflected_radiance
+from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
+from reference.numerics.rng import Uniforms
 from reference.resampling.reservoir import Samples
 from reference.resampling.source import Source, sample_source, source_pdf
 from reference.resampling.suffix import suffix_of
-from reference.rng import Uniforms
 from reference.scene.origins import contact
 from reference.scene.surface import SurfacePoints, direction_and_distance
-from reference.settings import GlossySamples
-from reference.world import World
+from reference.transport.not_reused import GlossySamples, split_light
+from reference.transport.path_tracer import follow, reflected_radiance
+from reference.transport.world import World
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,11 +4,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from reference.arrays import Indices, Scalars
+from reference.numerics.arrays import Indices, Scalars
+from reference.numerics.records import NONE, take
+from reference.numerics.rng import Draw, Uniforms
 from reference.passes.gbuffer import similar
 from reference.passes.pixels import FrameReservoirs, NeighborPixels, Pixels
-from reference.records import NONE, take
-from reference.rng import Draw, Uniforms
 from reference.scene.surface import VisiblePoints
 from reference.settings import Search
 

@@ -1,10 +1,10 @@
 """Shading: the estimate f(y) W of the pixel's indirect light."""
 
-from reference.arrays import Vec3s
+from reference.numerics.arrays import Vec3s
 from reference.resampling.reservoir import Reservoirs
 from reference.resampling.target import reflected
 from reference.scene.surface import SurfacePoints
-from reference.world import World
+from reference.transport.world import World
 
 
 def shade(world: World, points: SurfacePoints, reservoirs: Reservoirs) -> Vec3s:

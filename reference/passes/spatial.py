@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from reference.arrays import Scalars
+from reference.numerics.arrays import Scalars
 from reference.resampling.reservoir import Reservoirs, cap_confidence, finalize
 from reference.resampling.reuse import (
     Neighbor,

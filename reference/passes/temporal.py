@@ -1,6 +1,6 @@
 """Algorithm 3: temporal resampling."""
 
-from reference.arrays import Scalars
+from reference.numerics.arrays import Scalars
 from reference.passes.initial import InitialSamples
 from reference.resampling.reservoir import (
     Reservoirs,

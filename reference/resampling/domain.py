@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, dot
-from reference.records import take
+from reference.numerics.arrays import Indices, Masks, Scalars, dot
+from reference.numerics.records import take
 from reference.resampling.reservoir import Samples
 from reference.resampling.source import Source, source_pdf
 from reference.resampling.target import Target, target

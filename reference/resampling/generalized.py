@@ -20,8 +20,8 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, divide_or_zero
-from reference.records import NONE, scatter, take, where
+from reference.numerics.arrays import Indices, Masks, Scalars, divide_or_zero
+from reference.numerics.records import NONE, scatter, take, where
 from reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
 from reference.resampling.pairwise import pairwise_canonical, pairwise_neighbor
 from reference.resampling.reservoir import (

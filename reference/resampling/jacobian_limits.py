@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import Masks, Scalars
+from reference.numerics.arrays import Masks, Scalars
 
 
 def clamp_jacobian(jacobian: Scalars, limit: float) -> Scalars:

@@ -18,7 +18,7 @@ normalization of 1.
 
 import numpy as np
 
-from reference.arrays import Scalars, divide_or_zero, plus
+from reference.numerics.arrays import Scalars, divide_or_zero, plus
 from reference.resampling.mis import one_over_m
 
 

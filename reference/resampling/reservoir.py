@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import Masks, Scalars, Vec3s, divide_or_zero, saturate
-from reference.records import where
+from reference.numerics.arrays import Masks, Scalars, Vec3s, divide_or_zero, saturate
+from reference.numerics.records import where
 from reference.resampling.suffix import Suffix
 
 

@@ -11,8 +11,8 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars
-from reference.records import pick
+from reference.numerics.arrays import Indices, Masks, Scalars
+from reference.numerics.records import pick
 from reference.resampling.mis import one_over_m, one_over_z
 from reference.resampling.reservoir import (
     Candidates,

@@ -2,7 +2,14 @@
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s, divide_or_zero, dot, saturate, sqrt
+from reference.numerics.arrays import (
+    Scalars,
+    Vec3s,
+    divide_or_zero,
+    dot,
+    saturate,
+    sqrt,
+)
 
 
 def reconnection_jacobian(

@@ -4,10 +4,10 @@ from typing import Literal
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s, vectors
-from reference.frames import to_world
-from reference.rng import Draw
-from reference.sampling import (
+from reference.numerics.arrays import Scalars, Vec3s, vectors
+from reference.numerics.frames import to_world
+from reference.numerics.rng import Draw
+from reference.numerics.sampling import (
     pdf_cosine_hemisphere,
     pdf_uniform_hemisphere,
     sample_cosine_hemisphere,

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars
+from reference.numerics.arrays import Indices, Masks, Scalars
 from reference.scene.surface import SurfacePoints
 
 

@@ -4,8 +4,8 @@ from typing import Literal
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s, divide_or_zero, dot, saturate
-from reference.images import luminance_weights
+from reference.images.image import luminance_weights
+from reference.numerics.arrays import Scalars, Vec3s, divide_or_zero, dot, saturate
 from reference.resampling.reservoir import Samples
 from reference.scene.materials.parameters import Kind, MaterialTable, lit_cosine
 from reference.scene.materials.table import is_shared, scattering

@@ -11,11 +11,11 @@ from typing import Literal
 
 import numpy as np
 
-from reference.arrays import Scalars
-from reference.errors import UsageError
+from reference.numerics.arrays import Scalars
 from reference.scene.camera import Camera
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh, Sphere
+from reference.system.errors import UsageError
 
 RIGID = 1e-9
 """How far a pose's rotation may be from orthonormal: rounding, and no scale."""

@@ -5,7 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s, divide_or_zero, dot
+from reference.numerics.arrays import (
+    Indices,
+    Masks,
+    Scalars,
+    Vec3s,
+    divide_or_zero,
+    dot,
+)
 from reference.scene.lights import Lamp, SpotLight
 
 

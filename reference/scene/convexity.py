@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import Masks, Scalars, dot, triangle_normal
+from reference.numerics.arrays import Masks, Scalars, dot, triangle_normal
 from reference.scene.geometry import world_corners
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh, Sphere

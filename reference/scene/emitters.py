@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import (
+from reference.images.image import luminance_weights
+from reference.numerics.arrays import (
     Indices,
     Masks,
     Scalars,
@@ -13,9 +14,9 @@ from reference.arrays import (
     dot,
     zero_vectors,
 )
-from reference.images import luminance_weights
-from reference.records import take
-from reference.sampling import sample_uniform_sphere
+from reference.numerics.records import take
+from reference.numerics.sampling import sample_uniform_sphere
+from reference.numerics.tables import cumulate, guide_of
 from reference.scene.cones import Cones, build_cones, solid_angles
 from reference.scene.environment import (
     EnvironmentMap,
@@ -28,7 +29,6 @@ from reference.scene.light_cells import LightCells, cut_lights, radiance_at
 from reference.scene.origins import contact
 from reference.scene.scene import Scene
 from reference.scene.surface import SurfacePoints
-from reference.tables import cumulate, guide_of
 
 
 @dataclass(frozen=True, slots=True, eq=False)

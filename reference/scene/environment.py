@@ -4,13 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s, vectors
-from reference.frames import turn
-from reference.images import luminance_weights
-from reference.sampling import sample_uniform_sphere
+from reference.images.image import luminance_weights
+from reference.numerics.arrays import Scalars, Vec3s, vectors
+from reference.numerics.frames import turn
+from reference.numerics.sampling import sample_uniform_sphere
+from reference.numerics.tables import cumulate, sample_table
 from reference.scene.lights import ConstantEnvironment, Environment, LatLongEnvironment
 from reference.scene.textures import read_latitudes
-from reference.tables import cumulate, sample_table
 
 
 @dataclass(frozen=True, slots=True, eq=False)

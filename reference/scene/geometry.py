@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.arrays import (
+from reference.numerics.arrays import (
     Indices,
     Masks,
     Scalars,
@@ -17,7 +17,7 @@ from reference.arrays import (
     normalize,
     triangle_normal,
 )
-from reference.records import take
+from reference.numerics.records import take
 from reference.scene.materials.kinds import Dielectric, Material
 from reference.scene.materials.parameters import MaterialTable, tabulate
 from reference.scene.scene import Scene

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import (
+from reference.numerics.arrays import (
     Indices,
     Masks,
     Scalars,
@@ -13,7 +13,7 @@ from reference.arrays import (
     normalize,
     zero_vectors,
 )
-from reference.records import take
+from reference.numerics.records import take
 from reference.scene.geometry import (
     Geometry,
     inside,

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Indices, Scalars, Vec3s, normalize
-from reference.images import luminance
-from reference.records import take
-from reference.sampling import invert_triangle, sample_triangle
+from reference.images.image import luminance
+from reference.numerics.arrays import Indices, Scalars, Vec3s, normalize
+from reference.numerics.records import take
+from reference.numerics.sampling import invert_triangle, sample_triangle
 from reference.scene.geometry import Geometry, barycentric, texture_coordinates
 from reference.scene.texel_sums import TexelSums, texels
 from reference.scene.textures import read

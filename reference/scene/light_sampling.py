@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import (
+from reference.numerics.arrays import (
     Indices,
     Masks,
     Scalars,
@@ -13,9 +13,10 @@ from reference.arrays import (
     dot,
     zero_vectors,
 )
-from reference.records import take
-from reference.rng import Draw
-from reference.sampling import sample_triangle, sample_uniform_sphere
+from reference.numerics.records import take
+from reference.numerics.rng import Draw
+from reference.numerics.sampling import sample_triangle, sample_uniform_sphere
+from reference.numerics.tables import index_in_table
 from reference.scene.cones import falloff
 from reference.scene.emitters import Emitters
 from reference.scene.environment import environment_radiance, sample_environment
@@ -23,7 +24,6 @@ from reference.scene.geometry import Geometry, on_triangles
 from reference.scene.light_cells import radiance_at
 from reference.scene.masks import is_solid_at
 from reference.scene.surface import direction_and_distance
-from reference.tables import index_in_table
 
 
 @dataclass(frozen=True, slots=True)

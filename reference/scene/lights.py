@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s
+from reference.numerics.arrays import Scalars, Vec3s
 from reference.scene.textures import Color
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s, zero_vectors
+from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, zero_vectors
 from reference.scene.geometry import Geometry, barycentric, texture_coordinates
 from reference.scene.textures import read
 

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s, dot, vectors
-from reference.errors import UsageError
+from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, dot, vectors
 from reference.scene.animation import check_rigid
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh, Sphere
+from reference.system.errors import UsageError
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from reference.arrays import Indices, Scalars, Vec3s
+from reference.numerics.arrays import Indices, Scalars, Vec3s
 from reference.scene.materials.kinds import Material
 from reference.scene.textures import Bitmap, Color, Texture, shines
 

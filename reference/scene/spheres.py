@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import Indices, Scalars, Vec3s, dot
+from reference.numerics.arrays import Indices, Scalars, Vec3s, dot
 
 
 def first_sphere(

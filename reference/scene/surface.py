@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s, saturate
+from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, saturate
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Indices, Scalars, Vec3s
-from reference.images import luminance_weights
+from reference.images.image import luminance_weights
+from reference.numerics.arrays import Indices, Scalars, Vec3s
 from reference.scene.textures import Bitmap, Pattern, Wrap
 
 LEAST_SHARE = 1e-3

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from reference.errors import UsageError
 from reference.scene.animation import Animation
 from reference.scene.checks.camera import check_camera, check_place
 from reference.scene.checks.enclosure import check_enclosure
@@ -12,6 +11,7 @@ from reference.scene.checks.values import refuse
 from reference.scene.geometry import world_corners
 from reference.scene.motion import motion_between
 from reference.scene.scene import Scene
+from reference.system.errors import UsageError
 
 SMALLEST = 1e-50
 """Half of the longest side of a scene, in metres, whose square still has a square."""

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import DTypeLike
 
-from reference.arrays import Scalars, Vec3s
-from reference.frames import normal_frames
+from reference.numerics.arrays import Scalars, Vec3s
+from reference.numerics.frames import normal_frames
 from reference.strategies.numbers import ROWS
 
 

@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from reference.arrays import Scalars, Vec3s, normalize
-from reference.frames import normal_frames
+from reference.numerics.arrays import Scalars, Vec3s, normalize
+from reference.numerics.frames import normal_frames
 from reference.resampling.reservoir import Samples
 from reference.strategies.numbers import ROWS, scalars, uniforms
 

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from reference.arrays import dot
+from reference.numerics.arrays import dot
 from reference.scene.materials.kinds import (
     Coated,
     Conductor,

@@ -5,13 +5,13 @@ from itertools import islice
 
 import numpy as np
 
-from reference.path_tracer import camera_radiance, first_hits
+from reference.numerics.rng import KeyedUniforms, Stream
+from reference.numerics.schedule import Schedule
 from reference.restir_gi import render_frames
-from reference.rng import KeyedUniforms, Stream
 from reference.scene.camera import pixel_centers
-from reference.schedule import Schedule
 from reference.settings import Settings
-from reference.world import build_world
+from reference.transport.path_tracer import camera_radiance, first_hits
+from reference.transport.world import build_world
 
 ONE_BAND = Schedule(band=1 << 20)
 

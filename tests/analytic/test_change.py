@@ -9,13 +9,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from reference.numerics.schedule import Schedule
 from reference.restir_gi import render_frames
 from reference.scene.animation import Animation, still
 from reference.scene.catalogue.animations import CHANGE
 from reference.scene.catalogue.registry import find_animation, find_scene
-from reference.schedule import Schedule
 from reference.settings import BIASED, UNBIASED
-from reference.world import build_world
+from reference.transport.world import build_world
 
 SIZE, WITHIN = 16, 6
 

@@ -18,7 +18,7 @@ import pytest
 from scipy import stats
 from scipy.spatial.transform import Rotation
 
-from reference.arrays import divide_or_zero
+from reference.numerics.arrays import divide_or_zero
 from reference.passes import pixels
 from reference.resampling.shift import reconnection_jacobian
 from reference.scene.camera import Camera

@@ -16,12 +16,9 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad as integral
 
-from reference import direct_light
-from reference.arrays import divide_or_zero, dot
-from reference.direct_light import choose_light, next_event
-from reference.path_tracer import reflected_radiance
-from reference.records import take
-from reference.rng import KeyedUniforms, Stream
+from reference.numerics.arrays import divide_or_zero, dot
+from reference.numerics.records import take
+from reference.numerics.rng import KeyedUniforms, Stream
 from reference.scene.camera import Camera
 from reference.scene.cones import build_cones, falloff, solid_angles
 from reference.scene.emitters import emitted, pdf_light
@@ -33,7 +30,10 @@ from reference.scene.scene import Scene
 from reference.scene.shapes import Sphere, quad
 from reference.scene.textures import Bitmap, Checker
 from reference.scene.validation import validate
-from reference.world import build_world
+from reference.transport import direct_light
+from reference.transport.direct_light import choose_light, next_event
+from reference.transport.path_tracer import reflected_radiance
+from reference.transport.world import build_world
 from tests.analytic.rendering import path_traced, what_is_seen, world_of
 
 SIGMAS = 5.0

@@ -20,7 +20,7 @@ from reference.scene.shapes import Mesh, quad
 from reference.scene.surface import Viewpoints
 from reference.scene.textures import Bitmap
 from reference.scene.validation import validate
-from reference.world import build_world
+from reference.transport.world import build_world
 from tests.analytic.rendering import frames_of, path_traced, world_of
 
 GREY = Lambertian((0.5, 0.5, 0.5))

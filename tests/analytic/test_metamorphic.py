@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from reference.frame import FrameContext
-from reference.frames import to_world
-from reference.path_tracer import reflected_radiance
-from reference.records import take
+from reference.numerics.frames import to_world
+from reference.numerics.records import take
+from reference.numerics.rng import KeyedUniforms, Stream, TabledUniforms
+from reference.numerics.sampling import sample_cosine_hemisphere
+from reference.numerics.schedule import Schedule
 from reference.restir_gi import next_frame
-from reference.rng import KeyedUniforms, Stream, TabledUniforms
-from reference.sampling import sample_cosine_hemisphere
 from reference.scene.brightness import brightened
 from reference.scene.camera import Camera
 from reference.scene.catalogue.registry import CATALOGUE, find_scene
@@ -27,8 +27,8 @@ from reference.scene.materials.kinds import Lambertian
 from reference.scene.origins import STEP
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh, Sphere, box
-from reference.schedule import Schedule
 from reference.settings import Settings
+from reference.transport.path_tracer import reflected_radiance
 from tests.analytic.rendering import (
     ONE_BAND,
     frames_of,

@@ -19,7 +19,7 @@ from reference.scene.catalogue.answers import half_lit_sphere, sphere_furnace
 from reference.scene.catalogue.registry import find_scene
 from reference.scene.catalogue.rooms import pose
 from reference.settings import Settings
-from reference.world import build_world
+from reference.transport.world import build_world
 from tests.analytic.rendering import ONE_BAND, sized
 
 ROUNDING = 1e-12

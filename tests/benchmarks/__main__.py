@@ -14,8 +14,8 @@ import sys
 import time
 from pathlib import Path
 
-from reference.machine import machine
 from reference.scene.catalogue.registry import CATALOGUE
+from reference.system.machine import machine
 
 PYTHON = sys.executable
 RESTIR = [PYTHON, "-m", "reference"]

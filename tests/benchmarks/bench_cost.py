@@ -21,17 +21,17 @@ from extensions.area_settings import AreaSettings
 from extensions.pt_settings import CRITERIA, PathSettings
 from extensions.restir_pt import render_path_frames
 from reference.frame import FrameContext
+from reference.numerics.schedule import Schedule
 from reference.passes.gbuffer import visible_points
+from reference.reports.timing import seconds_in_turns, time_ratio
 from reference.restir_gi import Frame, next_frame, render_frames
 from reference.scene.animation import Animation, Changes
 from reference.scene.camera import pixel_centers
 from reference.scene.catalogue.registry import find_animation, find_scene
 from reference.scene.catalogue.rooms import cornell_box
 from reference.scene.surface import VisiblePoints
-from reference.schedule import Schedule
 from reference.settings import BIASED, UNBIASED, Settings
-from reference.timing import seconds_in_turns, time_ratio
-from reference.world import World, build_world, next_world
+from reference.transport.world import World, build_world, next_world
 from tests.benchmarks.scenes import bumpy_box, sized
 
 MODULE = "tests.benchmarks.bench_cost"

@@ -13,16 +13,16 @@ import sys
 
 import numpy as np
 
-from reference.accumulate import ever_more, path_samples
-from reference.intervals import Numbers, ratio_interval
-from reference.moments import add_samples, no_samples
+from reference.methods.setting_values import with_values
+from reference.numerics.intervals import Numbers, ratio_interval
+from reference.numerics.moments import add_samples, no_samples
+from reference.numerics.schedule import Schedule
+from reference.reports.timing import timed
 from reference.restir_gi import render_frames
 from reference.scene.catalogue.registry import find_scene
-from reference.schedule import Schedule
-from reference.setting_values import with_values
 from reference.settings import BIASED, UNBIASED
-from reference.timing import timed
-from reference.world import build_world
+from reference.transport.accumulate import ever_more, path_samples
+from reference.transport.world import build_world
 from tests.benchmarks.scenes import sized
 
 FRAMES, LAST, PATHS, SAMPLES = 32, 8, 8, 3000

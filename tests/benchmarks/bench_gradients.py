@@ -12,15 +12,15 @@ from pathlib import Path
 
 from rich.console import Console
 
-from gradient_domain.figures import gradients, images
-from gradient_domain.figures.rounds import RoundScene
-from gradient_domain.figures.variants import BOUNCES
-from reference.figures.record import Work
-from reference.figures.table import table
+from docs.figures.gradient_domain import gradients, images
+from docs.figures.gradient_domain.rounds import RoundScene
+from docs.figures.gradient_domain.variants import BOUNCES
+from reference.numerics.schedule import Schedule
+from reference.reports.figures.record import Work
+from reference.reports.figures.table import table
 from reference.scene.loaders.load import load_scene
 from reference.scene.validation import validate
-from reference.schedule import Schedule
-from reference.world import build_world
+from reference.transport.world import build_world
 
 
 def main() -> None:

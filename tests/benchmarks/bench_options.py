@@ -15,16 +15,16 @@ from itertools import islice
 
 import numpy as np
 
-from reference.accumulate import path_samples
-from reference.moments import add_samples, no_samples
+from reference.numerics.moments import add_samples, no_samples
+from reference.numerics.rng import Stream
+from reference.numerics.schedule import Schedule
+from reference.reports.timing import in_turns
 from reference.restir_gi import render_frames
-from reference.rng import Stream
 from reference.scene.animation import Animation
 from reference.scene.catalogue.registry import find_animation
-from reference.schedule import Schedule
 from reference.settings import BIASED, UNBIASED, Settings
-from reference.timing import in_turns
-from reference.world import World, build_world
+from reference.transport.accumulate import path_samples
+from reference.transport.world import World, build_world
 
 FRAMES, BOUNCES, SAMPLES = 12, 2, 3000
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from gradient_domain.differences import differences
 from gradient_domain.reconstruction import least_squares
-from reference.timing import seconds_in_turns
+from reference.reports.timing import seconds_in_turns
 
 SIZES = ((480, 270), (960, 540), (1920, 1080), (3840, 2160))
 REPEATS = 5

@@ -12,15 +12,15 @@ from pathlib import Path
 import numpy as np
 
 from reference.frame import FrameContext
+from reference.numerics.schedule import Schedule
 from reference.passes.gbuffer import visible_points
 from reference.restir_gi import next_frame
 from reference.scene.camera import pixel_centers
 from reference.scene.catalogue.registry import find_scene
 from reference.scene.scene import Scene
 from reference.scene.validation import validate
-from reference.schedule import Schedule
 from reference.settings import UNBIASED
-from reference.world import build_world
+from reference.transport.world import build_world
 from tests.benchmarks.scenes import bumpy_box, sized
 
 THREADS = os.cpu_count() or 1

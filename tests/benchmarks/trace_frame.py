@@ -35,11 +35,11 @@ from typing import Any
 
 from reference.methods.discovery import method_named, method_names
 from reference.methods.method import Job, Method
+from reference.numerics.schedule import Schedule
 from reference.passes.gbuffer import visible_points
 from reference.scene.catalogue.registry import find_scene
 from reference.scene.validation import validate
-from reference.schedule import Schedule
-from reference.world import build_world
+from reference.transport.world import build_world
 
 PACKAGES = ("reference", "extensions", "hashgrid", "gradient_domain")
 KERNELS = {

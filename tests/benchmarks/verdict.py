@@ -14,8 +14,8 @@ from rich.console import Console
 
 from reference.oracle.checking import judge
 from reference.oracle.parts import whole_contract
-from reference.oracle.report.plain import as_plain
-from reference.oracle.report.table import table
+from reference.reports.verdict.plain import as_plain
+from reference.reports.verdict.table import table
 from tests.mutants.catalogue import JACOBIANS
 from tests.mutants.harness import Planted
 

@@ -2,11 +2,11 @@
 
 import pytest
 
-from reference.cli import main
+from reference.cli.main import main
 from reference.oracle.checking import judge
 from reference.oracle.parts import whole_contract
-from reference.oracle.report.page import write_page
-from reference.oracle.report.plain import as_plain
+from reference.reports.verdict.page import write_page
+from reference.reports.verdict.plain import as_plain
 from tests.browser.accessible import overflow, violations
 from tests.mutants.catalogue import BY_NAME
 from tests.mutants.harness import Planted

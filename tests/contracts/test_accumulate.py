@@ -16,17 +16,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reference.accumulate import accumulate, path_samples
-from reference.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
-from reference.cli import main
-from reference.errors import UsageError
-from reference.exr import read_exr
-from reference.fingerprint import fingerprint
-from reference.metadata import header
-from reference.moments import Moments, add_samples, no_samples
+from reference.cli.main import main
+from reference.images.exr import read_exr
+from reference.methods.metadata import header
+from reference.numerics.moments import Moments, add_samples, no_samples
+from reference.numerics.schedule import Schedule
 from reference.scene.catalogue.registry import find_scene
-from reference.schedule import Schedule
-from reference.world import build_world
+from reference.scene.fingerprint import fingerprint
+from reference.system.errors import UsageError
+from reference.transport.accumulate import accumulate, path_samples
+from reference.transport.world import build_world
+from reference.truth.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
 
 ROOT = Path(__file__).parents[2]
 RUN = {"scene": "room", "seed": "0"}

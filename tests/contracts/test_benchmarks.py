@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from reference.cli import build_parser
-from reference.errors import UsageError
+from reference.cli.main import build_parser
+from reference.system.errors import UsageError
 from tests.benchmarks.__main__ import parts
 from tests.mutants import matrix
 

@@ -5,7 +5,7 @@ from math import inf
 
 import pytest
 
-from reference.biases import biases
+from reference.methods.biases import biases
 from reference.scene.catalogue.registry import find_scene
 from reference.settings import BIASED, UNBIASED
 

@@ -12,22 +12,22 @@ from typing import Literal
 import numpy as np
 import pytest
 
-from reference import plugins
-from reference.cli import main
-from reference.exr import read_exr
-from reference.json_text import json_text
-from reference.metadata import header
+from reference.cli.main import main
+from reference.images.exr import read_exr
 from reference.methods import (
     Method,
     Progress,
     method_named,
     method_names,
 )
+from reference.methods.metadata import header
+from reference.methods.setting_values import as_text, known, with_values
 from reference.scene.animation import still, with_change
 from reference.scene.camera import view_depth
 from reference.scene.catalogue.registry import CATALOGUE, find_scene
 from reference.scene.origins import STEP
-from reference.setting_values import as_text, known, with_values
+from reference.system import plugins
+from reference.system.json_text import json_text
 
 ROOT = Path(__file__).parents[2]
 COMMANDS = ("scenes", "render", "reference", "compare", "demo")

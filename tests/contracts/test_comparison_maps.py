@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
-from reference.comparison.histogram import histogram_bars
-from reference.comparison.maps import (
+from reference.images.display import MARKER
+from reference.images.metrics import mape
+from reference.reports.comparison.histogram import histogram_bars
+from reference.reports.comparison.maps import (
     difference_map,
     flip_map,
     relative_error_map,
     scale_of,
     z_map,
 )
-from reference.display import MARKER
-from reference.metrics import mape
 
 
 def test_red_is_where_a_is_brighter():

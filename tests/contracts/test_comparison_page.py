@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from PIL import Image as Pillow
 
-from reference.comparison import compare
-from reference.display import MARKER
-from reference.errors import UsageError
-from reference.images import Image
+from reference.images.display import MARKER
+from reference.images.image import Image
+from reference.reports.comparison import compare
+from reference.system.errors import UsageError
 from tests.contracts.elements import Page
 
 PICTURES = ["a.png", "b.png", "difference.png", "flip.png", "relative_error.png"]

@@ -15,9 +15,9 @@ from functools import cache
 import pytest
 import trimesh
 
-from reference.cli import build_parser, main
-from reference.errors import UsageError
-from reference.figures.registry import figure_names
+from reference.cli.main import build_parser, main
+from reference.reports.figures.registry import figure_names
+from reference.system.errors import UsageError
 from tests.contracts.documented import (
     ROOT,
     commands_in,

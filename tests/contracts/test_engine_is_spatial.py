@@ -14,15 +14,15 @@ import numpy as np
 import pytest
 
 from reference import restir_gi
+from reference.numerics.records import take
+from reference.numerics.schedule import Schedule
 from reference.options.weights import resample_weighted
 from reference.passes.spatial import spatial_resampling
-from reference.records import take
 from reference.resampling.mis import one_over_z
 from reference.scene.animation import Animation
 from reference.scene.catalogue.registry import find_animation
-from reference.schedule import Schedule
 from reference.settings import Settings
-from reference.world import build_world
+from reference.transport.world import build_world
 from tests.exact import claims, pages
 from tests.exact.domain import PIXELS
 

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from reference.exr import read_exr, write_exr
-from reference.images import Image
+from reference.images.exr import read_exr, write_exr
+from reference.images.image import Image
 
 SCAN = {"type": OpenEXR.scanlineimage, "compression": OpenEXR.ZIP_COMPRESSION}
 SPECIAL = np.array(

@@ -8,33 +8,39 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from docs.figures import contest, validation
+from docs.figures.contest import FRAMES, Contender, Contest, compete
+from docs.figures.gradient_domain import ablations, gradients, images, rounds
+from docs.figures.hashgrid import turns
+from docs.figures.paths import sized_world
+from docs.figures.regions import floor_points, zones
 from gradient_domain import least_absolute
-from gradient_domain.figures import ablations, gradients, images, rounds
-from hashgrid.figures import turns
-from reference import plugins, timing
-from reference.cli import main
-from reference.demo.runs import CONVERGED
-from reference.figures import contest, registry, validation
-from reference.figures.canvas import Tile, blank, draw_tiles
-from reference.figures.contest import FRAMES, Contender, Contest, compete
-from reference.figures.paths import sized_world
-from reference.figures.record import (
-    Deviation,
-    Interval,
-    PaperFigure,
-    Work,
-)
-from reference.figures.regions import floor_points, zones
-from reference.figures.registry import FIGURES, FigureEntry, figure_names, find_figure
-from reference.figures.spread import spreads
-from reference.figures.table import as_plain, table, text
-from reference.figures.tiles import largest_of_half, rms_without_noise, tile_luminance
-from reference.images import luminance
-from reference.intervals import mean_interval, ratio_interval
+from reference.cli.main import main
+from reference.images.image import luminance
 from reference.methods import Progress
 from reference.methods.restir_gi import UNBIASED
-from reference.moments import Moments, add_samples, merge, no_samples
-from reference.schedule import Schedule
+from reference.numerics.intervals import mean_interval, ratio_interval
+from reference.numerics.moments import Moments, add_samples, merge, no_samples
+from reference.numerics.schedule import Schedule
+from reference.reports import timing
+from reference.reports.demo.runs import CONVERGED
+from reference.reports.figures import registry
+from reference.reports.figures.canvas import Tile, blank, draw_tiles
+from reference.reports.figures.record import Deviation, Interval, PaperFigure, Work
+from reference.reports.figures.registry import (
+    FIGURES,
+    FigureEntry,
+    figure_names,
+    find_figure,
+)
+from reference.reports.figures.spread import spreads
+from reference.reports.figures.table import as_plain, table, text
+from reference.reports.figures.tiles import (
+    largest_of_half,
+    rms_without_noise,
+    tile_luminance,
+)
+from reference.system import plugins
 
 FALSE_ALARM = 1e-6
 SMALL = Work(16, 4, Schedule())

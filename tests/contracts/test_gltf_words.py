@@ -11,7 +11,6 @@ from dataclasses import fields, is_dataclass
 import numpy as np
 import pytest
 
-from reference.errors import UsageError
 from reference.scene.loaders.gltf_check import TABLE
 from reference.scene.loaders.gltf_forms import (
     Flag,
@@ -24,6 +23,7 @@ from reference.scene.loaders.gltf_forms import (
 from reference.scene.loaders.gltf_words import WORDS
 from reference.scene.loaders.load import load_scene
 from reference.scene.loaders.words import Use
+from reference.system.errors import UsageError
 from tests.contracts.gltf_files import TRIANGLE, Gltf, png
 
 PICTURE = np.array(

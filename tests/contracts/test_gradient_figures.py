@@ -7,16 +7,15 @@ from itertools import count
 import numpy as np
 import pytest
 
-from gradient_domain.differences import differences
-from gradient_domain.figures.gradients import times_smaller
-from gradient_domain.figures.rounds import (
+from docs.figures.gradient_domain.gradients import times_smaller
+from docs.figures.gradient_domain.rounds import (
     FRAMES,
     Rounds,
     RoundScene,
     Variant,
     by_rounds,
 )
-from gradient_domain.figures.scores import (
+from docs.figures.gradient_domain.scores import (
     gradient_errors,
     gradient_flips,
     gradient_picture,
@@ -24,12 +23,13 @@ from gradient_domain.figures.scores import (
     image_flips,
     relative_gradient_errors,
 )
-from gradient_domain.figures.toy import VARIANTS, functions, toy
-from gradient_domain.figures.variants import METHODS, PRIMAL, scene_of
-from reference import timing
-from reference.figures.record import Work
-from reference.moments import Moments
-from reference.schedule import Schedule
+from docs.figures.gradient_domain.toy import VARIANTS, functions, toy
+from docs.figures.gradient_domain.variants import METHODS, PRIMAL, scene_of
+from gradient_domain.differences import differences
+from reference.numerics.moments import Moments
+from reference.numerics.schedule import Schedule
+from reference.reports import timing
+from reference.reports.figures.record import Work
 
 SMALL = Work(16, 3, Schedule())
 

@@ -22,16 +22,16 @@ from gradient_domain.settings import (
     GradientPathSettings,
     GradientSettings,
 )
-from reference.cli import main
-from reference.errors import UsageError
-from reference.exr import read_exr
+from reference.cli.main import main
+from reference.images.exr import read_exr
 from reference.methods.discovery import method_named, method_names
 from reference.methods.method import Job, drive
+from reference.methods.setting_values import with_values
+from reference.numerics.schedule import Schedule
 from reference.scene.catalogue.registry import find_animation
 from reference.scene.validation import validate
-from reference.schedule import Schedule
-from reference.setting_values import with_values
-from reference.world import build_world
+from reference.system.errors import UsageError
+from reference.transport.world import build_world
 from tests.properties.path_scenes import world
 
 VARIANTS = [

@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[2]
 PACKAGES = ("reference", "extensions", "hashgrid", "gradient_domain")
 MODULES = sorted(path for name in PACKAGES for path in (ROOT / name).rglob("*.py"))
 BIBLIOGRAPHY = ROOT / "docs" / "reference" / "references.md"
-EMBREE_FILE = ROOT / "reference" / "rays.py"
+EMBREE_FILE = ROOT / "reference" / "transport" / "rays.py"
 
 Function = ast.FunctionDef | ast.AsyncFunctionDef
 

@@ -7,11 +7,11 @@ import numpy as np
 import OpenEXR
 import pytest
 
-from reference.cli import main
-from reference.comparison.likeness import SAME, differences
-from reference.errors import UsageError
-from reference.exr import read_exr, write_exr
-from reference.images import Image
+from reference.cli.main import main
+from reference.images.exr import read_exr, write_exr
+from reference.images.image import Image
+from reference.reports.comparison.likeness import SAME, differences
+from reference.system.errors import UsageError
 
 HEADER = {
     "scene": "kitchen",

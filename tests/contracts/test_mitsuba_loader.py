@@ -9,7 +9,6 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from PIL import Image
 
-from reference.errors import UsageError
 from reference.scene.camera import camera_rays
 from reference.scene.lights import (
     ConstantEnvironment,
@@ -22,6 +21,7 @@ from reference.scene.loaders.load import load_scene
 from reference.scene.loaders.mitsuba_nodes import mitsuba_session
 from reference.scene.materials.kinds import Coated, Conductor, Dielectric, Lambertian
 from reference.scene.textures import Bitmap, Checker, read
+from reference.system.errors import UsageError
 
 mi = pytest.importorskip("mitsuba", reason="reads Mitsuba XML by the package mitsuba")
 

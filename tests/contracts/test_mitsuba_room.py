@@ -14,7 +14,7 @@ from reference.scene.camera import pixel_centers
 from reference.scene.loaders.load import load_scene
 from reference.scene.loaders.mitsuba_nodes import mitsuba_session
 from reference.scene.validation import validate
-from reference.world import build_world
+from reference.transport.world import build_world
 from tests.contracts.test_mitsuba_words import COLORED, OBJ
 
 mi = pytest.importorskip("mitsuba", reason="reads Mitsuba XML by the package mitsuba")

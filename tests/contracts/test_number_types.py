@@ -11,8 +11,15 @@ import mpmath
 import numpy as np
 import pytest
 
-from reference.arrays import cross, divide_or_zero, dot, length, normalize, sqrt
-from reference.frames import turn
+from reference.numerics.arrays import (
+    cross,
+    divide_or_zero,
+    dot,
+    length,
+    normalize,
+    sqrt,
+)
+from reference.numerics.frames import turn
 from reference.resampling.jacobian_limits import clamp_jacobian
 from reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
 from reference.resampling.pairwise import pairwise_canonical, pairwise_neighbor

@@ -6,9 +6,9 @@ import pytest
 from reference.oracle.cases import for_ever
 from reference.oracle.checking import judge
 from reference.oracle.parts import whole_contract
-from reference.oracle.report.page import write_page
-from reference.oracle.report.plain import as_plain
 from reference.oracle.verdict import departs
+from reference.reports.verdict.page import write_page
+from reference.reports.verdict.plain import as_plain
 from tests.mutants.catalogue import BY_NAME
 from tests.mutants.harness import Planted
 

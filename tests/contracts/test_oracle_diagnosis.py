@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reference.arrays import normalize
+from reference.numerics.arrays import normalize
 from reference.oracle.builtin.backend import FLOAT32
 from reference.oracle.diagnosis.diagnose import HYPOTHESES, diagnose
 from reference.oracle.frames import frame_cases

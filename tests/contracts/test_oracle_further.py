@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from reference.numerics.rng import pcg4d, to_unit_interval
 from reference.oracle.builtin.further import FURTHER
 from reference.oracle.cases import refused
 from reference.oracle.contract.fields import dtype_of
@@ -18,12 +19,11 @@ from reference.oracle.levels.replayed import replayed
 from reference.oracle.replay.further.judges import FURTHER_JUDGES
 from reference.oracle.replay.rules import CONTRACT_RULES
 from reference.passes.gbuffer import visible_points
-from reference.rng import pcg4d, to_unit_interval
 from reference.scene.camera import pixel_centers
 from reference.scene.catalogue.registry import find_scene
 from reference.scene.origins import contact
 from reference.scene.validation import validate
-from reference.world import build_world
+from reference.transport.world import build_world
 
 PASSES = {p.name: p for p in FURTHER_PASSES}
 WEIGHTS = np.array([0.2126, 0.7152, 0.0722])

@@ -13,8 +13,6 @@ import numpy as np
 import OpenEXR
 import pytest
 
-from reference.errors import UsageError
-from reference.leftovers import sweep
 from reference.oracle.backends.files import FilesBackend
 from reference.oracle.exr_frames import write_frames
 from reference.oracle.frames import frame_cases
@@ -28,6 +26,8 @@ from reference.oracle.prepared_frame import prepare_frame
 from reference.oracle.raw import read_cases
 from reference.oracle.verdict import run_ladder
 from reference.scene.catalogue.registry import find_scene
+from reference.system.errors import UsageError
+from reference.system.leftovers import sweep
 
 CONTRACT = whole_contract()
 

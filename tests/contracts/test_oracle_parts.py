@@ -6,7 +6,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reference.errors import UsageError
 from reference.oracle import parts as module
 from reference.oracle import steps
 from reference.oracle.backends.inside import InsideBackend
@@ -21,6 +20,7 @@ from reference.oracle.levels.replayed import replayed
 from reference.oracle.parts import Part, parts, whole_contract
 from reference.oracle.replay.bounded import constant, exact, rounding_of
 from reference.oracle.replay.judgement import Judgement, beside
+from reference.system.errors import UsageError
 
 DOUBLED = Pass(
     name="doubled",

@@ -5,7 +5,7 @@ import sys
 import pytest
 
 from reference.oracle.builtin.backend import FLOAT32
-from reference.pytest_plugin import Oracle
+from reference.oracle.pytest_plugin import Oracle
 from tests.contracts.oracle_backends import EMPTY, NAN, PARTIAL
 
 pytest_plugins = ["pytester"]

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from reference.errors import UsageError
-from reference.exr import write_exr
-from reference.images import Image
+from reference.images.exr import write_exr
+from reference.images.image import Image
 from reference.oracle.backends.running import Limits
 from reference.oracle.blackbox.judge import renderer_levels
 from reference.oracle.blackbox.renderer import Renderer
 from reference.oracle.blackbox.truth import Truth, path_traced, statistics
 from reference.oracle.cases import Failure
 from reference.scene.catalogue.registry import find_scene
+from reference.system.errors import UsageError
 
 SIZE = 8
 

@@ -13,8 +13,7 @@ import pytest
 from PIL import Image as Pillow
 from rich.console import Console
 
-from reference.display import encode_png
-from reference.errors import UsageError
+from reference.images.display import encode_png
 from reference.oracle.builtin.backend import FLOAT32
 from reference.oracle.cases import Failure
 from reference.oracle.diagnosis.diagnose import Diagnosis
@@ -26,14 +25,15 @@ from reference.oracle.levels.replayed import replayed
 from reference.oracle.parts import parts, whole_contract
 from reference.oracle.prepared_frame import prepare_frame
 from reference.oracle.replay.judgement import Compared, Decisions, Judgement, exactly
-from reference.oracle.report.maps import error_maps, signed_map
-from reference.oracle.report.page import pieces, write_page
-from reference.oracle.report.plain import as_plain
-from reference.oracle.report.table import table
-from reference.oracle.report.worst import answers_of, worst_answer, worst_rows
 from reference.oracle.steps import LevelStep
 from reference.oracle.verdict import Timed, Verdict, run_ladder
+from reference.reports.verdict.maps import error_maps, signed_map
+from reference.reports.verdict.page import pieces, write_page
+from reference.reports.verdict.plain import as_plain
+from reference.reports.verdict.table import table
+from reference.reports.verdict.worst import answers_of, worst_answer, worst_rows
 from reference.scene.catalogue.registry import find_scene
+from reference.system.errors import UsageError
 from tests.contracts.elements import Page
 
 CONTRACT = whole_contract()

@@ -11,10 +11,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from reference.cli import main
-from reference.effects import ALL, effects, left_out, planner_of, prepared_for_all
-from reference.exr import read_exr
+from reference.cli.main import main
+from reference.images.exr import read_exr
 from reference.methods import method_names
+from reference.numerics.schedule import Schedule
+from reference.reports.effects import (
+    ALL,
+    effects,
+    left_out,
+    planner_of,
+    prepared_for_all,
+)
 from reference.restir_gi import render_frames
 from reference.scene.animation import still
 from reference.scene.camera import Camera
@@ -37,9 +44,8 @@ from reference.scene.plan import EVERYTHING, parts, plan_of
 from reference.scene.scene import Scene
 from reference.scene.shapes import Sphere, box, quad
 from reference.scene.validation import validate
-from reference.schedule import Schedule
 from reference.settings import UNBIASED
-from reference.world import build_world
+from reference.transport.world import build_world
 
 
 def frames(named, bounces, plan, count=3):

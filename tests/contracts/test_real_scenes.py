@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from reference.effects import effects
-from reference.errors import UsageError
+from reference.reports.effects import effects
 from reference.scene.loaders.load import load_scene
 from reference.scene.materials.kinds import Coated, Conductor, Dielectric, Lambertian
 from reference.scene.named import Named, frames_of
 from reference.scene.textures import Bitmap, Checker
+from reference.system.errors import UsageError
 
 BESIDE = Path(__file__).parents[3] / "shared" / "scenes"
 SCENES = Path(os.environ.get("RESTIR_SCENES", BESIDE))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reference.records import take
+from reference.numerics.records import take
 from reference.scene.camera import Camera
 from reference.scene.catalogue.registry import CATALOGUE, find_scene
 from reference.scene.catalogue.rooms import pose

@@ -8,13 +8,13 @@ import pytest
 from extensions.method import METHOD
 from extensions.pt_settings import PathSettings
 from extensions.restir_pt import render_path_frames
-from reference.cli import main
-from reference.errors import UsageError
-from reference.exr import read_exr
+from reference.cli.main import main
+from reference.images.exr import read_exr
 from reference.methods.discovery import method_named, method_names
 from reference.methods.method import Job
-from reference.schedule import Schedule
-from reference.setting_values import with_values
+from reference.methods.setting_values import with_values
+from reference.numerics.schedule import Schedule
+from reference.system.errors import UsageError
 from tests.properties.path_scenes import world
 
 

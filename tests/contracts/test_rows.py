@@ -15,10 +15,17 @@ import pytest
 from numpy.testing import assert_array_equal
 
 import reference
-from reference import arrays, frames, not_reused, sampling, tables
+from reference.numerics import arrays, frames, sampling, tables
+from reference.numerics.records import take
+from reference.numerics.rng import (
+    KeyedUniforms,
+    Stream,
+    TabledUniforms,
+    pcg4d,
+    to_unit_interval,
+)
 from reference.options import checkerboard, history_search, jacobian, roulette
 from reference.passes import gbuffer, initial, neighbors
-from reference.records import take
 from reference.resampling import (
     jacobian_limits,
     mis,
@@ -37,7 +44,6 @@ from reference.resampling.packing import (
     rounding,
     rtxdi,
 )
-from reference.rng import KeyedUniforms, Stream, TabledUniforms, pcg4d, to_unit_interval
 from reference.scene.materials import (
     bsdf_sampling,
     coat,
@@ -60,6 +66,7 @@ from reference.scene.surface import (
 )
 from reference.settings import Settings
 from reference.strategies import EXAMPLES
+from reference.transport import not_reused
 
 WIDTH, HEIGHT = 15, 17
 N = WIDTH * HEIGHT

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import pytest
 
-from reference.cli import build_parser
-from reference.commands import COMMANDS
+from reference.cli import COMMANDS
+from reference.cli.main import build_parser
 
 ROOT = Path(__file__).parents[2]
 HEAVY = {"numpy", "embreex", "scipy", "OpenEXR", "PIL", "matplotlib", "rich", "trimesh"}
 SCRIPT = """
 import sys
-from reference.cli import main
+from reference.cli.main import main
 code = main(sys.argv[1:])
 sys.stdout.flush()
 print()
@@ -59,13 +59,13 @@ def test_control_a_command_imports_what_it_needs():
 @pytest.mark.parametrize("name", COMMANDS)
 def test_a_command_is_what_the_table_says(name):
     """The table is known before the module is: its first line says the same."""
-    module = import_module(f"reference.commands.{name}")
+    module = import_module(f"reference.cli.{name}")
     first = module.__doc__.partition("\n")[0]
     assert first == f"``restir {name}``: {COMMANDS[name]}"
 
 
 def test_every_module_with_arguments_is_a_command():
-    folder = ROOT / "reference" / "commands"
+    folder = ROOT / "reference" / "cli"
     sources = {path.stem: path.read_text() for path in folder.glob("*.py")}
     assert {n for n, s in sources.items() if "\ndef run(" in s} == COMMANDS.keys()
 

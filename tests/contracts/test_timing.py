@@ -4,9 +4,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from reference import timing
-from reference.intervals import Interval
-from reference.timing import Lap, in_turns, seconds_in_turns, time_ratio, timed
+from reference.numerics.intervals import Interval
+from reference.reports import timing
+from reference.reports.timing import Lap, in_turns, seconds_in_turns, time_ratio, timed
 
 
 @pytest.fixture

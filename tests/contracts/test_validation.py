@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reference.errors import UsageError
 from reference.scene.camera import Camera
 from reference.scene.catalogue.registry import CATALOGUE
 from reference.scene.catalogue.rooms import pose
@@ -25,6 +24,7 @@ from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh, Sphere, box, quad
 from reference.scene.textures import Bitmap, Checker
 from reference.scene.validation import validate
+from reference.system.errors import UsageError
 
 GREY = Lambertian((0.5, 0.5, 0.5))
 NAN, INF = float("nan"), float("inf")

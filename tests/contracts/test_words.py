@@ -22,17 +22,17 @@ SCENE_OF_A_CASE = "a scene's name, which stands in golden folders that people ha
 
 ALLOWED = {
     "excuses": {
-        "reference/oracle/report/plain.py": "a JSON key of the report",
-        "reference/oracle/report/templates/verdict.html": "a JSON key of the report",
+        "reference/reports/verdict/plain.py": "a JSON key of the report",
+        "reference/reports/verdict/templates/verdict.html": "a JSON key of the report",
     },
     "paint": {
         "extensions/oracle/shifts/cases.py": SCENE_OF_A_CASE,
         "extensions/oracle/shifts/scenes.py": SCENE_OF_A_CASE,
     },
     "rung": {
-        "reference/oracle/report/plain.py": "a JSON key of the report",
-        "reference/oracle/report/table.py": "a JSON key of the report",
-        "reference/oracle/report/templates/verdict.html": "a JSON key of the report",
+        "reference/reports/verdict/plain.py": "a JSON key of the report",
+        "reference/reports/verdict/table.py": "a JSON key of the report",
+        "reference/reports/verdict/templates/verdict.html": "a JSON key of the report",
         "reference/oracle/golden.py": "a JSON key of the manifest",
     },
     "competition": {"CHANGELOG.md": "the name of a class, as it was"},

@@ -13,10 +13,9 @@ from itertools import count, islice
 import numpy as np
 import pytest
 
-from reference.cli import main
-from reference.commands import reference as command
-from reference.errors import UsageError
-from reference.exr import read_exr
+from reference.cli import reference as command
+from reference.cli.main import main
+from reference.images.exr import read_exr
 from reference.oracle.backends.inside import InsideBackend
 from reference.oracle.backends.running import Limits
 from reference.oracle.blackbox.renderer import Renderer
@@ -27,12 +26,13 @@ from reference.oracle.ladder import statistical_levels
 from reference.oracle.levels.means import mean_over_runs, replicates
 from reference.oracle.parts import whole_contract
 from reference.oracle.steps import Asker
+from reference.reports.tradeoff.points import Design
+from reference.reports.tradeoff.store import open_store
+from reference.reports.tradeoff.sweep import Sweep, run_sweep
+from reference.reports.tradeoff.trials import run_trial
 from reference.scene.named import Named
-from reference.tradeoff.points import Design
-from reference.tradeoff.store import open_store
-from reference.tradeoff.sweep import Sweep, run_sweep
-from reference.tradeoff.trials import run_trial
-from reference.workers import ahead, work, workers
+from reference.system.errors import UsageError
+from reference.system.workers import ahead, work, workers
 
 pytestmark = pytest.mark.slow
 

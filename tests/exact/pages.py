@@ -31,7 +31,7 @@ import numpy as np
 import pytest
 
 from reference import restir_gi
-from reference.arrays import divide_or_zero
+from reference.numerics.arrays import divide_or_zero
 from reference.options.motion import EarlierReservoirs
 from reference.passes import pixels as scene
 from reference.passes.history import History

@@ -9,7 +9,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from reference.records import NONE
+from reference.numerics.records import NONE
 from reference.resampling.shift import reconnection_jacobian
 from reference.settings import Settings
 from tests.exact import claims, domain, pages

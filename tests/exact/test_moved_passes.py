@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from reference.numerics.records import take
 from reference.options.motion import EarlierPixels, EarlierReservoirs, TemporalShift
 from reference.passes.history import History
 from reference.passes.initial import InitialSamples
 from reference.passes.pixels import FrameReservoirs, sees
-from reference.records import take
 from reference.resampling.reservoir import Reservoirs, Samples
 from reference.resampling.suffix import Suffix
 from reference.resampling.target import target

@@ -8,11 +8,11 @@ import mpmath
 import numpy as np
 import pytest
 
-from reference.exactness.geometry import cosine_of_degrees
 from reference.oracle.builtin.backend import FLOAT32, FLOAT64
 from reference.oracle.cases import Case
 from reference.oracle.contract.registry import CONTRACT
 from reference.oracle.diagnosis.diagnose import diagnose
+from reference.oracle.exact.geometry import cosine_of_degrees
 from reference.oracle.levels.exact import exact_outputs, examined_exactly
 from reference.oracle.levels.kernels import kernel_probes
 from reference.oracle.levels.probe import examined

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reference import restir_gi
-from reference.records import NONE
+from reference.numerics.records import NONE
 from reference.resampling.generalized import resample
 from tests.exact import claims, shifted
 from tests.exact.domain import CELLS, HOLDS, MU, NOTHING, PIXELS, SEES

@@ -15,9 +15,9 @@ import numpy as np
 import OpenEXR
 from PIL import Image as Pillow
 
-from reference.exr import write_exr
-from reference.exr_parts import MAGIC
-from reference.images import Image
+from reference.images.exr import write_exr
+from reference.images.exr_parts import MAGIC
+from reference.images.image import Image
 from reference.oracle.golden import write_golden
 from reference.oracle.levels.kernels import kernel_probes
 from reference.oracle.parts import whole_contract

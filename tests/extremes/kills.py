@@ -23,7 +23,7 @@ from pathlib import Path
 
 import numpy as np
 
-from reference.exr import read_exr
+from reference.images.exr import read_exr
 from reference.oracle.backends.descendants import end_marked, marked
 
 ROOT = Path(__file__).parents[2]

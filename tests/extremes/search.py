@@ -10,11 +10,11 @@ import numpy as np
 from hypothesis import HealthCheck, Phase, given, settings, target
 from hypothesis import strategies as st
 
-from reference.exactness.draws import Draws
-from reference.exactness.extremes import EXTREMES
-from reference.exactness.matrix import TYPES, judged_cell, reads
-from reference.exactness.registry import kernels
-from reference.exactness.worst import PATH, Worst, plain
+from reference.oracle.exact.draws import Draws
+from reference.oracle.exact.extremes import EXTREMES
+from reference.oracle.exact.matrix import TYPES, judged_cell, reads
+from reference.oracle.exact.registry import kernels
+from reference.oracle.exact.worst import PATH, Worst, plain
 
 STEPS = 24
 """Numbers of a row that are moved one by one; the others move with them."""

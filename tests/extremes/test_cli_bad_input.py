@@ -13,13 +13,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reference import plugins
-from reference.cli import main
-from reference.commands import memory
-from reference.exr import read_exr, write_exr
-from reference.images import Image
+from reference.cli import memory
+from reference.cli.main import main
+from reference.images.exr import read_exr, write_exr
+from reference.images.image import Image
 from reference.methods import Method, Progress, method_names
 from reference.settings import Settings
+from reference.system import plugins
 
 ROOT = Path(__file__).parents[2]
 PLY = """ply
@@ -350,7 +350,7 @@ def test_a_folder_that_may_not_be_written(refused, tmp_path):
 
 LIMITED = """
 import resource, sys
-from reference.cli import main
+from reference.cli.main import main
 resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))
 sys.exit(main(sys.argv[1:]))
 """
@@ -414,7 +414,7 @@ def test_ctrl_c(tmp_path, name, code):
     out.write_bytes(b"old")
     script = (
         "import sys\n"
-        "from reference import cli\n"
+        "from reference.cli import main as cli\n"
         "from reference.methods import method\n"
         "Progress = method.Progress\n"
         "def told(*words):\n"

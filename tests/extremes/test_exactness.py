@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from reference.figures import extremes
-from reference.figures.record import Work
-from reference.schedule import Schedule
+from docs.figures import extremes
+from reference.numerics.schedule import Schedule
+from reference.reports.figures.record import Work
 
 PLAN = Work(16, 4, Schedule())
 

@@ -9,9 +9,9 @@ import numpy as np
 import OpenEXR
 import pytest
 
-from reference.errors import UsageError
-from reference.exr import read_exr, write_exr
-from reference.images import Image
+from reference.images.exr import read_exr, write_exr
+from reference.images.image import Image
+from reference.system.errors import UsageError
 
 SCAN = {"type": OpenEXR.scanlineimage, "compression": OpenEXR.ZIP_COMPRESSION}
 RNG = np.random.default_rng(0)

@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reference.cli import main
-from reference.commands import COMMANDS
-from reference.exr import write_exr
-from reference.images import Image
+from reference.cli import COMMANDS
+from reference.cli.main import main
+from reference.images.exr import write_exr
+from reference.images.image import Image
 from tests.extremes.mutants import (
     ROOM,
     SpoiledCommand,

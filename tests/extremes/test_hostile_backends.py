@@ -16,9 +16,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reference.cli import main
-from reference.commands import check
-from reference.errors import UsageError
+from reference.cli import check
+from reference.cli.main import main
 from reference.oracle.backends.command import ProgramBackend
 from reference.oracle.backends.descendants import end_marked, marked
 from reference.oracle.backends.inside import InsideBackend
@@ -33,6 +32,7 @@ from reference.oracle.levels.kernels import kernel_probes
 from reference.oracle.parts import whole_contract
 from reference.oracle.verdict import Verdict
 from reference.scene.catalogue.registry import find_scene
+from reference.system.errors import UsageError
 
 pytestmark = pytest.mark.skipif(
     sys.platform != "linux", reason="processes are found in /proc"

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose, assert_array_equal
 
-from reference.arrays import dot, length
+from reference.numerics.arrays import dot, length
+from reference.numerics.records import take
 from reference.passes.gbuffer import similar
-from reference.records import take
 from reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
 from reference.resampling.reservoir import (
     Candidates,

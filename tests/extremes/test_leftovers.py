@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from reference.cli import main
-from reference.commands.targets import MADE_BY, new_folder
-from reference.files import write_file
-from reference.leftovers import LOCK, part_beside, scratch_folder, sweep
-from reference.oracle.report.page import write_page
-from reference.oracle.report.plain import as_plain
+from reference.cli.main import main
+from reference.cli.targets import MADE_BY, new_folder
 from reference.oracle.verdict import Verdict
+from reference.reports.verdict.page import write_page
+from reference.reports.verdict.plain import as_plain
+from reference.system.files import write_file
+from reference.system.leftovers import LOCK, part_beside, scratch_folder, sweep
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no such locks there")
 
@@ -76,7 +76,7 @@ def test_what_is_held_is_left_alone(tmp_path):
 WRITER = """
 import sys, time
 from pathlib import Path
-from reference.leftovers import part_beside, scratch_folder
+from reference.system.leftovers import part_beside, scratch_folder
 place = Path(sys.argv[1])
 with part_beside(place / "a") as (part, file), scratch_folder("render", place):
     (place / "ready").touch()

@@ -7,12 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reference.exactness.extremes import EXTREMES
-from reference.exactness.judge import judge
-from reference.exactness.matrix import TYPES, cell, judged_cell, reads
-from reference.exactness.numbers import EXACT, UndecidedError, exact, type_of
-from reference.exactness.registry import kernels, limits_of
-from reference.exactness.worst import worst_rows
+from reference.oracle.exact.extremes import EXTREMES
+from reference.oracle.exact.judge import judge
+from reference.oracle.exact.matrix import TYPES, cell, judged_cell, reads
+from reference.oracle.exact.numbers import EXACT, UndecidedError, exact, type_of
+from reference.oracle.exact.registry import kernels, limits_of
+from reference.oracle.exact.worst import worst_rows
 from reference.oracle.parts import whole_contract
 from tests.extremes.search import search
 

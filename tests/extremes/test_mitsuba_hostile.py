@@ -6,10 +6,10 @@ import re
 import numpy as np
 import pytest
 
-from reference.errors import UsageError
 from reference.scene.loaders.load import load_scene
 from reference.scene.loaders.mitsuba_nodes import mitsuba_session
 from reference.scene.validation import validate
+from reference.system.errors import UsageError
 from tests.contracts.test_mitsuba_forms import FORMS
 from tests.contracts.test_mitsuba_room import furnish
 from tests.contracts.test_mitsuba_words import serialized

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from reference.arrays import length, normalize
+from reference.numerics.arrays import length, normalize
 from reference.resampling.packing import paper, rtxdi
 from reference.resampling.packing.log_luv import decode_log_luv, encode_log_luv
 from reference.resampling.packing.octahedral import (

@@ -17,8 +17,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from reference.path_tracer import follow
-from reference.records import take
+from reference.numerics.records import take
 from reference.scene.camera import Camera
 from reference.scene.catalogue.registry import find_scene
 from reference.scene.checks.space import distance_to_triangles
@@ -29,7 +28,8 @@ from reference.scene.materials.kinds import Lambertian
 from reference.scene.origins import STEP, contact
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh, Sphere, box, quad
-from reference.world import build_world
+from reference.transport.path_tracer import follow
+from reference.transport.world import build_world
 from tests.analytic.rendering import (
     frames_of,
     moved,

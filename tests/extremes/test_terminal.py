@@ -7,9 +7,9 @@ import sys
 import pytest
 from rich.table import Table
 
-from reference.cli import main
-from reference.commands import console
-from reference.terminal import visible
+from reference.cli import console
+from reference.cli.main import main
+from reference.system.terminal import visible
 
 EVIL = "\x1b[2J\x1b]0;title\x07kit\x9bchen\u202e\r\x00[red]x[/blue]"
 SCENE = {

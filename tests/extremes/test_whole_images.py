@@ -10,15 +10,15 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from reference.errors import UsageError
 from reference.methods import Job, method_named, method_names
+from reference.numerics.schedule import Schedule
 from reference.scene.brightness import brightened
 from reference.scene.catalogue.registry import find_scene
 from reference.scene.materials.kinds import Coated, Conductor, Lambertian
 from reference.scene.shapes import Mesh
 from reference.scene.validation import validate
-from reference.schedule import Schedule
-from reference.world import build_world
+from reference.system.errors import UsageError
+from reference.transport.world import build_world
 from tests.analytic.rendering import moved
 from tests.properties.path_scenes import lamps
 

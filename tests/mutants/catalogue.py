@@ -21,9 +21,9 @@ NEIGHBORS = "reference.passes.neighbors"
 SHADE = "reference.passes.shade"
 GBUFFER = "reference.passes.gbuffer"
 TEMPORAL = "reference.passes.temporal"
-SAMPLING = "reference.sampling"
-FRAMES = "reference.frames"
-RNG = "reference.rng"
+SAMPLING = "reference.numerics.sampling"
+FRAMES = "reference.numerics.frames"
+RNG = "reference.numerics.rng"
 LAMBERTIAN = "reference.scene.materials.lambertian"
 COSINE = "reference.scene.materials.parameters"
 
@@ -119,7 +119,7 @@ AT_NEIGHBOR = """replace(
         world=q_n.frame.world,
         points=take(q_n.frame.visible.surface, np.maximum(q_n.rows, 0)),
     ).target(R_n.y)"""
-TAKE = "from reference.records import take\n\n    "
+TAKE = "from reference.numerics.records import take\n\n    "
 REPLACE = "from dataclasses import replace\n\n    "
 MOVES = "not isinstance(past, Reservoirs)"
 ALIKE = "alike & (near > 0) & (far - near <= max_depth * far)"

@@ -67,7 +67,7 @@ CAMERA_RELATIVE = """from numpy import subtract
         step = subtract(self.after.camera.position, self.before.camera.position)
         return replace(y, position=y.position + step)"""
 
-GIVES_WAY = f"""from reference.records import where
+GIVES_WAY = f"""from reference.numerics.records import where
 
     {REPLACE}kept, c = finalize(R_s.kept, Z), R_s.candidates[1]
     hidden = (kept.W > 0) & ~q.sees(kept.y, kept.W > 0)
@@ -90,7 +90,7 @@ CLOSE_BY = """x_q = q.points.position
 
 TO_THE_LEFT = f"""from numpy import arange, maximum
 
-    from reference.records import take
+    from reference.numerics.records import take
 
     if not ({MOVES}):
         past = take(past, maximum(arange(len(past.M)) - 1, 0))
@@ -164,7 +164,7 @@ HELD_OUT_MORE: tuple[Mutant, ...] = (
         f"{OMEGA}\n    {DENSITY}",
         f"{OMEGA}\n    {DENSITY}\n"
         '    if source == "cosine":\n'
-        "        from reference.sampling import pdf_cosine_hemisphere\n\n"
+        "        from reference.numerics.sampling import pdf_cosine_hemisphere\n\n"
         "        density = pdf_cosine_hemisphere(-(met.normal * omega).sum(axis=1))",
     ),
     Mutant(

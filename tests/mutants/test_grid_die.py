@@ -10,7 +10,7 @@ import hashgrid.grid
 from hashgrid.grid import Keys
 from hashgrid.light_settings import LightSettings
 from hashgrid.path_settings import CellSettings
-from reference.schedule import Schedule
+from reference.numerics.schedule import Schedule
 from tests.mutants.grid import GRID_MUTANTS, LIGHT_MUTANTS, PATH_MUTANTS
 from tests.mutants.plant import is_refuted, planted
 from tests.properties import test_hash_grid as grids

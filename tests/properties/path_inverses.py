@@ -8,9 +8,9 @@ from functools import partial
 
 import numpy as np
 
-from reference.arrays import dot
-from reference.frames import normal_frames
-from reference.records import take
+from reference.numerics.arrays import dot
+from reference.numerics.frames import normal_frames
+from reference.numerics.records import take
 from reference.scene.materials.bsdf_sampling import sample
 from tests.properties.path_scenes import UNIT
 

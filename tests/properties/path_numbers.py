@@ -9,8 +9,8 @@ from functools import cache
 import numpy as np
 
 from extensions.shifting import Technique
-from reference.arrays import dot
-from reference.records import take
+from reference.numerics.arrays import dot
+from reference.numerics.records import take
 from reference.scene.materials.parameters import Kind
 from reference.scene.origins import contact
 from tests.properties.path_inverses import directions, guessed, inverted

@@ -8,10 +8,10 @@ import numpy as np
 from extensions.candidates import draw_paths
 from extensions.pt_settings import CRITERIA
 from extensions.shifting import Shift, Technique, advance, leave, start
-from reference.arrays import dot
+from reference.numerics.arrays import dot
+from reference.numerics.records import scatter, where
+from reference.numerics.rng import KeyedUniforms, Stream
 from reference.passes.gbuffer import visible_points
-from reference.records import scatter, where
-from reference.rng import KeyedUniforms, Stream
 from reference.scene.camera import pixel_centers
 from reference.scene.catalogue.registry import find_scene
 from reference.scene.lights import SpotLight
@@ -21,7 +21,7 @@ from reference.scene.origins import contact, step_before
 from reference.scene.surface import direction_and_distance
 from reference.scene.textures import Bitmap
 from reference.scene.validation import validate
-from reference.world import build_world
+from reference.transport.world import build_world
 
 FLOORS = {
     "paint": None,

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from reference.errors import UsageError
 from reference.scene.animation import Animation, still, with_camera, with_shape
 from reference.scene.catalogue.animations import CHANGE, FLIGHT, PERIOD
 from reference.scene.catalogue.registry import CATALOGUE, find_animation, find_scene
@@ -20,6 +19,7 @@ from reference.scene.geometry import world_corners
 from reference.scene.motion import motion_between
 from reference.scene.shapes import Sphere
 from reference.scene.validation import validate, validate_frames
+from reference.system.errors import UsageError
 
 ROUNDING = 1e-13
 ANIMATED = [name for name, entry in CATALOGUE.items() if entry.animate]

@@ -13,14 +13,14 @@ from extensions.area_shift import AreaNeighbor, AreaShift, kept_in_place
 from extensions.frame_loop import path_shift
 from extensions.windows import windows
 from reference.frame import FrameContext
-from reference.path_tracer import first_hits
-from reference.records import NONE, take
+from reference.numerics.records import NONE, take
+from reference.numerics.schedule import Schedule
 from reference.scene.animation import Animation
 from reference.scene.catalogue.registry import find_animation
 from reference.scene.origins import contact
 from reference.scene.validation import validate
-from reference.schedule import Schedule
-from reference.world import build_world
+from reference.transport.path_tracer import first_hits
+from reference.transport.world import build_world
 
 SIZE = 48
 ROWS = np.arange(SIZE * SIZE)

@@ -10,8 +10,15 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_array_equal
 
-from reference.arrays import cross, divide_or_zero, dot, length, normalize, sqrt
-from reference.frames import normal_frames, to_world, turn
+from reference.numerics.arrays import (
+    cross,
+    divide_or_zero,
+    dot,
+    length,
+    normalize,
+    sqrt,
+)
+from reference.numerics.frames import normal_frames, to_world, turn
 from reference.strategies import ROWS, points, scalars, unit_vectors
 
 EPS = np.finfo(np.float64).eps

@@ -24,8 +24,8 @@ from hashgrid.grid import (
     xxhash,
 )
 from hashgrid.report import occupancy
-from reference.arrays import dot, normalize
-from reference.records import NONE, take
+from reference.numerics.arrays import dot, normalize
+from reference.numerics.records import NONE, take
 from reference.scene.camera import Camera
 
 LATTICE = Lattice((0.0, 0.0, 0.0), 0.05)

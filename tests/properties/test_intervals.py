@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from reference.intervals import (
+from reference.numerics.intervals import (
     DRAWS,
     Interval,
     bootstrap_interval,

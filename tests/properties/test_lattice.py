@@ -14,16 +14,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from reference.methods import method_named
+from reference.methods.setting_values import with_values
+from reference.numerics.records import NONE
+from reference.numerics.schedule import Schedule
 from reference.options.reduced_resolution import corner, keeps_reservoir
 from reference.passes.neighbors import find_neighbors
-from reference.records import NONE
 from reference.restir_gi import render_frames
 from reference.scene.catalogue.answers import sphere_furnace
 from reference.scene.named import Named, find_scene_or_file, frames_of
-from reference.schedule import Schedule
-from reference.setting_values import with_values
 from reference.settings import UNBIASED
-from reference.world import build_world
+from reference.transport.world import build_world
 from tests.contracts.test_tradeoff import job
 from tests.properties.test_neighbors import FLAT, as_draws
 

@@ -17,15 +17,15 @@ from hashgrid.lights import (
     same_lights,
 )
 from hashgrid.world_reservoirs import carried, render_light_frames
-from reference.direct_light import choose_light, sees_light
-from reference.records import NONE, take
+from reference.numerics.records import NONE, take
+from reference.numerics.rng import KeyedUniforms, Stream
+from reference.numerics.schedule import Schedule
 from reference.resampling.reservoir import Reservoirs
-from reference.rng import KeyedUniforms, Stream
 from reference.scene.catalogue.registry import find_animation, find_scene
 from reference.scene.light_cells import LightCells
 from reference.scene.validation import validate
-from reference.schedule import Schedule
-from reference.world import build_world, next_world
+from reference.transport.direct_light import choose_light, sees_light
+from reference.transport.world import build_world, next_world
 from tests.properties.path_scenes import points, world
 
 SCENES = ["paint", "rough metal", "many-lights", "checker", "sunlit-wall", "lamps"]

@@ -10,9 +10,9 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from reference.arrays import cross, dot, length
-from reference.records import take
-from reference.rng import KeyedUniforms, Stream
+from reference.numerics.arrays import cross, dot, length
+from reference.numerics.records import take
+from reference.numerics.rng import KeyedUniforms, Stream
 from reference.scene.materials import bsdf_sampling, conductor, lambertian, table
 from reference.scene.materials.coated import coat_probability, reflect_in_coat
 from reference.scene.materials.dielectric import relative_index

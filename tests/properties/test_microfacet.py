@@ -12,8 +12,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.integrate import quad
 from scipy.special import erf
 
-from reference.arrays import cross, dot, length
-from reference.sampling import left_of
+from reference.numerics.arrays import cross, dot, length
+from reference.numerics.sampling import left_of
 from reference.scene.materials.microfacet import (
     beckmann_density,
     beckmann_g1,

@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
-from reference.arrays import dot
+from reference.numerics.arrays import dot
+from reference.numerics.records import NONE
 from reference.passes.neighbors import find_neighbors
-from reference.records import NONE
 from reference.scene.surface import SurfacePoints, VisiblePoints
 from reference.settings import Settings
 from reference.strategies import uniforms, unit_vectors

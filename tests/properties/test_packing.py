@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reference.arrays import length
+from reference.numerics.arrays import length
 from reference.resampling.packing import paper, restir_pt, rtxdi
 from reference.resampling.packing.log_luv import RGB_TO_XYZ
 from reference.resampling.packing.octahedral import WORST_ANGLE, encode_normal

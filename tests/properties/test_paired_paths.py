@@ -33,8 +33,8 @@ from gradient_domain.gradient_restir import (
 from gradient_domain.pairs import pair_at, pair_windows, pivots, pixel_pairs
 from gradient_domain.settings import GradientSettings
 from reference.frame import FrameContext
-from reference.records import NONE, take
-from reference.schedule import Schedule
+from reference.numerics.records import NONE, take
+from reference.numerics.schedule import Schedule
 from tests.properties.path_scenes import world
 from tests.statistics.path_runs import SIZE, moving
 from tests.statistics.replicates import g_buffer

@@ -17,9 +17,9 @@ from gradient_domain.pairs import (
 )
 from gradient_domain.settings import GradientSettings
 from reference.frame import FrameContext
-from reference.records import NONE
+from reference.numerics.records import NONE
+from reference.numerics.schedule import Schedule
 from reference.scene.surface import SurfacePoints, VisiblePoints
-from reference.schedule import Schedule
 from tests.properties.path_scenes import world
 from tests.statistics.replicates import g_buffer
 

@@ -15,9 +15,9 @@ from functools import cache, partial
 import numpy as np
 import pytest
 
-from reference.arrays import normalize
-from reference.frames import normal_frames
-from reference.records import take
+from reference.numerics.arrays import normalize
+from reference.numerics.frames import normal_frames
+from reference.numerics.records import take
 from reference.scene.materials.bsdf_sampling import HAS_DELTA
 from reference.scene.materials.parameters import Kind
 from reference.scene.origins import contact

@@ -7,8 +7,8 @@ import pytest
 
 from extensions.candidates import draw_paths
 from extensions.shifting import Technique
-from reference.records import take
-from reference.rng import TabledUniforms
+from reference.numerics.records import take
+from reference.numerics.rng import TabledUniforms
 from tests.mutants.plant import planted
 from tests.properties.path_numbers import BOUNCES, DIMENSIONS, SOLVED, solved
 from tests.properties.path_scenes import SIZE, UNIT, drawn, neighbors, shifted

@@ -5,8 +5,8 @@ import pytest
 
 from extensions.pt_settings import CRITERIA
 from extensions.shifting import Technique, advance, leave, start
-from reference.arrays import cross, dot, length
-from reference.records import take
+from reference.numerics.arrays import cross, dot, length
+from reference.numerics.records import take
 from reference.scene.materials.table import pdf
 from reference.scene.origins import contact
 from reference.scene.surface import direction_and_distance

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_array_equal
 
-from reference.records import concatenate, keep, map_rows, scatter, take, where
+from reference.numerics.records import concatenate, keep, map_rows, scatter, take, where
 from reference.strategies import ROWS, cuts
 
 

@@ -10,21 +10,21 @@ import numpy as np
 import pytest
 
 from reference.frame import FrameContext
+from reference.numerics.records import take
+from reference.numerics.rng import KeyedUniforms, Stream
+from reference.numerics.schedule import Schedule
 from reference.options.replay import replay_of
 from reference.options.storage import stored, stored_bytes
 from reference.passes.gbuffer import visible_points
 from reference.passes.initial import initial_samples
-from reference.path_tracer import reflected_radiance
-from reference.records import take
 from reference.resampling.packing.paper import pack, unpack
 from reference.resampling.reservoir import Reservoirs
 from reference.resampling.suffix import age
-from reference.rng import KeyedUniforms, Stream
 from reference.scene.camera import pixel_centers
 from reference.scene.catalogue.registry import find_scene
-from reference.schedule import Schedule
 from reference.settings import UNBIASED
-from reference.world import build_world
+from reference.transport.path_tracer import reflected_radiance
+from reference.transport.world import build_world
 
 WIDTH, HEIGHT = 80, 40
 """Two tiles of the roulette, the second cut off."""

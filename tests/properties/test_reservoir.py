@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_array_equal
 
-from reference.arrays import divide_or_zero
+from reference.numerics.arrays import divide_or_zero
 from reference.resampling.reservoir import (
     Candidates,
     Reservoirs,

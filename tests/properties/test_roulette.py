@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
+from reference.numerics.rng import DIMENSIONS, Stream, pcg4d
 from reference.options.roulette import TILE_HEIGHT, TILE_WIDTH, tail_weight
-from reference.rng import DIMENSIONS, Stream, pcg4d
 from reference.strategies import cuts
 
 WIDTH, HEIGHT = 3 * TILE_WIDTH + 7, 2 * TILE_HEIGHT + 5

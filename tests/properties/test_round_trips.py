@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reference.records import scatter, take
+from reference.numerics.records import scatter, take
 from reference.scene.origins import contact
 from tests.mutants.plant import planted
 from tests.properties.path_scenes import (

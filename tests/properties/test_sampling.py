@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose, assert_array_equal
 
-from reference.arrays import cross, dot, length
-from reference.sampling import (
+from reference.numerics.arrays import cross, dot, length
+from reference.numerics.sampling import (
     invert_cosine_hemisphere,
     invert_triangle,
     invert_uniform_hemisphere,
@@ -20,8 +20,8 @@ from reference.sampling import (
     sample_uniform_hemisphere,
     sample_uniform_sphere,
 )
+from reference.numerics.tables import cumulate, guide_of, index_in_table, sample_table
 from reference.strategies import ROWS, uniforms
-from reference.tables import cumulate, guide_of, index_in_table, sample_table
 
 EPS = np.finfo(np.float64).eps
 

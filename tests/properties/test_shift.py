@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from reference.arrays import divide_or_zero, dot, length
+from reference.numerics.arrays import divide_or_zero, dot, length
 from reference.resampling.shift import reconnection_jacobian
 from reference.strategies import views_of_a_patch
 

@@ -12,11 +12,11 @@ from extensions.pt_settings import CRITERIA
 from extensions.shifting import Shift
 from hashgrid.path_settings import CellSettings
 from hashgrid.regir_gi import render_cell_frames
+from reference.numerics.schedule import Schedule
 from reference.scene.animation import Animation
 from reference.scene.catalogue.registry import find_animation
 from reference.scene.validation import validate
-from reference.schedule import Schedule
-from reference.world import build_world
+from reference.transport.world import build_world
 from tests.properties.path_scenes import points, uniforms, world
 
 CELLS_ALONE = CellSettings(temporal=False, spatial=False, cells=2)

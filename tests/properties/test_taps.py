@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
+from reference.numerics.records import NONE
 from reference.options.history_search import nearby, permuted
-from reference.records import NONE
 from reference.strategies import draws, scalars
 
 sizes = st.tuples(st.integers(1, 13), st.integers(1, 13))

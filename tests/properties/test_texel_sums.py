@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reference.images import luminance_weights
+from reference.images.image import luminance_weights
 from reference.scene.texel_sums import TexelSums
 from reference.scene.textures import Bitmap, Checker, read
 

@@ -17,7 +17,7 @@ from extensions.shifting import Shift
 from reference.scene.animation import Animation
 from reference.scene.catalogue.registry import find_animation
 from reference.scene.validation import validate
-from reference.world import build_world
+from reference.transport.world import build_world
 from tests.properties.path_scenes import world
 from tests.statistics.replicates import (
     BATCHES,

@@ -17,23 +17,23 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from reference.frame import FrameContext
+from reference.numerics.records import concatenate, take
+from reference.numerics.rng import KeyedUniforms, Stream, UInts
+from reference.numerics.schedule import Schedule
 from reference.passes.gbuffer import visible_points
 from reference.passes.initial import initial_samples
 from reference.passes.pixels import Pixels
 from reference.passes.shade import shade
 from reference.passes.temporal import temporal_resampling
-from reference.path_tracer import camera_radiance
-from reference.records import concatenate, take
 from reference.resampling.reservoir import Reservoirs
 from reference.restir_gi import next_frame
-from reference.rng import KeyedUniforms, Stream, UInts
 from reference.scene.camera import pixel_centers
 from reference.scene.scene import Scene
 from reference.scene.surface import SurfacePoints, VisiblePoints
 from reference.scene.validation import validate
-from reference.schedule import Schedule
 from reference.settings import Settings
-from reference.world import World, build_world
+from reference.transport.path_tracer import camera_radiance
+from reference.transport.world import World, build_world
 
 Array = NDArray[np.float64]
 

@@ -16,9 +16,9 @@ import pytest
 from scipy import stats
 
 from reference.methods import Job, method_named
+from reference.numerics.schedule import Schedule
 from reference.scene.validation import validate
-from reference.schedule import Schedule
-from reference.world import build_world
+from reference.transport.world import build_world
 from tests.properties.path_scenes import lamps
 
 UNBIASED = ("restir-gi-unbiased", "restir-pt", "world-reservoirs")

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from reference.records import take
-from reference.rng import KeyedUniforms, Stream
+from reference.numerics.records import take
+from reference.numerics.rng import KeyedUniforms, Stream
 from reference.scene.materials import bsdf_sampling, table
 from reference.scene.materials.coated import coat_probability
 from reference.scene.materials.kinds import Coated, Conductor, Dielectric, Lambertian

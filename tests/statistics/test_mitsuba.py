@@ -22,16 +22,16 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from reference.accumulate import path_samples
-from reference.exr import write_exr
-from reference.images import Image
-from reference.path_tracer import camera_radiance, first_hits
-from reference.rng import KeyedUniforms, Stream
+from reference.images.exr import write_exr
+from reference.images.image import Image
+from reference.numerics.rng import KeyedUniforms, Stream
+from reference.numerics.schedule import Schedule
 from reference.scene.loaders.load import load_scene
 from reference.scene.textures import mean_color
-from reference.schedule import Schedule
 from reference.settings import UNBIASED
-from reference.world import World
+from reference.transport.accumulate import path_samples
+from reference.transport.path_tracer import camera_radiance, first_hits
+from reference.transport.world import World
 from tests.statistics.replicates import (
     Means,
     g_buffer,

@@ -25,7 +25,7 @@ from reference.scene.animation import Animation
 from reference.scene.catalogue.registry import find_animation
 from reference.scene.validation import validate
 from reference.settings import UNBIASED, Settings
-from reference.world import World, build_world
+from reference.transport.world import World, build_world
 from tests.statistics.replicates import (
     ONE_BAND,
     Means,

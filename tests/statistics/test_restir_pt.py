@@ -12,7 +12,7 @@ import pytest
 import extensions.frame_loop
 from extensions.candidates import draw_paths
 from extensions.pt_settings import CRITERIA, PathSettings
-from reference.rng import KeyedUniforms, Stream
+from reference.numerics.rng import KeyedUniforms, Stream
 from tests.properties.path_scenes import world
 from tests.statistics.path_runs import (
     COLUMNS,

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from reference.rng import KeyedUniforms, Stream
+from reference.numerics.rng import KeyedUniforms, Stream
 
 COUNT = 2**20
 CELLS = 64

@@ -16,7 +16,7 @@ import hashgrid.world_reservoirs
 from hashgrid.light_settings import LightSettings
 from hashgrid.lights import draw_lights, reflected
 from hashgrid.world_reservoirs import LightNeighbor, render_light_frames
-from reference.records import take
+from reference.numerics.records import take
 from tests.properties.path_scenes import world
 from tests.statistics.path_runs import (
     BOUND,

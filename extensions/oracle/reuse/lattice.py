@@ -12,7 +12,7 @@ from itertools import product
 import numpy as np
 
 from extensions.oracle.reuse.cases import WEIGHTS
-from reference.arrays import Indices, Scalars
+from reference.numerics.arrays import Indices, Scalars
 from reference.oracle.buffers import given
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision, Value

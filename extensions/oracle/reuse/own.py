@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import Indices, Scalars, Vec3s
+from reference.numerics.arrays import Indices, Scalars, Vec3s
+from reference.numerics.records import NONE
 from reference.oracle.builtin.buffers import Array, as_real
 from reference.oracle.contract.fields import Precision
-from reference.records import NONE
 from reference.resampling.generalized import resample
 from reference.resampling.reservoir import Reservoirs
 

@@ -7,7 +7,7 @@ import numpy as np
 from extensions.oracle.reuse.rules import reusing
 from extensions.oracle.reuse.tables import tables_of
 from extensions.oracle.reuse.weights import arriving, divisor, of_kept, total
-from reference.arrays import Indices, Masks
+from reference.numerics.arrays import Indices, Masks
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
 from reference.oracle.replay.bounded import Bounded, exact, rounding_of

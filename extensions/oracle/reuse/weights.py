@@ -4,7 +4,7 @@ import numpy as np
 
 from extensions.oracle.reuse.rules import ReuseRules
 from extensions.oracle.reuse.tables import PAIRS, ReuseTables
-from reference.arrays import Indices
+from reference.numerics.arrays import Indices
 from reference.oracle.replay.bounded import Bounded, exact
 from reference.oracle.replay.formulas import capped
 from reference.oracle.replay.verbs import choose

@@ -14,7 +14,7 @@ from extensions.oracle.shifts.formulas import (
     where_positive,
 )
 from extensions.oracle.shifts.rules import ShiftRules, shifting
-from reference.arrays import Masks
+from reference.numerics.arrays import Masks
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision, Value
 from reference.oracle.replay.bounded import Bounded, Rounding, exact, rounding_of

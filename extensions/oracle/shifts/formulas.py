@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.arrays import Masks
+from reference.numerics.arrays import Masks
 from reference.oracle.replay.bounded import Bounded, Rounding, constant
 from reference.oracle.replay.further.numbers import Choice
 from reference.oracle.replay.verbs import choose, inner, square_root

@@ -8,16 +8,16 @@ import numpy as np
 
 from extensions.oracle.shifts.scenes import frame_of
 from extensions.shifting import Criterion, PathNeighbor, Paths, Shift, segment
-from reference.arrays import Indices, Scalars, Vec3s, divide_or_zero
+from reference.numerics.arrays import Indices, Scalars, Vec3s, divide_or_zero
+from reference.numerics.records import take
 from reference.oracle.builtin.buffers import Array, as_real
 from reference.oracle.builtin.world import surface_of
 from reference.oracle.contract.fields import Precision
-from reference.records import take
 from reference.resampling.reservoir import Reservoirs
 from reference.scene.geometry import Geometry
 from reference.scene.materials.parameters import Kind
 from reference.scene.surface import SurfacePoints
-from reference.world import World
+from reference.transport.world import World
 
 
 @dataclass(frozen=True, slots=True, eq=False)

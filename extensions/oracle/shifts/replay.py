@@ -18,7 +18,7 @@ from extensions.oracle.shifts.shifted_path import (
     shifted_by_joining,
     shifted_by_replay,
 )
-from reference.arrays import Indices, Masks
+from reference.numerics.arrays import Indices, Masks
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
 from reference.oracle.replay.bounded import Bounded, Rounding, constant, rounding_of

@@ -15,9 +15,9 @@ from extensions.oracle.shifts.tables import (
 )
 from extensions.oracle.shifts.walks import at_slot, walked
 from extensions.shifting import Criterion, Paths, Shift
-from reference.arrays import Indices, Masks
+from reference.numerics.arrays import Indices, Masks
+from reference.numerics.records import take
 from reference.oracle.cases import Buffers
-from reference.records import take
 from reference.scene.surface import SurfacePoints
 
 ROWS = 6

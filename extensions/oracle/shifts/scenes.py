@@ -7,9 +7,9 @@ import numpy as np
 
 from extensions.candidates import draw_paths
 from extensions.shifting import Criterion, Paths
-from reference.arrays import Indices
+from reference.numerics.arrays import Indices
+from reference.numerics.rng import KeyedUniforms, Stream, Uniforms
 from reference.passes.gbuffer import visible_points
-from reference.rng import KeyedUniforms, Stream, Uniforms
 from reference.scene.camera import pixel_centers
 from reference.scene.catalogue.registry import find_scene
 from reference.scene.materials.kinds import (
@@ -22,7 +22,7 @@ from reference.scene.materials.kinds import (
 from reference.scene.shapes import Mesh
 from reference.scene.surface import SurfacePoints
 from reference.scene.validation import validate
-from reference.world import World, build_world
+from reference.transport.world import World, build_world
 
 BLOCKS: dict[str, Material | None] = {
     "paint": None,

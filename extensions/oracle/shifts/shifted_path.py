@@ -7,7 +7,7 @@ import numpy as np
 from extensions.oracle.shifts.formulas import share, spread, spread_between, told
 from extensions.oracle.shifts.jacobian import jacobian_of
 from extensions.oracle.shifts.rules import ShiftRules
-from reference.arrays import Indices
+from reference.numerics.arrays import Indices
 from reference.oracle.cases import Case
 from reference.oracle.replay.bounded import Bounded, Rounding, constant
 from reference.oracle.replay.verbs import choose, times

@@ -8,17 +8,17 @@ import numpy as np
 from extensions.oracle.shifts.scenes import DrawnPaths
 from extensions.oracle.shifts.walks import ReplayedWalk
 from extensions.shifting import NEVER_JOINED, Criterion, Paths, Technique, segment
-from reference.arrays import Masks, Scalars, Vec3s, dot
-from reference.direct_light import choose_light, emitter_hits
-from reference.light_mis import bsdf_sampling_weight
+from reference.numerics.arrays import Masks, Scalars, Vec3s, dot
+from reference.numerics.records import scatter, take
+from reference.numerics.rng import Uniforms
 from reference.oracle.cases import Buffers
-from reference.records import scatter, take
-from reference.rng import Uniforms
 from reference.scene.materials.parameters import Kind, MaterialTable
 from reference.scene.materials.table import pdf, scattering
 from reference.scene.origins import contact
 from reference.scene.surface import SurfacePoints
-from reference.world import World
+from reference.transport.direct_light import choose_light, emitter_hits
+from reference.transport.light_mis import bsdf_sampling_weight
+from reference.transport.world import World
 
 
 def columns(world: World, walk: ReplayedWalk) -> dict[str, Any]:

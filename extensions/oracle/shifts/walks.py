@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 from extensions.shifting import Criterion, Leaving, Step, advance, leave, start
-from reference.arrays import Indices, Vec3s
-from reference.records import where
-from reference.rng import Uniforms
+from reference.numerics.arrays import Indices, Vec3s
+from reference.numerics.records import where
+from reference.numerics.rng import Uniforms
 from reference.scene.surface import SurfacePoints
-from reference.world import World
+from reference.transport.world import World
 
 
 @dataclass(frozen=True, slots=True, eq=False)

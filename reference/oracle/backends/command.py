@@ -3,7 +3,6 @@
 import shlex
 from dataclasses import replace
 
-from reference.errors import UsageError
 from reference.oracle.backends.files import FilesBackend
 from reference.oracle.backends.running import Limits, run_program
 from reference.oracle.backends.workspace import Workspace
@@ -19,6 +18,7 @@ from reference.oracle.cases import (
 )
 from reference.oracle.contract.fields import Passes, Precision
 from reference.oracle.raw import outputs_size, write_cases
+from reference.system.errors import UsageError
 
 PLACE = "{directory}"
 

@@ -7,7 +7,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
-from reference.errors import UsageError
+from reference.system.errors import UsageError
 
 GROUP = "restir.backends"
 BUILT_IN = ("float32", "float64")

@@ -2,7 +2,6 @@
 
 from typing import Any
 
-from reference.errors import UsageError
 from reference.oracle.backends.backend import Backend
 from reference.oracle.backends.command import PLACE, ProgramBackend
 from reference.oracle.backends.find import backend_names, is_python
@@ -11,7 +10,8 @@ from reference.oracle.backends.process import PythonBackend
 from reference.oracle.backends.running import Limits
 from reference.oracle.cases import Remaining, for_ever
 from reference.oracle.contract.fields import Precision
-from reference.suggestions import unknown
+from reference.system.errors import UsageError
+from reference.system.suggestions import unknown
 
 
 def open_backend(

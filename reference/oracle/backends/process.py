@@ -11,7 +11,6 @@ from dataclasses import replace
 from itertools import takewhile
 from typing import IO
 
-from reference.errors import UsageError
 from reference.oracle.backends.running import (
     LastWords,
     Limits,
@@ -33,6 +32,7 @@ from reference.oracle.cases import (
 )
 from reference.oracle.contract.fields import Passes, Precision
 from reference.oracle.raw import outputs_size, read_outputs, write_cases
+from reference.system.errors import UsageError
 
 LOADING = 60.0
 """Seconds at least for a backend to load: libraries may take long on a busy machine."""

@@ -9,11 +9,11 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from secrets import token_hex
 
-from reference.errors import UsageError
-from reference.leftovers import scratch_folder
 from reference.oracle.backends import descendants
 from reference.oracle.backends.descendants import end_marked, marked
 from reference.oracle.backends.running import started
+from reference.system.errors import UsageError
+from reference.system.leftovers import scratch_folder
 
 MOST_LEFT, EVERY = 16, 16
 """Processes that a backend may leave running until it is closed; and how many batches

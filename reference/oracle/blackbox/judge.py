@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.arrays import Scalars
+from reference.numerics.arrays import Scalars
 from reference.oracle.blackbox.renderer import Renderer
 from reference.oracle.blackbox.truth import TILES, Truth, statistics
 from reference.oracle.cases import NO_TIME, Failure, UnaskedError

@@ -8,10 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.errors import UsageError
-from reference.exr import read_exr
-from reference.exr_parts import decode
-from reference.files import read_file
+from reference.images.exr import read_exr
+from reference.images.exr_parts import decode
 from reference.oracle.backends.running import Limits, run_program
 from reference.oracle.backends.workspace import Workspace
 from reference.oracle.cases import (
@@ -23,6 +21,8 @@ from reference.oracle.cases import (
     for_ever,
 )
 from reference.oracle.raw import MOST_TIMES
+from reference.system.errors import UsageError
+from reference.system.files import read_file
 
 SIDES = ("{width}", "{height}", "{size}")
 PLACES = ("{scene}", "{seed}", "{frames}", *SIDES, "{out}")

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.arrays import Masks, Scalars
+from reference.numerics.arrays import Masks, Scalars
 from reference.oracle.builtin.world import Known, surface_of, world_of
 from reference.oracle.contract.fields import Precision, dtype_of
 from reference.passes.pixels import Pixels

@@ -6,7 +6,15 @@ from typing import Any, cast
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s, cross, dot, normalize
+from reference.numerics.arrays import (
+    Indices,
+    Masks,
+    Scalars,
+    Vec3s,
+    cross,
+    dot,
+    normalize,
+)
 from reference.options.boiling import boiling_filter
 from reference.options.checkerboard import draws_new_sample
 from reference.options.replay import Replay
@@ -30,7 +38,7 @@ from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh
 from reference.scene.surface import VisiblePoints
 from reference.settings import UNBIASED
-from reference.world import World, build_world
+from reference.transport.world import World, build_world
 
 
 def _camera(settings: Mapping[str, Any]) -> Camera:

@@ -7,12 +7,12 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.arrays import Indices, Masks, Vec3s
-from reference.records import take
+from reference.numerics.arrays import Indices, Masks, Vec3s
+from reference.numerics.records import take
 from reference.scene.materials.kinds import Lambertian
 from reference.scene.materials.parameters import MaterialTable, tabulate
 from reference.scene.surface import SurfacePoints, Viewpoints
-from reference.world import World
+from reference.transport.world import World
 
 
 @dataclass(frozen=True, slots=True, eq=False)

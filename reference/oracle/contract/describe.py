@@ -2,8 +2,8 @@
 
 from collections.abc import Iterable, Mapping
 
-from reference.exactness.registry import limits_of
 from reference.oracle.contract.fields import Field, Pass, Passes
+from reference.oracle.exact.registry import limits_of
 
 INTRODUCTION = """\
 # The contract of a backend

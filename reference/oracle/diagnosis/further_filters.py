@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import Indices
+from reference.numerics.arrays import Indices
 from reference.oracle.diagnosis.hypothesis import mistake
 from reference.oracle.diagnosis.luminances import (
     largest_channel,

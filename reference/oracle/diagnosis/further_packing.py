@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import Scalars
+from reference.numerics.arrays import Scalars
 from reference.oracle.diagnosis.hypothesis import mistake
 from reference.oracle.replay.further.formulas import MOST_M, packed_confidence
 from reference.oracle.replay.further.rules import HALVES, FurtherRules, Octahedron

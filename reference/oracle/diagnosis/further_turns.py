@@ -1,6 +1,6 @@
 """Known mistakes with who draws, and who goes on."""
 
-from reference.arrays import Indices
+from reference.numerics.arrays import Indices
 from reference.oracle.diagnosis.hypothesis import mistake
 from reference.oracle.replay.bounded import Bounded, constant
 from reference.oracle.replay.further.rules import FurtherRules

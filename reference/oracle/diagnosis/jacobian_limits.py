@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from reference.arrays import Scalars
+from reference.numerics.arrays import Scalars
 from reference.oracle.replay.bounded import Bounded, constant
 from reference.oracle.replay.formulas import jacobian
 from reference.oracle.replay.points import ReceiverPoint, SamplePoint

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import Masks
+from reference.numerics.arrays import Masks
 from reference.oracle.contract.fields import Value
 from reference.oracle.diagnosis.hypothesis import Departure, Hypothesis
 from reference.oracle.replay.bounded import Bounded, constant

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import Scalars
-from reference.exactness.numbers import Exact
+from reference.numerics.arrays import Scalars
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
+from reference.oracle.exact.numbers import Exact
 from reference.oracle.levels.exact_formulas import FORMULAS, rows_of
 from reference.oracle.levels.probe import Finding
 from reference.oracle.levels.replayed import replayed

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s
+from reference.numerics.arrays import Scalars, Vec3s
 from reference.oracle.buffers import given
 from reference.oracle.cases import Case
 from reference.oracle.contract.fields import Precision

@@ -1,6 +1,6 @@
 """The kernels of the contract in exact numbers, from its words alone.
 
-The formulas are those of the matrix of extremes, :mod:`reference.exactness`, on numbers
+The formulas are those of the matrix of extremes, :mod:`reference.oracle.exact`, on numbers
 that nothing rounds.  They share nothing with the passes that are judged, nor with the
 replay that says how far rounding may take them: what one of those has wrong, the other
 two show.
@@ -9,20 +9,20 @@ two show.
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from reference.exactness.geometry import similarity
-from reference.exactness.kernel import Kernel, Row
-from reference.exactness.numbers import UNROUNDED, Exact, exactly
-from reference.exactness.sampling import (
+from reference.oracle.cases import Case
+from reference.oracle.contract.fields import Value
+from reference.oracle.exact.geometry import similarity
+from reference.oracle.exact.kernel import Kernel, Row
+from reference.oracle.exact.numbers import UNROUNDED, Exact, exactly
+from reference.oracle.exact.sampling import (
     COSINE_PDF,
     UNIFORM_PDF,
     azimuth,
     cosine_polar,
     uniform_polar,
 )
-from reference.exactness.targets import JACOBIAN, OUTGOING, REFLECTED, SCATTERED
-from reference.exactness.weights import CHOICE, CONFIDENCE, FINALIZE
-from reference.oracle.cases import Case
-from reference.oracle.contract.fields import Value
+from reference.oracle.exact.targets import JACOBIAN, OUTGOING, REFLECTED, SCATTERED
+from reference.oracle.exact.weights import CHOICE, CONFIDENCE, FINALIZE
 
 Settings = Mapping[str, Value]
 Formula = Callable[[Row, Settings], dict[str, Any]]

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import normalize
+from reference.numerics.arrays import normalize
+from reference.numerics.rng import KeyedUniforms, Stream
 from reference.oracle.buffers import given
 from reference.oracle.cases import Case
 from reference.oracle.contract.fields import Precision, Value
@@ -20,7 +21,6 @@ from reference.oracle.levels.further_views import (
 )
 from reference.resampling.packing import paper
 from reference.resampling.reservoir import Reservoirs, Samples
-from reference.rng import KeyedUniforms, Stream
 
 
 def further_cases(precision: Precision) -> list[Case]:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s, normalize
+from reference.numerics.arrays import Scalars, Vec3s, normalize
 from reference.oracle.contract.fields import Value
 from reference.scene.camera import Camera, camera_rays, pixel_centers
 

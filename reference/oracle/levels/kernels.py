@@ -5,7 +5,7 @@ from itertools import product
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s
+from reference.numerics.arrays import Scalars, Vec3s
 from reference.oracle.buffers import given
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision

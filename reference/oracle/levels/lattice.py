@@ -17,7 +17,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.arrays import Indices, Scalars
+from reference.numerics.arrays import Indices, Scalars
 from reference.oracle.buffers import given, prefixed
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision, Value

@@ -14,7 +14,7 @@ from itertools import chain, count
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.arrays import Indices, Scalars
+from reference.numerics.arrays import Indices, Scalars
 from reference.oracle.cases import UnaskedError
 from reference.oracle.contract.fields import Precision
 from reference.oracle.levels.probe import Finding

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import Masks
+from reference.numerics.arrays import Masks
 from reference.oracle.contract.fields import Precision
 from reference.oracle.levels.probe import Finding
 from reference.oracle.levels.sphere import ALBEDO, InsideSphere, points_inside, ring

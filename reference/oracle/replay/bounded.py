@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.arrays import Masks, Scalars
+from reference.numerics.arrays import Masks, Scalars
 from reference.oracle.contract.fields import Precision
 
 ORDERS = 4.0

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import poisson
 
-from reference.arrays import Masks, Scalars
+from reference.numerics.arrays import Masks, Scalars
 from reference.oracle.replay.bounded import Bounded
 
 BUDGET_ALARM = 1e-6

@@ -5,6 +5,7 @@ from math import cos, radians
 
 import numpy as np
 
+from reference.numerics.rng import pcg4d, to_unit_interval
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
 from reference.oracle.replay.bounded import Bounded, exact, rounding_of
@@ -21,7 +22,6 @@ from reference.oracle.replay.points import ReceiverPoint, point_of, receiver_of
 from reference.oracle.replay.reuse import judge_moved, judge_spatial, judge_temporal
 from reference.oracle.replay.rules import Rules
 from reference.oracle.replay.verbs import choose, inner
-from reference.rng import pcg4d, to_unit_interval
 
 Judge = Callable[[Case, Buffers, Rules, Precision], Judgement]
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars
+from reference.numerics.arrays import Indices, Masks, Scalars
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
 from reference.oracle.replay.bounded import Bounded, Rounding, exact, rounding_of

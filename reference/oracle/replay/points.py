@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from reference.arrays import Indices, Masks
+from reference.numerics.arrays import Indices, Masks
 from reference.oracle.cases import Buffers
 from reference.oracle.replay.bounded import Bounded, Rounding, exact
 

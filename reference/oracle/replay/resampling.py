@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import Indices, Masks
+from reference.numerics.arrays import Indices, Masks
 from reference.oracle.cases import Buffers
 from reference.oracle.replay.bounded import Bounded, exact
 from reference.oracle.replay.judgement import Compared, Decisions, Judgement, beside

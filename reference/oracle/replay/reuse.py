@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from reference.arrays import Indices, Masks
+from reference.numerics.arrays import Indices, Masks
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
 from reference.oracle.replay.bounded import Bounded, constant, exact, rounding_of

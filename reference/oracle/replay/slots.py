@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.arrays import Masks, Scalars
+from reference.numerics.arrays import Masks, Scalars
 from reference.oracle.replay.bounded import Bounded
 from reference.oracle.replay.points import ReceiverPoint, SamplePoint
 from reference.oracle.replay.rules import Rules

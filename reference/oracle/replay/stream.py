@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from reference.arrays import Indices, Masks
+from reference.numerics.arrays import Indices, Masks
 from reference.oracle.replay.bounded import Bounded
 from reference.oracle.replay.rules import Rules
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import Masks
+from reference.numerics.arrays import Masks
 from reference.oracle.replay.bounded import Bounded
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.arrays import Vec3s
+from reference.numerics.arrays import Vec3s
 from reference.resampling.packing.octahedral import decode_normal, encode_normal
 from reference.resampling.packing.rounding import (
     UInts,

@@ -30,7 +30,7 @@ reservoir has M = 0 and W = 1: a null there is known by its M or its radiance.
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.arrays import Vec3s
+from reference.numerics.arrays import Vec3s
 from reference.resampling.packing import paper
 from reference.resampling.packing.rounding import UInts
 from reference.resampling.reservoir import Reservoirs

@@ -11,7 +11,7 @@ edge of a cell.  Not covered: checkerboard rendering, which halves the width.
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.arrays import Indices
+from reference.numerics.arrays import Indices
 from reference.resampling.packing.log_luv import decode_log_luv, encode_log_luv
 from reference.resampling.packing.octahedral import decode_normal, encode_normal
 from reference.resampling.packing.rounding import (

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from reference.arrays import Scalars
+from reference.numerics.arrays import Scalars
 from reference.scene.animation import (
     Animation,
     still,

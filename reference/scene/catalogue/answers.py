@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s, cross, divide_or_zero, dot, length
+from reference.numerics.arrays import Scalars, Vec3s, cross, divide_or_zero, dot, length
 from reference.scene.catalogue.spheres import ALBEDO, EMISSION, INTENSITY
 from reference.scene.catalogue.walls import FLOOR_REFLECTANCE, SUN, WALL_REFLECTANCE
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s
-from reference.rng import pcg4d, to_unit_interval
+from reference.numerics.arrays import Scalars, Vec3s
+from reference.numerics.rng import pcg4d, to_unit_interval
 from reference.scene.materials.kinds import Lambertian
 from reference.scene.shapes import Mesh
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import Vec3s
+from reference.numerics.arrays import Vec3s
 from reference.scene.camera import Camera
 from reference.scene.catalogue.lamps import lamps, numbers
 from reference.scene.materials.kinds import Lambertian

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from reference.errors import UsageError
 from reference.scene.animation import Animation, still
 from reference.scene.catalogue import (
     animations,
@@ -15,7 +14,8 @@ from reference.scene.catalogue import (
     walls,
 )
 from reference.scene.scene import Scene
-from reference.suggestions import unknown
+from reference.system.errors import UsageError
+from reference.system.suggestions import unknown
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s
+from reference.numerics.arrays import Scalars, Vec3s
 from reference.scene.checks.space import distance_to_triangles
 
 

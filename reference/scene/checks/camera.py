@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import cross, dot
+from reference.numerics.arrays import cross, dot
 from reference.scene.camera import FOV_AXES, Camera
 from reference.scene.checks.shapes import LARGEST
 from reference.scene.checks.space import distance_to_triangles

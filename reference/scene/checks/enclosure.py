@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from reference.arrays import Vec3s
+from reference.numerics.arrays import Vec3s
 from reference.scene.checks.balls import Ball
 from reference.scene.checks.shells import Shell, closed_shells
 from reference.scene.checks.space import sees_out

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import Scalars
+from reference.numerics.arrays import Scalars
 from reference.scene.checks.shapes import LARGEST
 from reference.scene.checks.values import BRIGHTEST, need_numbers, refuse, told
 from reference.scene.lights import (

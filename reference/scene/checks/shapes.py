@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from reference.arrays import Masks, Scalars, cross, divide_or_zero, dot
+from reference.numerics.arrays import Masks, Scalars, cross, divide_or_zero, dot
 from reference.scene.checks.materials import check_material
 from reference.scene.checks.textures import check_texture
 from reference.scene.checks.values import BRIGHTEST, need_numbers, need_rows, refuse

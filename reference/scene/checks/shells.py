@@ -7,7 +7,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s, cross, dot
+from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, cross, dot
 from reference.scene.checks.space import (
     crossings,
     distance_to_triangles,

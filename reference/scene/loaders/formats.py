@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from importlib import import_module
 from itertools import groupby
 
-from reference.files import MOST_BYTES
 from reference.scene.loaders.ledger import MOST_EXPANSION, ROOM
 from reference.scene.loaders.pictures import HDR_BYTES, PICTURE_BYTES
 from reference.scene.loaders.words import Use, Word
+from reference.system.files import MOST_BYTES
 
 TABLES = {
     "glTF 2.0 (.gltf, .glb)": "gltf_words",

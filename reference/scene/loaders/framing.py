@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from reference.arrays import Vec3s
+from reference.numerics.arrays import Vec3s
 from reference.scene.camera import FOV_AXES, Camera, FovAxis
 from reference.scene.lights import ConstantEnvironment
 from reference.scene.loaders.ledger import Ledger

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import Scalars, normalize
+from reference.numerics.arrays import Scalars, normalize
 from reference.scene.camera import Camera
 from reference.scene.loaders.framing import (
     camera_or_framing,

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import Scalars, normalize
+from reference.numerics.arrays import Scalars, normalize
 from reference.scene.lights import DirectionalLight, PointLight, SpotLight
 from reference.scene.loaders.framing import color
 from reference.scene.loaders.gltf_check import named, replace_word

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s
+from reference.numerics.arrays import Scalars, Vec3s
 from reference.scene.loaders.framing import color
 from reference.scene.loaders.gltf_buffers import Document
 from reference.scene.loaders.gltf_check import named, replace_word

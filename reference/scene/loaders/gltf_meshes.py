@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import Indices, Scalars, Vec3s, normalize
+from reference.numerics.arrays import Indices, Scalars, Vec3s, normalize
 from reference.scene.loaders.gltf_buffers import Document, read_accessor
 from reference.scene.loaders.gltf_check import replace_word
 from reference.scene.loaders.gltf_materials import Finish

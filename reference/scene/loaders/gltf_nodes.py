@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import Scalars
+from reference.numerics.arrays import Scalars
 from reference.scene.loaders.gltf_buffers import Document, read_accessor
 from reference.scene.loaders.gltf_check import named
 

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from reference.errors import UsageError
 from reference.scene.camera import Camera
 from reference.scene.lights import (
     ConstantEnvironment,
@@ -34,6 +33,7 @@ from reference.scene.materials.kinds import Material
 from reference.scene.scene import Scene
 from reference.scene.shapes import Mesh, Sphere
 from reference.scene.textures import Bitmap, Color, Texture
+from reference.system.errors import UsageError
 
 LIGHTS = names("light type")
 

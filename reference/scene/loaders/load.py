@@ -4,9 +4,9 @@ from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 
-from reference.errors import UsageError
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.scene import Scene
+from reference.system.errors import UsageError
 
 # The loader of a format is imported when a file of it comes.
 LOADERS = {

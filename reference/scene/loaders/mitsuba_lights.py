@@ -4,8 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from reference.arrays import Vec3s, normalize
-from reference.errors import UsageError
+from reference.numerics.arrays import Vec3s, normalize
 from reference.scene.lights import (
     ConstantEnvironment,
     DirectionalLight,
@@ -19,6 +18,7 @@ from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.mitsuba_nodes import Node
 from reference.scene.loaders.mitsuba_textures import Textures
 from reference.scene.loaders.pictures import read_picture
+from reference.system.errors import UsageError
 
 
 @dataclass(slots=True)

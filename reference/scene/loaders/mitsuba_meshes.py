@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s, cross, normalize
+from reference.numerics.arrays import Scalars, Vec3s, cross, normalize
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.mitsuba_nodes import Node, reading
 from reference.scene.loaders.triangles import (

@@ -5,8 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from reference.arrays import Scalars
-from reference.errors import UsageError
+from reference.numerics.arrays import Scalars
 from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.mitsuba_materials import Materials, MitsubaAppearance
@@ -16,6 +15,7 @@ from reference.scene.loaders.triangles import drop_texture_without_uv, place
 from reference.scene.materials.kinds import Dielectric, Lambertian
 from reference.scene.shapes import Mesh, Sphere
 from reference.scene.textures import Pattern, Texture, mean_color, shines
+from reference.system.errors import UsageError
 
 BYTES = 2**14
 """Of memory for a shape without its triangles, generously."""

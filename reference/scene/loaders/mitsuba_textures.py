@@ -6,8 +6,7 @@ from typing import Any, Literal, TypeVar
 
 import numpy as np
 
-from reference.arrays import Scalars
-from reference.errors import UsageError
+from reference.numerics.arrays import Scalars
 from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.mitsuba_nodes import Node, reading
@@ -21,6 +20,7 @@ from reference.scene.textures import (
     Wrap,
     mean_color,
 )
+from reference.system.errors import UsageError
 
 MID_GREY = (0.5, 0.5, 0.5)
 CONSTANT = {"uniform": "value", "srgb": "color", "d65": "scale", "rawconstant": "value"}

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import normalize
+from reference.numerics.arrays import normalize
 from reference.scene.camera import Camera, FovAxis
 from reference.scene.loaders.framing import camera_or_framing, color, fov_axis
 from reference.scene.loaders.ledger import Ledger

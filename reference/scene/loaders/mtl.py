@@ -11,8 +11,7 @@ from pathlib import PurePosixPath
 
 import numpy as np
 
-from reference.arrays import Vec3s
-from reference.errors import UsageError
+from reference.numerics.arrays import Vec3s
 from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger, roughness
 from reference.scene.loaders.pictures import read_mask, read_picture
@@ -25,6 +24,7 @@ from reference.scene.materials.kinds import (
     Material,
 )
 from reference.scene.textures import Bitmap, Color, Texture
+from reference.system.errors import UsageError
 
 MID_GREY = (0.5, 0.5, 0.5)
 BLACK = (0.0, 0.0, 0.0)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s
+from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
 from reference.scene.loaders.ascii_table import (
     Bytes,
     numbers_of,

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Indices, Scalars, Vec3s
+from reference.numerics.arrays import Indices, Scalars, Vec3s
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.pictures import decode_srgb
 

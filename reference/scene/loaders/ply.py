@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Indices, Scalars
+from reference.numerics.arrays import Indices, Scalars
 from reference.scene.loaders.ascii_table import numbers_of
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.loaders.parts import MeshPart, fans, linear_colors

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from reference.arrays import Indices, Scalars, Vec3s, cross, dot
+from reference.numerics.arrays import Indices, Scalars, Vec3s, cross, dot
 from reference.scene.loaders.framing import color
 from reference.scene.loaders.ledger import Ledger
 from reference.scene.materials.kinds import Dielectric

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import (
+from reference.numerics.arrays import (
     Indices,
     Masks,
     Scalars,
@@ -13,7 +13,7 @@ from reference.arrays import (
     dot,
     zero_vectors,
 )
-from reference.rng import Draw
+from reference.numerics.rng import Draw
 from reference.scene.materials import (
     coated,
     conductor,

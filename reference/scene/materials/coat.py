@@ -4,7 +4,7 @@ import functools
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s, divide_or_zero, vectors
+from reference.numerics.arrays import Scalars, Vec3s, divide_or_zero, vectors
 from reference.scene.materials.facets import Facets
 from reference.scene.materials.fresnel import fresnel_dielectric
 from reference.scene.materials.kinds import Distribution

@@ -2,9 +2,16 @@
 
 import numpy as np
 
-from reference.arrays import Masks, Scalars, Vec3s, divide_or_zero, dot, normalize
-from reference.rng import Draw
-from reference.sampling import left_of, pdf_cosine_hemisphere
+from reference.numerics.arrays import (
+    Masks,
+    Scalars,
+    Vec3s,
+    divide_or_zero,
+    dot,
+    normalize,
+)
+from reference.numerics.rng import Draw
+from reference.numerics.sampling import left_of, pdf_cosine_hemisphere
 from reference.scene.materials import conductor, lambertian
 from reference.scene.materials.coat import (
     base_scattering,

@@ -2,9 +2,16 @@
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s, divide_or_zero, dot, normalize, vectors
-from reference.frames import normal_frames, to_world
-from reference.rng import Draw
+from reference.numerics.arrays import (
+    Scalars,
+    Vec3s,
+    divide_or_zero,
+    dot,
+    normalize,
+    vectors,
+)
+from reference.numerics.frames import normal_frames, to_world
+from reference.numerics.rng import Draw
 from reference.scene.materials.coat import specular_lobe
 from reference.scene.materials.fresnel import fresnel_conductor, fresnel_schlick
 from reference.scene.materials.microfacet import reflect

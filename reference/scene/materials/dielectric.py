@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from reference.arrays import Masks, Scalars, Vec3s, dot, vectors
-from reference.rng import Draw
+from reference.numerics.arrays import Masks, Scalars, Vec3s, dot, vectors
+from reference.numerics.rng import Draw
 from reference.scene.materials.fresnel import fresnel_dielectric
 from reference.scene.materials.microfacet import reflect
 from reference.scene.materials.parameters import MaterialTable

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Masks, Scalars, Vec3s
-from reference.rng import Draw
+from reference.numerics.arrays import Masks, Scalars, Vec3s
+from reference.numerics.rng import Draw
 from reference.scene.materials.microfacet import (
     beckmann_density,
     beckmann_g1,

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s
+from reference.numerics.arrays import Scalars, Vec3s
 
 
 def fresnel_dielectric(cos_i: Scalars, eta: Scalars) -> tuple[Scalars, Scalars]:

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from reference.arrays import Scalars, Vec3s
-from reference.frames import to_world
-from reference.rng import Draw
-from reference.sampling import pdf_cosine_hemisphere, sample_cosine_hemisphere
+from reference.numerics.arrays import Scalars, Vec3s
+from reference.numerics.frames import to_world
+from reference.numerics.rng import Draw
+from reference.numerics.sampling import pdf_cosine_hemisphere, sample_cosine_hemisphere
 from reference.scene.materials.parameters import MaterialTable, lit_cosine
 from reference.scene.surface import SurfacePoints
 

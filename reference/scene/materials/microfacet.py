@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import (
+from reference.numerics.arrays import (
     Scalars,
     Vec3s,
     divide_or_zero,
@@ -10,7 +10,7 @@ from reference.arrays import (
     saturate,
     vectors,
 )
-from reference.sampling import left_of
+from reference.numerics.sampling import left_of
 
 
 def ggx_density(cos_h: Scalars, alpha: Scalars) -> Scalars:

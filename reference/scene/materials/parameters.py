@@ -5,7 +5,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars, Vec3s, dot
+from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, dot
 from reference.scene.materials.coat import (
     NODES,
     internal_reflectance,

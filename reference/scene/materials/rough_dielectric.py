@@ -4,8 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Masks, Scalars, Vec3s, divide_or_zero, dot, normalize
-from reference.rng import Draw
+from reference.numerics.arrays import (
+    Masks,
+    Scalars,
+    Vec3s,
+    divide_or_zero,
+    dot,
+    normalize,
+)
+from reference.numerics.rng import Draw
 from reference.scene.materials.conductor import sample_normal
 from reference.scene.materials.dielectric import relative_index
 from reference.scene.materials.facets import Facets

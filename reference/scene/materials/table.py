@@ -4,14 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from reference.arrays import (
-    Indices,
-    Masks,
-    Scalars,
-    Vec3s,
-    zero_vectors,
-)
-from reference.records import take
+from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, zero_vectors
+from reference.numerics.records import take
 from reference.scene.materials import coated, conductor, lambertian, rough_dielectric
 from reference.scene.materials.parameters import Kind, MaterialTable
 from reference.scene.surface import SurfacePoints

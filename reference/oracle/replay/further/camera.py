@@ -6,7 +6,7 @@ from math import pi
 
 import numpy as np
 
-from reference.arrays import Indices
+from reference.numerics.arrays import Indices
 from reference.oracle.contract.fields import Value
 from reference.oracle.replay.bounded import Bounded, Rounding, constant, exact
 from reference.oracle.replay.further.numbers import product, setting, unit

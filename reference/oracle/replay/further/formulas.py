@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.arrays import Indices, Scalars
+from reference.numerics.arrays import Indices, Scalars
 from reference.oracle.replay.bounded import Bounded, constant
 from reference.oracle.replay.further.numbers import larger
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.arrays import Masks, Scalars, Vec3s, length, normalize
+from reference.numerics.arrays import Masks, Scalars, Vec3s, length, normalize
 from reference.oracle.replay.bounded import Bounded, Rounding, constant, exact
 from reference.oracle.replay.further.numbers import unit
 from reference.oracle.replay.further.rules import Octahedron

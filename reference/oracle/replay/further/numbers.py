@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.arrays import Masks
+from reference.numerics.arrays import Masks
 from reference.oracle.contract.fields import Value
 from reference.oracle.replay.bounded import Bounded, Rounding, constant
 from reference.oracle.replay.judgement import Decisions

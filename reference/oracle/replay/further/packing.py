@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.arrays import Scalars
+from reference.numerics.arrays import Scalars
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
 from reference.oracle.replay.bounded import rounding_of

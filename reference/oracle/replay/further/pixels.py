@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from reference.numerics.rng import pcg4d, to_unit_interval
 from reference.oracle.cases import Buffers, Case
 from reference.oracle.contract.fields import Precision
 from reference.oracle.replay.bounded import exact, rounding_of
@@ -10,7 +11,6 @@ from reference.oracle.replay.further.rules import further
 from reference.oracle.replay.judgement import Judgement, beside, exactly
 from reference.oracle.replay.rules import Rules
 from reference.oracle.replay.verbs import choose
-from reference.rng import pcg4d, to_unit_interval
 
 STREAM = 7 * 64
 """As the contract says."""

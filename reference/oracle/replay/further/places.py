@@ -4,7 +4,7 @@ from math import cos, radians
 
 import numpy as np
 
-from reference.arrays import Indices, Masks, Scalars
+from reference.numerics.arrays import Indices, Masks, Scalars
 from reference.oracle.cases import Case
 from reference.oracle.replay.bounded import Bounded, exact
 from reference.oracle.replay.further.camera import Eye

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from reference.arrays import Indices, Scalars
+from reference.numerics.arrays import Indices, Scalars
 from reference.oracle.replay.bounded import Bounded
 from reference.oracle.replay.further.formulas import (
     boiling_tile,

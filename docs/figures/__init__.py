@@ -1,0 +1,1 @@
+"""The figures of the papers and of the documentation, measured and drawn."""

@@ -1,5 +1,0 @@
-"""One image judged against another: numbers, error maps, and a page to look at."""
-
-from reference.comparison.judge import Comparison, compare
-
-__all__ = ["Comparison", "compare"]

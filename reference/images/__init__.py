@@ -1,0 +1,1 @@
+"""Images in and out: layers, EXR, display, and how far two are apart."""

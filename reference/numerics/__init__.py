@@ -1,0 +1,1 @@
+"""Rows of numbers: arrays, records, random streams, bands, moments."""

@@ -1,0 +1,1 @@
+"""The world outside: files, processes, signals, plug-ins, and errors."""

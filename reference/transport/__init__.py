@@ -1,0 +1,1 @@
+"""The plain estimator: rays, direct light, and the path tracer."""

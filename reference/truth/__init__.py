@@ -1,0 +1,1 @@
+"""Path-traced truth: accumulated, resumed, and shared among processes."""
