@@ -21,6 +21,7 @@ from reference.reports.figures.canvas import (
     shown,
 )
 from reference.reports.figures.record import Deviation, PaperFigure, Row, Work
+from reference.reports.figures.registry import FigureEntry
 from reference.reports.figures.tiles import (
     TILE,
     largest_of_half,
@@ -128,3 +129,6 @@ def _picture(contest: Contest, work: Work) -> "Figure":
     picture = blank(len(pictures) * BIG, BIG + 0.45)
     draw_tiles(picture, [pictures])
     return picture
+
+
+FIGURE = FigureEntry(NAME, bias, 16, 4)

@@ -16,6 +16,7 @@ from reference.reports.figures.canvas import (
     shown,
 )
 from reference.reports.figures.record import Deviation, PaperFigure, Row, Work
+from reference.reports.figures.registry import FigureEntry
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.figure import Figure
@@ -107,3 +108,6 @@ def _picture(contest: Contest, work: Work) -> "Figure":
     picture = blank(3 * BIG, 2 * BIG + 0.6)
     draw_tiles(picture, grid, ("all light", "indirect light alone"))
     return picture
+
+
+FIGURE = FigureEntry(NAME, bounces, 8)

@@ -20,6 +20,7 @@ from reference.reports.figures.canvas import (
     tidy,
 )
 from reference.reports.figures.record import Deviation, PaperFigure, Row, Work
+from reference.reports.figures.registry import FigureEntry
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.axes import Axes
@@ -170,3 +171,6 @@ def _beside_the_paper(rows: list[Row], name: str) -> str:
         f"The {name} form: {min(values):.1f} to {max(values):.1f} times smaller; in"
         f" the paper, on other scenes and on a GPU, {low:g} to {high:g}."
     )
+
+
+FIGURE = FigureEntry(NAME, equal_time, 32)

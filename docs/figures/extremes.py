@@ -14,6 +14,7 @@ from reference.oracle.exact.numbers import EXACT, UNROUNDED, exactly
 from reference.oracle.exact.targets import JACOBIAN
 from reference.reports.figures.canvas import COLORS, blank, tidy
 from reference.reports.figures.record import PaperFigure, Row, Work
+from reference.reports.figures.registry import FigureEntry
 from reference.resampling.shift import reconnection_jacobian
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
@@ -202,3 +203,6 @@ def _heat(axes: "Axes", values: Scalars, title: str) -> None:
     axes.figure.colorbar(shown, ax=axes)
     tidy(axes, title, "log2 of d_to / d_from", "log2 cos φ_to")
     axes.grid(False)
+
+
+FIGURE = FigureEntry(NAME, extremes, 32)

@@ -26,6 +26,7 @@ from reference.reports.figures.canvas import (
     tidy,
 )
 from reference.reports.figures.record import Deviation, PaperFigure, Work
+from reference.reports.figures.registry import FigureEntry
 from reference.reports.figures.tiles import mean_and_error
 from reference.scene.catalogue.answers import sunlit_wall_indirect
 from reference.settings import JacobianUse, Mis
@@ -161,3 +162,6 @@ def _charts(area: "SubFigure", found: dict[str, Profile]) -> None:
     whole.legend(fontsize=8, frameon=False)
     closer.set(ylim=CLOSER)
     closer.set_title("the same, closer", fontsize=9, color=INK)
+
+
+FIGURE = FigureEntry(NAME, jacobian, 16)

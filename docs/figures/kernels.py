@@ -10,6 +10,7 @@ from reference.oracle.exact.matrix import TYPES, MatrixCell, matrix
 from reference.oracle.exact.registry import kernels
 from reference.reports.figures.canvas import QUIET, blank
 from reference.reports.figures.record import PaperFigure, Row, Work
+from reference.reports.figures.registry import FigureEntry
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.axes import Axes
@@ -85,3 +86,6 @@ def _heat(axes: "Axes", values: Scalars, title: str, most: float) -> None:
     axes.set_facecolor("white")
     axes.tick_params(length=0, colors=QUIET)
     axes.figure.colorbar(shown, ax=axes)
+
+
+FIGURE = FigureEntry(NAME, kernels_at_extremes, 64)

@@ -22,6 +22,7 @@ from reference.reports.figures.canvas import (
     tidy,
 )
 from reference.reports.figures.record import PaperFigure, Row, Work
+from reference.reports.figures.registry import FigureEntry
 from reference.resampling.source import Source
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
@@ -138,3 +139,6 @@ def _chart(axes: "Axes", lines: dict[str, dict[tuple[float, float], Interval]]) 
     axes.axhline(1, color=QUIET, linewidth=0.8)
     tidy(axes, "MSE, cosine over uniform", "distance from the lit wall, m", "")
     axes.legend(fontsize=8, frameon=False)
+
+
+FIGURE = FigureEntry(NAME, source, 32)

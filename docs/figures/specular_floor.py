@@ -108,4 +108,4 @@ def _picture(contest: Contest, work: Work) -> "Figure":
     return picture
 
 
-FIGURE = FigureEntry(NAME, specular_floor, 16, ())
+FIGURE = FigureEntry(NAME, specular_floor, 16)

@@ -24,6 +24,7 @@ from reference.reports.figures.canvas import (
     tidy,
 )
 from reference.reports.figures.record import Deviation, PaperFigure, Row, Work
+from reference.reports.figures.registry import FigureEntry
 from reference.reports.figures.tiles import TILE, rms_without_noise, tile_luminance
 from reference.restir_gi import Frame, render_frames
 from reference.scene.catalogue.animations import CHANGE
@@ -177,3 +178,6 @@ def _charts(area: "SubFigure", films: dict[str, _Film]) -> None:
         axes.yaxis.set_major_formatter(lambda value, _: f"{value:.0%}")
         tidy(axes, title, "frames after the change of light", "")
     parts.legend(fontsize=8, frameon=False)
+
+
+FIGURE = FigureEntry(NAME, validation, 8)

@@ -40,14 +40,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help=f"pixels of a side of each picture (default {SIZE})",
     )
-    defaults = ", ".join(
-        f"{entry.name} {entry.runs}" for entry in registry.FIGURES.values()
-    )
     parser.add_argument(
         "--runs",
         type=whole(2, 1000),
         metavar="N",
-        help=f"runs of each method, with different seeds (default: {defaults})",
+        help="runs of each method, with different seeds (default: the figure's own)",
     )
     parser.add_argument(
         "--threads",

@@ -26,7 +26,6 @@ from contextlib import suppress
 from importlib import import_module
 from typing import Any, NoReturn
 
-from reference.cli import COMMANDS
 from reference.system.errors import UsageError
 from reference.system.signals import terminable
 from reference.system.terminal import told_errors, visible
@@ -34,6 +33,21 @@ from reference.system.trouble import refuse_narrow_limits, trouble
 
 BAD_USAGE, FAULT, INTERRUPTED, TERMINATED, BROKEN_PIPE = 2, 70, 130, 143, 141
 TRACEBACK = "RESTIR_TRACEBACK"
+
+COMMANDS = {
+    "scenes": "list the built-in scenes and what each requires.",
+    "render": "make a picture with one method.",
+    "reference": "accumulate the path-traced truth and its standard error.",
+    "compare": "judge a picture against another one, the truth.",
+    "demo": "path tracing, biased and unbiased ReSTIR GI, against the truth.",
+    "golden": "inputs and expected outputs of every pass, for other backends.",
+    "check": "the verdict on a backend, and the name of the bug.",
+    "figures": "the figures of the papers, measured and drawn anew.",
+    "plan": "what a scene requires, what is left out, and what that changes.",
+    "tradeoff": "speed against accuracy, measured, and what to take.",
+    "inspect": "look into the reservoirs of a run.",
+}
+"""Each command's module and what it says of itself: known before it is imported."""
 
 
 class Parser(argparse.ArgumentParser):

@@ -118,8 +118,8 @@ class Method:
     counts : mapping of str to int
         Which of the options ``"frames"`` and ``"spp"`` it heeds, and their defaults.
     settings : dataclass instance
-        Defaults of what ``--set`` changes; :mod:`reference.methods.setting_values` says which
-        fields it may have.
+        Defaults of what ``--set`` changes; :mod:`reference.methods.setting_values` says
+        which fields it may have.
     aovs : mapping of str to str; names that ``--aov`` takes, and what they are
     render : callable; takes a `Job` and generates; `Rendering`
     biases : callable

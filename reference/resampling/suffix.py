@@ -26,7 +26,7 @@ class Suffix:
 
 
 def suffix_of(number: Indices, met: SurfacePoints, kept: Masks) -> Suffix:
-    """Suffixes of N paths with numbers (N,); nothing leaves where not ``kept``, (N,)."""
+    """Suffixes of paths with numbers, (N,); no light where not ``kept``, (N,)."""
     primitive = np.where(kept, met.primitive, -1)
     return Suffix(number, replace(met, primitive=primitive))
 

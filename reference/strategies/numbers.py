@@ -30,7 +30,7 @@ def scalars(
 
 
 def uniforms(rows: int = ROWS) -> st.SearchStrategy[Scalars]:
-    """Multiples of 2⁻²⁴ in [0, 1): the numbers that :mod:`reference.numerics.rng` makes.
+    """Multiples of 2⁻²⁴ in [0, 1): those that :mod:`reference.numerics.rng` makes.
 
     Returns strategy of (rows,) float64; exact in float32.
     """

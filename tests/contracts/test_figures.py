@@ -24,11 +24,10 @@ from reference.numerics.moments import Moments, add_samples, merge, no_samples
 from reference.numerics.schedule import Schedule
 from reference.reports import timing
 from reference.reports.demo.runs import CONVERGED
-from reference.reports.figures import registry
 from reference.reports.figures.canvas import Tile, blank, draw_tiles
 from reference.reports.figures.record import Deviation, Interval, PaperFigure, Work
 from reference.reports.figures.registry import (
-    FIGURES,
+    NUMBERS,
     FigureEntry,
     figure_names,
     find_figure,
@@ -88,8 +87,7 @@ def test_every_figure_is_made(restir, tmp_path, monkeypatch, name):
 
 
 def test_the_figures_as_a_table(restir, tmp_path, monkeypatch):
-    monkeypatch.setattr(registry, "FIGURES", planted("one", "two"))
-    monkeypatch.setattr(registry, "plugin_names", lambda group: [])
+    plug_in(monkeypatch, "one", "two")
     code, printed, told = restir("figures", "--out", tmp_path)
     assert (code, told) == (0, "")
     assert printed.index("title of one") < printed.index("title of two")
@@ -98,7 +96,7 @@ def test_the_figures_as_a_table(restir, tmp_path, monkeypatch):
 
 
 def test_a_figure_asked_for_twice_is_made_once(restir, tmp_path, monkeypatch):
-    monkeypatch.setattr(registry, "FIGURES", planted("one"))
+    plug_in(monkeypatch, "one")
     _, printed, _ = restir("figures", "one", "one", "--out", tmp_path, "--json")
     assert len(json.loads(printed)["figures"]) == 1
 
@@ -129,7 +127,7 @@ def test_the_command_explains_itself(restir, monkeypatch):
     code, printed, _ = restir("figures", "--help")
     assert code == 0
     assert printed.startswith("usage: restir figures ")
-    assert all(f"{name} {FIGURES[name].runs}" in printed for name in FIGURES)
+    assert ", ".join(figure_names()) in printed
 
 
 def test_the_folder_is_needed(restir):
@@ -138,25 +136,34 @@ def test_the_folder_is_needed(restir):
     assert "--out" in told
 
 
-def test_a_figure_of_another_package(restir, tmp_path, monkeypatch):
+def test_a_broken_figure(restir, tmp_path, monkeypatch):
     """Announced by an entry point; broken, its package is named in one line."""
-    found = planted("grey")["grey"]
-    point = SimpleNamespace(name="grey", value="x:GREY", dist=None, load=lambda: found)
-    monkeypatch.setattr(plugins, "entry_points", lambda **_: [point])
-    assert figure_names() == [*FIGURES, "grey"]
+    (point,) = plug_in(monkeypatch, "grey")
+    assert figure_names() == ["grey"]
     code, printed, _ = restir("figures", "grey", "--out", tmp_path)
     assert (code, "title of grey" in printed) == (0, True)
     point.load = lambda: None
     code, _, told = restir("figures", "grey", "--out", tmp_path)
     assert code == 2
-    assert "figure 'grey' of an unknown package (x:GREY) is None" in told
+    assert "figure 'grey' of an unknown package (x:grey) is None" in told
 
 
-def planted(*names):
-    """Registry of figures that take no time."""
-    return {
-        name: FigureEntry(name, lambda work, n=name: drawn(n), 2, ()) for name in names
-    }
+def plug_in(monkeypatch, *names):
+    """FigureEntry points of figures that take no time; there are no others."""
+
+    def point(name):
+        entry = FigureEntry(name, lambda work: drawn(name), 2)
+        return SimpleNamespace(
+            name=name, value=f"x:{name}", dist=None, load=lambda: entry
+        )
+
+    points = [point(name) for name in names]
+
+    def entry_points(group, name=None):
+        return [point for point in points if name in (None, point.name)]
+
+    monkeypatch.setattr(plugins, "entry_points", entry_points)
+    return points
 
 
 def drawn(name):
@@ -170,13 +177,16 @@ def drawn(name):
 
 
 def test_names_are_those_of_the_entries():
-    assert all(find_figure(name).name == name for name in figure_names())
-    assert set(FIGURES) < set(figure_names())
-    assert find_figure("13") is find_figure("1") is FIGURES["equal-time"]
-    assert {n for e in FIGURES.values() for n in e.numbers} == {
-        "1", "7", "8", "9", "11", "13", "14",
-    }  # fmt: skip
-    assert all(entry.runs >= entry.least_runs >= 2 for entry in FIGURES.values())
+    entries = {name: find_figure(name) for name in figure_names()}
+    assert all(entry.name == name for name, entry in entries.items())
+    assert find_figure("13") is find_figure("1") is entries["equal-time"]
+    assert all(find_figure(n) is entries[name] for n, name in NUMBERS.items())
+    assert all(entry.runs >= entry.least_runs >= 2 for entry in entries.values())
+
+
+def test_the_papers_figures_come_first_and_in_its_order(monkeypatch):
+    plug_in(monkeypatch, "source", "grey", "jacobian", "blue")
+    assert figure_names() == ["jacobian", "source", "blue", "grey"]
 
 
 # ---------------------------------------------------------------- tables

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from reference.cli import COMMANDS
-from reference.cli.main import build_parser
+from reference.cli.main import COMMANDS, build_parser
 
 ROOT = Path(__file__).parents[2]
 HEAVY = {"numpy", "embreex", "scipy", "OpenEXR", "PIL", "matplotlib", "rich", "trimesh"}

@@ -31,8 +31,7 @@ from types import FrameType
 
 import numpy as np
 
-from reference.cli import COMMANDS
-from reference.cli.main import build_parser, main
+from reference.cli.main import COMMANDS, build_parser, main
 from reference.images.exr import read_exr
 from reference.methods import method_named, method_names
 from tests.extremes.corpus import CorpusFile, spoiled, write_corpus

@@ -12,8 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reference.cli import COMMANDS
-from reference.cli.main import main
+from reference.cli.main import COMMANDS, main
 from reference.images.exr import write_exr
 from reference.images.image import Image
 from tests.extremes.mutants import (

@@ -150,5 +150,5 @@ def _picture(grid: list[list[Tile]], names: Sequence[str]) -> "Figure":
     return picture
 
 
-REUSE = FigureEntry("gradient-reuse", reuse, 8, (), 3)
-SIGN = FigureEntry("gradient-signs", signs, 8, (), 3)
+REUSE = FigureEntry("gradient-reuse", reuse, 8, 3)
+SIGN = FigureEntry("gradient-signs", signs, 8, 3)

@@ -126,4 +126,4 @@ def _picture(grid: list[list[Tile]], names: list[str]) -> "Figure":
     return picture
 
 
-FIGURE = FigureEntry(NAME, gradients, 8, (), 3)
+FIGURE = FigureEntry(NAME, gradients, 8, 3)

@@ -176,4 +176,4 @@ def _picture(grid: list[list[Tile]], names: list[str]) -> "Figure":
     return picture
 
 
-FIGURE = FigureEntry(NAME, images, 6, (), 3)
+FIGURE = FigureEntry(NAME, images, 6, 3)

@@ -210,4 +210,4 @@ def _picture(grid: Scalars, kept: dict[str, Scalars]) -> "Figure":
     return picture
 
 
-FIGURE = FigureEntry(NAME, toy, 64, ())
+FIGURE = FigureEntry(NAME, toy, 64)

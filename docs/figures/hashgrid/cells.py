@@ -176,4 +176,4 @@ def _histograms(left: "Axes", right: "Axes", name: str, color: str, grid: Grid) 
     right.plot(full, np.array(buckets)[full], "o-", color=color, label=name)
 
 
-FIGURE = FigureEntry(NAME, cells, 2, ())
+FIGURE = FigureEntry(NAME, cells, 2)

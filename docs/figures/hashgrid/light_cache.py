@@ -134,4 +134,4 @@ def _picture(grid: list[list[Tile]], names: list[str]) -> "Figure":
     return picture
 
 
-FIGURE = FigureEntry(NAME, light_cache, 16, ())
+FIGURE = FigureEntry(NAME, light_cache, 16)

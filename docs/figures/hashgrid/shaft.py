@@ -116,4 +116,4 @@ def _picture(grid: list[list[Tile]]) -> "Figure":
     return picture
 
 
-FIGURE = FigureEntry(NAME, shaft, 16, ())
+FIGURE = FigureEntry(NAME, shaft, 16)

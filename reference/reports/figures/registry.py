@@ -1,22 +1,25 @@
-"""The figures by name: those of the ReSTIR GI paper, and those of plug-ins."""
+"""The figures by name, as packages announce them, and by their numbers in the paper."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from docs.figures import (
-    bias,
-    bounces,
-    equal_time,
-    extremes,
-    jacobian,
-    kernels,
-    source,
-    validation,
-)
 from reference.reports.figures.record import PaperFigure, Work
 from reference.system.errors import UsageError
 from reference.system.plugins import find_plugin, plugin_names
 from reference.system.suggestions import unknown
+
+GROUP = "restir.figures"
+
+NUMBERS = {
+    "1": "equal-time",
+    "7": "jacobian",
+    "8": "bounces",
+    "9": "bias",
+    "11": "validation",
+    "13": "equal-time",
+    "14": "source",
+}
+"""Figures of the ReSTIR GI paper: each number is as good as the name."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,38 +29,20 @@ class FigureEntry:
     Attributes
     ----------
     make : callable; runs and draws it
-    numbers : tuple of str; in the paper; each is as good as the name
     least_runs : int; with which its errors can be told
     """
 
     name: str
     make: Callable[[Work], PaperFigure]
     runs: int
-    numbers: tuple[str, ...]
     least_runs: int = 2
 
 
-_ENTRIES = (
-    FigureEntry(equal_time.NAME, equal_time.equal_time, 32, ("1", "13")),
-    FigureEntry(jacobian.NAME, jacobian.jacobian, 16, ("7",)),
-    FigureEntry(bounces.NAME, bounces.bounces, 8, ("8",)),
-    FigureEntry(bias.NAME, bias.bias, 16, ("9",), 4),
-    FigureEntry(validation.NAME, validation.validation, 8, ("11",)),
-    FigureEntry(source.NAME, source.source, 32, ("14",)),
-    FigureEntry(extremes.NAME, extremes.extremes, 32, ()),
-    FigureEntry(kernels.NAME, kernels.kernels_at_extremes, 64, ()),
-)
-
-GROUP = "restir.figures"
-
-FIGURES: dict[str, FigureEntry] = {entry.name: entry for entry in _ENTRIES}
-"""The paper's, by name, in the order in which they are made."""
-
-
 def figure_names() -> list[str]:
-    """Names of all figures.  The paper's first.  Nothing is imported."""
-    theirs = [name for name in plugin_names(GROUP) if name not in FIGURES]
-    return [*FIGURES, *theirs]
+    """Names of all figures: the paper's first, in its order.  Nothing is imported."""
+    names = plugin_names(GROUP)
+    paper = [name for name in dict.fromkeys(NUMBERS.values()) if name in names]
+    return paper + [name for name in names if name not in paper]
 
 
 def find_figure(name: str) -> FigureEntry:
@@ -70,15 +55,14 @@ def find_figure(name: str) -> FigureEntry:
     ----------
     name : str; as `figure_names` lists it, or its number in the paper
     """
-    if name in FIGURES:
-        return FIGURES[name]
-    for entry in _ENTRIES:
-        if name in entry.numbers:
-            return entry
-    found = find_plugin(GROUP, name, FigureEntry, "figure")
+    found = find_plugin(GROUP, NUMBERS.get(name, name), FigureEntry, "figure")
     if found is not None:
         return found
     names = figure_names()
-    numbers = {e.name: f" ({', '.join(e.numbers)})" for e in _ENTRIES}
-    every = ", ".join(each + numbers.get(each, "") for each in names)
+    every = ", ".join(each + _numbers(each) for each in names)
     raise UsageError(unknown("figure", name, names, every))
+
+
+def _numbers(name: str) -> str:
+    numbers = [number for number, each in NUMBERS.items() if each == name]
+    return f" ({', '.join(numbers)})" if numbers else ""

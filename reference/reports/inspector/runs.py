@@ -167,8 +167,8 @@ def as_it_is(image: Image) -> Plain:
     Returns
     -------
     dict
-        As :func:`reference.reports.inspector.recorded.plain_frame`, with what there is; which
-        frame it is, is not known.
+        As :func:`reference.reports.inspector.recorded.plain_frame`, with what there is;
+        which frame it is, is not known.
     """
     found: dict[str, Any] = {
         short: np.ascontiguousarray(image.layers[name], np.float32).ravel()
