@@ -1,9 +1,9 @@
 """The kernels of the contract in exact numbers, from its words alone.
 
 The formulas are those of the matrix of extremes, :mod:`reference.oracle.exact`, on
-numbers that nothing rounds.  They share nothing with the passes that are judged, nor with the
-replay that says how far rounding may take them: what one of those has wrong, the other
-two show.
+numbers that nothing rounds.  They share nothing with the passes that are judged, nor
+with the replay that says how far rounding may take them: what one of those has wrong,
+the other two show.
 """
 
 from collections.abc import Callable, Mapping
