@@ -82,7 +82,7 @@ def inspect_two_runs(app: Sphinx) -> None:
     def restir(*words: str) -> None:
         # In the folder, so that the page does not name the machine's own.
         subprocess.run(
-            [sys.executable, "-m", "reference", *words], cwd=EXTRA, check=True
+            [sys.executable, "-m", "restir_gi.reference", *words], cwd=EXTRA, check=True
         )
 
     size = ("--size", "32x32", "--frames", "6")

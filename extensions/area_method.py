@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator, Mapping
 
-from extensions.area_restir import render_area_frames
-from extensions.area_settings import AreaSettings
-from extensions.frame_loop import PathFrame
-from extensions.method import PATHS, path_layers
-from reference.methods.framed import Framed
-from reference.methods.method import Job
-from reference.numerics.arrays import Scalars
+from restir_gi.extensions.area_restir import render_area_frames
+from restir_gi.extensions.area_settings import AreaSettings
+from restir_gi.extensions.frame_loop import PathFrame
+from restir_gi.extensions.method import PATHS, path_layers
+from restir_gi.reference.methods.framed import Framed
+from restir_gi.reference.methods.method import Job
+from restir_gi.reference.numerics.arrays import Scalars
 
 PLACES = {
     "x": "where the kept path appears in the image, pixels from the left",

@@ -4,14 +4,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from extensions.candidates import draw_paths
-from extensions.shifting import Criterion, Paths
-from reference.numerics.arrays import Indices, Scalars, Vec3s
-from reference.numerics.rng import Draw, Uniforms
-from reference.resampling.reservoir import Candidates
-from reference.resampling.target import luminance
-from reference.transport.path_tracer import first_hits
-from reference.transport.world import World
+from restir_gi.extensions.candidates import draw_paths
+from restir_gi.extensions.shifting import Criterion, Paths
+from restir_gi.reference.numerics.arrays import Indices, Scalars, Vec3s
+from restir_gi.reference.numerics.rng import Draw, Uniforms
+from restir_gi.reference.resampling.reservoir import Candidates
+from restir_gi.reference.resampling.target import luminance
+from restir_gi.reference.transport.path_tracer import first_hits
+from restir_gi.reference.transport.world import World
 
 
 @dataclass(frozen=True, slots=True)

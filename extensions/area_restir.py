@@ -6,20 +6,20 @@ from functools import partial
 
 import numpy as np
 
-from extensions.area_paths import draw_area_paths, target
-from extensions.area_settings import AreaSettings
-from extensions.area_shift import AreaNeighbor, AreaShift
-from extensions.frame_loop import PathFrame, path_frames, path_shift
-from extensions.windows import resample_past, windows
-from reference.frame import FrameContext
-from reference.numerics.arrays import Indices
-from reference.numerics.rng import Stream
-from reference.numerics.schedule import Schedule, in_bands
-from reference.passes.neighbors import find_neighbors
-from reference.resampling.generalized import resample
-from reference.resampling.reservoir import Reservoirs, finalize
-from reference.scene.animation import Animation
-from reference.transport.world import World
+from restir_gi.extensions.area_paths import draw_area_paths, target
+from restir_gi.extensions.area_settings import AreaSettings
+from restir_gi.extensions.area_shift import AreaNeighbor, AreaShift
+from restir_gi.extensions.frame_loop import PathFrame, path_frames, path_shift
+from restir_gi.extensions.windows import resample_past, windows
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.arrays import Indices
+from restir_gi.reference.numerics.rng import Stream
+from restir_gi.reference.numerics.schedule import Schedule, in_bands
+from restir_gi.reference.passes.neighbors import find_neighbors
+from restir_gi.reference.resampling.generalized import resample
+from restir_gi.reference.resampling.reservoir import Reservoirs, finalize
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.transport.world import World
 
 
 def render_area_frames(

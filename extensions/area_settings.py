@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from extensions.area_shift import Primary
-from extensions.pt_settings import PathSettings
+from restir_gi.extensions.area_shift import Primary
+from restir_gi.extensions.pt_settings import PathSettings
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,18 +5,18 @@ from typing import Any, Literal
 
 import numpy as np
 
-from extensions.area_paths import AreaPaths, PlacedValue
-from extensions.shifting import Shift
-from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, dot
-from reference.numerics.records import scatter, take
-from reference.options.reprojection import row_at
-from reference.resampling.reservoir import Reservoirs
-from reference.scene.camera import Camera, image_points, view_depth
-from reference.scene.origins import contact
-from reference.scene.surface import SurfacePoints
-from reference.transport.caster import STOP
-from reference.transport.path_tracer import first_hits
-from reference.transport.world import World
+from restir_gi.extensions.area_paths import AreaPaths, PlacedValue
+from restir_gi.extensions.shifting import Shift
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, dot
+from restir_gi.reference.numerics.records import scatter, take
+from restir_gi.reference.options.reprojection import row_at
+from restir_gi.reference.resampling.reservoir import Reservoirs
+from restir_gi.reference.scene.camera import Camera, image_points, view_depth
+from restir_gi.reference.scene.origins import contact
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.transport.caster import STOP
+from restir_gi.reference.transport.path_tracer import first_hits
+from restir_gi.reference.transport.world import World
 
 Primary = Literal["move", "keep"]
 """The primary hit moves with the place in the image, or stays where it is."""

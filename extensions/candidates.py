@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from extensions.shifting import (
+from restir_gi.extensions.shifting import (
     Criterion,
     Leaving,
     Paths,
@@ -18,15 +18,21 @@ from extensions.shifting import (
     leave,
     start,
 )
-from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, zero_vectors
-from reference.numerics.records import scatter, where
-from reference.numerics.rng import Uniforms
-from reference.resampling.reservoir import Candidates, merge
-from reference.resampling.target import luminance
-from reference.scene.surface import SurfacePoints
-from reference.transport.direct_light import choose_light, emitter_hits
-from reference.transport.light_mis import bsdf_sampling_weight
-from reference.transport.world import World
+from restir_gi.reference.numerics.arrays import (
+    Indices,
+    Masks,
+    Scalars,
+    Vec3s,
+    zero_vectors,
+)
+from restir_gi.reference.numerics.records import scatter, where
+from restir_gi.reference.numerics.rng import Uniforms
+from restir_gi.reference.resampling.reservoir import Candidates, merge
+from restir_gi.reference.resampling.target import luminance
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.transport.direct_light import choose_light, emitter_hits
+from restir_gi.reference.transport.light_mis import bsdf_sampling_weight
+from restir_gi.reference.transport.world import World
 
 
 def draw_paths(

@@ -5,16 +5,16 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TypeVar
 
-from extensions.pt_settings import CRITERIA, PathSettings
-from extensions.shifting import Shift
-from reference.frame import FrameContext, frames
-from reference.numerics.arrays import Vec3s
-from reference.numerics.rng import Stream
-from reference.numerics.schedule import Schedule
-from reference.resampling.reservoir import Reservoirs
-from reference.scene.animation import Animation
-from reference.scene.surface import VisiblePoints
-from reference.transport.world import World, same_but_for_the_camera
+from restir_gi.extensions.pt_settings import CRITERIA, PathSettings
+from restir_gi.extensions.shifting import Shift
+from restir_gi.reference.frame import FrameContext, frames
+from restir_gi.reference.numerics.arrays import Vec3s
+from restir_gi.reference.numerics.rng import Stream
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.resampling.reservoir import Reservoirs
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.scene.surface import VisiblePoints
+from restir_gi.reference.transport.world import World, same_but_for_the_camera
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,7 +56,7 @@ def path_frames(
     schedule: Schedule,
     animation: Animation | None = None,
 ) -> Iterator[OfPaths]:
-    """Frames of whole paths, without end; arguments as of `reference.frame.frames`.
+    """Frames of whole paths, without end; arguments as of `restir_gi.reference.frame.frames`.
 
     Where shapes or lights have moved, a frame has no history: the paths of the last one
     are of another scene.

@@ -4,14 +4,14 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from extensions.frame_loop import PathFrame
-from extensions.pt_settings import PathSettings
-from extensions.restir_pt import render_path_frames
-from extensions.shifting import Paths
-from reference.methods.framed import Framed
-from reference.methods.method import Job
-from reference.numerics.arrays import Scalars
-from reference.resampling.reservoir import Reservoirs
+from restir_gi.extensions.frame_loop import PathFrame
+from restir_gi.extensions.pt_settings import PathSettings
+from restir_gi.extensions.restir_pt import render_path_frames
+from restir_gi.extensions.shifting import Paths
+from restir_gi.reference.methods.framed import Framed
+from restir_gi.reference.methods.method import Job
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.resampling.reservoir import Reservoirs
 
 PATHS = {
     "M": "confidence of the pixel's reservoir",

@@ -4,11 +4,11 @@ from dataclasses import dataclass
 from math import inf
 from typing import Literal
 
-from extensions.shifting import Criterion
-from reference.methods.framed import Image
-from reference.methods.setting_values import refuse_beyond
-from reference.resampling.generalized import Mis
-from reference.settings import Search
+from restir_gi.extensions.shifting import Criterion
+from restir_gi.reference.methods.framed import Image
+from restir_gi.reference.methods.setting_values import refuse_beyond
+from restir_gi.reference.resampling.generalized import Mis
+from restir_gi.reference.settings import Search
 
 ShiftKind = Literal["reconnection", "replay", "hybrid"]
 

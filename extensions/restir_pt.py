@@ -6,21 +6,21 @@ from functools import partial
 
 import numpy as np
 
-from extensions.candidates import draw_paths
-from extensions.frame_loop import PathFrame, path_frames, path_shift
-from extensions.pt_settings import PathSettings
-from extensions.shifting import PathNeighbor
-from reference.frame import FrameContext
-from reference.numerics.arrays import Indices
-from reference.numerics.records import cut
-from reference.numerics.rng import Stream
-from reference.numerics.schedule import Schedule, in_bands
-from reference.options.reprojection import reproject
-from reference.passes.neighbors import find_neighbors
-from reference.resampling.generalized import resample
-from reference.resampling.reservoir import Reservoirs, finalize
-from reference.scene.animation import Animation
-from reference.transport.world import World
+from restir_gi.extensions.candidates import draw_paths
+from restir_gi.extensions.frame_loop import PathFrame, path_frames, path_shift
+from restir_gi.extensions.pt_settings import PathSettings
+from restir_gi.extensions.shifting import PathNeighbor
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.arrays import Indices
+from restir_gi.reference.numerics.records import cut
+from restir_gi.reference.numerics.rng import Stream
+from restir_gi.reference.numerics.schedule import Schedule, in_bands
+from restir_gi.reference.options.reprojection import reproject
+from restir_gi.reference.passes.neighbors import find_neighbors
+from restir_gi.reference.resampling.generalized import resample
+from restir_gi.reference.resampling.reservoir import Reservoirs, finalize
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.transport.world import World
 
 
 def render_path_frames(

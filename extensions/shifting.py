@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import (
+from restir_gi.reference.numerics.arrays import (
     Indices,
     Masks,
     Scalars,
@@ -28,24 +28,24 @@ from reference.numerics.arrays import (
     dot,
     zero_vectors,
 )
-from reference.numerics.records import scatter, take, where
-from reference.numerics.rng import Uniforms
-from reference.resampling.generalized import Shifted
-from reference.resampling.reservoir import Reservoirs
-from reference.scene.geometry import Geometry
-from reference.scene.hits import Hits, surface_points
-from reference.scene.materials.bsdf_sampling import BsdfSamples, sample
-from reference.scene.materials.parameters import Kind, MaterialTable
-from reference.scene.materials.table import pdf, scattering
-from reference.scene.origins import contact, step_before
-from reference.scene.surface import SurfacePoints, direction_and_distance
-from reference.transport.direct_light import choose_light, emitter_hits
-from reference.transport.light_mis import (
+from restir_gi.reference.numerics.records import scatter, take, where
+from restir_gi.reference.numerics.rng import Uniforms
+from restir_gi.reference.resampling.generalized import Shifted
+from restir_gi.reference.resampling.reservoir import Reservoirs
+from restir_gi.reference.scene.geometry import Geometry
+from restir_gi.reference.scene.hits import Hits, surface_points
+from restir_gi.reference.scene.materials.bsdf_sampling import BsdfSamples, sample
+from restir_gi.reference.scene.materials.parameters import Kind, MaterialTable
+from restir_gi.reference.scene.materials.table import pdf, scattering
+from restir_gi.reference.scene.origins import contact, step_before
+from restir_gi.reference.scene.surface import SurfacePoints, direction_and_distance
+from restir_gi.reference.transport.direct_light import choose_light, emitter_hits
+from restir_gi.reference.transport.light_mis import (
     balance,
     bsdf_sampling_weight,
     light_sampling_weight,
 )
-from reference.transport.world import World
+from restir_gi.reference.transport.world import World
 
 NEVER_JOINED = (Kind.SMOOTH_CONDUCTOR, Kind.DIELECTRIC, Kind.ROUGH_DIELECTRIC)
 """Kinds that scatter into single directions alone, and those that see both sides."""

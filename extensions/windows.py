@@ -5,14 +5,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from extensions.frame_loop import PathFrame
-from extensions.pt_settings import PathSettings
-from reference.frame import FrameContext
-from reference.numerics.arrays import Indices, Scalars
-from reference.numerics.records import NONE, take
-from reference.options.reprojection import alike_before, places_before, row_at
-from reference.resampling.generalized import SourceReservoirs, Target, resample
-from reference.resampling.reservoir import Reservoirs, cap_confidence
+from restir_gi.extensions.frame_loop import PathFrame
+from restir_gi.extensions.pt_settings import PathSettings
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.arrays import Indices, Scalars
+from restir_gi.reference.numerics.records import NONE, take
+from restir_gi.reference.options.reprojection import alike_before, places_before, row_at
+from restir_gi.reference.resampling.generalized import (
+    SourceReservoirs,
+    Target,
+    resample,
+)
+from restir_gi.reference.resampling.reservoir import Reservoirs, cap_confidence
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,12 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from extensions.windows import Window
-from gradient_domain.pairs import Pairs, draw_around
-from gradient_domain.settings import GradientSettings, Signs
-from reference.frame import FrameContext
-from reference.numerics.arrays import Indices
-from reference.numerics.rng import Stream
+from restir_gi.extensions.windows import Window
+from restir_gi.gradient_domain.pairs import Pairs, draw_around
+from restir_gi.gradient_domain.settings import GradientSettings, Signs
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.arrays import Indices
+from restir_gi.reference.numerics.rng import Stream
 
 
 def reused_signs(signs: Signs, sign: int) -> tuple[int, ...]:

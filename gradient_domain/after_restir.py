@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 
-from extensions.area_restir import area_drawn, area_reused
-from extensions.frame_loop import PathFrame, path_frames
-from gradient_domain.gradient_restir import (
+from restir_gi.extensions.area_restir import area_drawn, area_reused
+from restir_gi.extensions.frame_loop import PathFrame, path_frames
+from restir_gi.gradient_domain.gradient_restir import (
     GradientFrame,
     PairValue,
     difference,
@@ -12,14 +12,14 @@ from gradient_domain.gradient_restir import (
     paired_both,
     share_of_base,
 )
-from gradient_domain.pairs import pixel_pairs
-from gradient_domain.settings import AfterSettings
-from reference.frame import FrameContext
-from reference.numerics.arrays import Vec3s
-from reference.numerics.schedule import Schedule
-from reference.resampling.target import luminance
-from reference.scene.animation import Animation
-from reference.transport.world import World
+from restir_gi.gradient_domain.pairs import pixel_pairs
+from restir_gi.gradient_domain.settings import AfterSettings
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.arrays import Vec3s
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.resampling.target import luminance
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.transport.world import World
 
 
 def render_after_frames(

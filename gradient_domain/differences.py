@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars
+from restir_gi.reference.numerics.arrays import Scalars
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,10 +2,10 @@
 
 from typing import Any
 
-from gradient_domain.gradient_restir import share_of_base
-from reference.numerics.arrays import Scalars
-from reference.oracle.exact.draws import Draws
-from reference.oracle.exact.kernel import Inputs, Kernel, Row
+from restir_gi.gradient_domain.gradient_restir import share_of_base
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.oracle.exact.draws import Draws
+from restir_gi.reference.oracle.exact.kernel import Inputs, Kernel, Row
 
 
 def _draw(draws: Draws) -> dict[str, Any]:

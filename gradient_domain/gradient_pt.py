@@ -2,21 +2,21 @@
 
 from collections.abc import Iterator
 
-from extensions.area_restir import area_drawn
-from extensions.area_settings import AreaSettings
-from extensions.frame_loop import PathFrame, path_frames
-from gradient_domain.gradient_restir import (
+from restir_gi.extensions.area_restir import area_drawn
+from restir_gi.extensions.area_settings import AreaSettings
+from restir_gi.extensions.frame_loop import PathFrame, path_frames
+from restir_gi.gradient_domain.gradient_restir import (
     GradientFrame,
     estimate,
     gradient_frame,
     paired_both,
 )
-from gradient_domain.pairs import pixel_pairs
-from gradient_domain.settings import GradientPathSettings
-from reference.frame import FrameContext
-from reference.numerics.schedule import Schedule, in_bands
-from reference.scene.animation import Animation
-from reference.transport.world import World
+from restir_gi.gradient_domain.pairs import pixel_pairs
+from restir_gi.gradient_domain.settings import GradientPathSettings
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.schedule import Schedule, in_bands
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.transport.world import World
 
 
 def render_gradient_paths(

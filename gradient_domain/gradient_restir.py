@@ -3,7 +3,7 @@
 The page follows [Wang25]: the paired-pixel domain and its integrand (sections 4.2.1 and
 4.2.2), positivization (4.4), the two shifts (4.2.3), new samples (4.4), reuse over
 frames (4.3.1) and along edges (4.3.2), and the frame (5).  Equations 18 and 20 are
-those of any resampling: `reference.resampling.generalized.resample`.
+those of any resampling: `restir_gi.reference.resampling.generalized.resample`.
 
 A sample (x, k) is a base path x of one pixel of a pair (i, j), k says which, and with
 it goes its offset path T(x) in the other pixel.  What is computed from samples alone
@@ -17,24 +17,28 @@ from typing import Any
 
 import numpy as np
 
-from extensions.area_paths import AreaPaths, PlacedValue
-from extensions.area_restir import area_drawn, area_reused
-from extensions.area_shift import AreaShift
-from extensions.frame_loop import PathFrame, path_frames, path_shift
-from extensions.pt_settings import PathSettings
-from extensions.windows import Window, resample_past
-from gradient_domain.ablations import random_neighbors, reused_signs, reused_windows
-from gradient_domain.differences import Differences
-from gradient_domain.pairs import (
+from restir_gi.extensions.area_paths import AreaPaths, PlacedValue
+from restir_gi.extensions.area_restir import area_drawn, area_reused
+from restir_gi.extensions.area_shift import AreaShift
+from restir_gi.extensions.frame_loop import PathFrame, path_frames, path_shift
+from restir_gi.extensions.pt_settings import PathSettings
+from restir_gi.extensions.windows import Window, resample_past
+from restir_gi.gradient_domain.ablations import (
+    random_neighbors,
+    reused_signs,
+    reused_windows,
+)
+from restir_gi.gradient_domain.differences import Differences
+from restir_gi.gradient_domain.pairs import (
     Pairs,
     as_differences,
     draw_around,
     pair_windows,
     pixel_pairs,
 )
-from gradient_domain.settings import GradientSettings
-from reference.frame import FrameContext
-from reference.numerics.arrays import (
+from restir_gi.gradient_domain.settings import GradientSettings
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.arrays import (
     Indices,
     Masks,
     Scalars,
@@ -44,15 +48,20 @@ from reference.numerics.arrays import (
     plus,
     saturate,
 )
-from reference.numerics.records import NONE, cut, put, scatter, take
-from reference.numerics.rng import Stream, Uniforms
-from reference.numerics.schedule import Schedule, in_bands
-from reference.resampling.generalized import Target, resample
-from reference.resampling.reservoir import Candidates, Reservoirs, finalize, merge
-from reference.resampling.target import luminance
-from reference.scene.animation import Animation
-from reference.scene.surface import VisiblePoints
-from reference.transport.world import World
+from restir_gi.reference.numerics.records import NONE, cut, put, scatter, take
+from restir_gi.reference.numerics.rng import Stream, Uniforms
+from restir_gi.reference.numerics.schedule import Schedule, in_bands
+from restir_gi.reference.resampling.generalized import Target, resample
+from restir_gi.reference.resampling.reservoir import (
+    Candidates,
+    Reservoirs,
+    finalize,
+    merge,
+)
+from restir_gi.reference.resampling.target import luminance
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.scene.surface import VisiblePoints
+from restir_gi.reference.transport.world import World
 
 # ------------------------------------- 4.2.1: the domain (Ω_i × {0}) ∪ (Ω_j × {1})
 

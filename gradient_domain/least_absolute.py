@@ -2,9 +2,14 @@
 
 import numpy as np
 
-from gradient_domain.differences import Differences, differences, spread_back
-from gradient_domain.reconstruction import ALPHA, check, least_squares, screened
-from reference.numerics.arrays import Scalars
+from restir_gi.gradient_domain.differences import Differences, differences, spread_back
+from restir_gi.gradient_domain.reconstruction import (
+    ALPHA,
+    check,
+    least_squares,
+    screened,
+)
+from restir_gi.reference.numerics.arrays import Scalars
 
 STEPS = 200
 """Of alternation."""
@@ -33,7 +38,7 @@ def least_absolute(
     Raises
     ------
     ValueError
-        As :func:`gradient_domain.reconstruction.least_squares`.
+        As :func:`restir_gi.gradient_domain.reconstruction.least_squares`.
 
     Notes
     -----

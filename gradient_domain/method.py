@@ -5,23 +5,26 @@ from typing import Any
 
 import numpy as np
 
-from extensions.area_method import PLACES, area_layers
-from extensions.method import PATHS
-from gradient_domain.after_restir import render_after_frames
-from gradient_domain.differences import Differences
-from gradient_domain.gradient_pt import render_gradient_paths
-from gradient_domain.gradient_restir import GradientFrame, render_gradient_frames
-from gradient_domain.least_absolute import least_absolute
-from gradient_domain.reconstruction import least_squares
-from gradient_domain.settings import (
+from restir_gi.extensions.area_method import PLACES, area_layers
+from restir_gi.extensions.method import PATHS
+from restir_gi.gradient_domain.after_restir import render_after_frames
+from restir_gi.gradient_domain.differences import Differences
+from restir_gi.gradient_domain.gradient_pt import render_gradient_paths
+from restir_gi.gradient_domain.gradient_restir import (
+    GradientFrame,
+    render_gradient_frames,
+)
+from restir_gi.gradient_domain.least_absolute import least_absolute
+from restir_gi.gradient_domain.reconstruction import least_squares
+from restir_gi.gradient_domain.settings import (
     AfterSettings,
     GradientPathSettings,
     GradientSettings,
     Reconstruction,
 )
-from reference.methods.framed import Framed
-from reference.methods.method import Job, Method
-from reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.methods.framed import Framed
+from restir_gi.reference.methods.method import Job, Method
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
 
 GRADIENTS = {
     "dx": "right neighbour less pixel, of the last frame",

@@ -5,14 +5,14 @@ from enum import IntEnum
 
 import numpy as np
 
-from extensions.frame_loop import PathFrame
-from extensions.windows import Window, windows
-from gradient_domain.differences import Differences
-from gradient_domain.settings import GradientSettings
-from reference.frame import FrameContext
-from reference.numerics.arrays import Indices, Scalars, Vec3s
-from reference.numerics.records import NONE, scatter
-from reference.scene.surface import VisiblePoints
+from restir_gi.extensions.frame_loop import PathFrame
+from restir_gi.extensions.windows import Window, windows
+from restir_gi.gradient_domain.differences import Differences
+from restir_gi.gradient_domain.settings import GradientSettings
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.arrays import Indices, Scalars, Vec3s
+from restir_gi.reference.numerics.records import NONE, scatter
+from restir_gi.reference.scene.surface import VisiblePoints
 
 
 class Axis(IntEnum):

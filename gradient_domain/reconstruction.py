@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.fft import dctn, idctn
 
-from gradient_domain.differences import Differences, spread_back
-from reference.numerics.arrays import Scalars
+from restir_gi.gradient_domain.differences import Differences, spread_back
+from restir_gi.reference.numerics.arrays import Scalars
 
 ALPHA = 0.2
 """Weight of a pixel's own estimate beside a difference, on the rows: α² in squares."""

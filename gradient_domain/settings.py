@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from extensions.area_settings import AreaSettings
-from extensions.pt_settings import ShiftKind
-from reference.methods.framed import Image
-from reference.methods.setting_values import refuse_beyond
+from restir_gi.extensions.area_settings import AreaSettings
+from restir_gi.extensions.pt_settings import ShiftKind
+from restir_gi.reference.methods.framed import Image
+from restir_gi.reference.methods.setting_values import refuse_beyond
 
 Reconstruction = Literal["l2", "l1"]
 """Norm of what is left of the differences: least squares, or least absolute values."""

@@ -2,12 +2,18 @@
 
 from typing import Any
 
-from hashgrid.grid import FARTHEST, SMALLEST, Lattice, levels
-from reference.numerics.arrays import Indices
-from reference.oracle.exact.draws import Draws
-from reference.oracle.exact.kernel import Inputs, Kernel, Row
-from reference.oracle.exact.numbers import EXACT, Exact, UndecidedError, exact, literal
-from reference.oracle.exact.vectors import inner
+from restir_gi.hashgrid.grid import FARTHEST, SMALLEST, Lattice, levels
+from restir_gi.reference.numerics.arrays import Indices
+from restir_gi.reference.oracle.exact.draws import Draws
+from restir_gi.reference.oracle.exact.kernel import Inputs, Kernel, Row
+from restir_gi.reference.oracle.exact.numbers import (
+    EXACT,
+    Exact,
+    UndecidedError,
+    exact,
+    literal,
+)
+from restir_gi.reference.oracle.exact.vectors import inner
 
 _LATTICE = Lattice((0.0, 0.0, 0.0), 0.02)
 

@@ -13,15 +13,22 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.frame import FrameContext
-from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, dot, length
-from reference.numerics.frames import normal_frames
-from reference.numerics.records import NONE, cut, take
-from reference.numerics.rng import Draw, KeyedUniforms, Stream, Uniforms
-from reference.resampling.reservoir import Reservoirs
-from reference.scene.camera import Camera
-from reference.scene.surface import SurfacePoints
-from reference.transport.world import World
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.arrays import (
+    Indices,
+    Masks,
+    Scalars,
+    Vec3s,
+    dot,
+    length,
+)
+from restir_gi.reference.numerics.frames import normal_frames
+from restir_gi.reference.numerics.records import NONE, cut, take
+from restir_gi.reference.numerics.rng import Draw, KeyedUniforms, Stream, Uniforms
+from restir_gi.reference.resampling.reservoir import Reservoirs
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.transport.world import World
 
 UInts = NDArray[np.uint32]
 Hashes = NDArray[np.uint64]

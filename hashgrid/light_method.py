@@ -4,12 +4,12 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from hashgrid.grid import levels
-from hashgrid.light_settings import LightSettings
-from hashgrid.world_reservoirs import LightFrame, render_light_frames
-from reference.methods.framed import Framed
-from reference.methods.method import Job
-from reference.numerics.arrays import Scalars
+from restir_gi.hashgrid.grid import levels
+from restir_gi.hashgrid.light_settings import LightSettings
+from restir_gi.hashgrid.world_reservoirs import LightFrame, render_light_frames
+from restir_gi.reference.methods.framed import Framed
+from restir_gi.reference.methods.method import Job
+from restir_gi.reference.numerics.arrays import Scalars
 
 VERTEX = {
     "M": "confidence of the reservoir at the first surface point after the visible one",

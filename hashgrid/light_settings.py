@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 from math import inf
 
-from hashgrid.lights import Chance
-from reference.methods.framed import Image
-from reference.methods.setting_values import refuse_beyond
-from reference.resampling.generalized import Mis
+from restir_gi.hashgrid.lights import Chance
+from restir_gi.reference.methods.framed import Image
+from restir_gi.reference.methods.setting_values import refuse_beyond
+from restir_gi.reference.resampling.generalized import Mis
 
 LEAST_AND_MOST = {
     "candidates": (1, 32),

@@ -10,19 +10,28 @@ from typing import Literal
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, zero_vectors
-from reference.numerics.records import keep
-from reference.numerics.rng import Draw
-from reference.numerics.tables import index_in_table
-from reference.scene.emitters import Emitters
-from reference.scene.hits import Hits
-from reference.scene.light_sampling import LightSamples, points_on_lights
-from reference.scene.materials.bsdf_sampling import BsdfSamples
-from reference.scene.materials.table import scattering
-from reference.scene.surface import SurfacePoints
-from reference.transport.direct_light import emitter_hits
-from reference.transport.light_mis import bsdf_sampling_weight, light_sampling_weight
-from reference.transport.world import World
+from restir_gi.reference.numerics.arrays import (
+    Indices,
+    Masks,
+    Scalars,
+    Vec3s,
+    zero_vectors,
+)
+from restir_gi.reference.numerics.records import keep
+from restir_gi.reference.numerics.rng import Draw
+from restir_gi.reference.numerics.tables import index_in_table
+from restir_gi.reference.scene.emitters import Emitters
+from restir_gi.reference.scene.hits import Hits
+from restir_gi.reference.scene.light_sampling import LightSamples, points_on_lights
+from restir_gi.reference.scene.materials.bsdf_sampling import BsdfSamples
+from restir_gi.reference.scene.materials.table import scattering
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.transport.direct_light import emitter_hits
+from restir_gi.reference.transport.light_mis import (
+    bsdf_sampling_weight,
+    light_sampling_weight,
+)
+from restir_gi.reference.transport.world import World
 
 GONE = -1
 """In place of a light that the scene has no more."""

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from math import inf
 from typing import Literal
 
-from extensions.pt_settings import PathSettings
-from reference.methods.setting_values import refuse_beyond
-from reference.numerics.arrays import Masks, Scalars
-from reference.resampling.generalized import Mis
+from restir_gi.extensions.pt_settings import PathSettings
+from restir_gi.reference.methods.setting_values import refuse_beyond
+from restir_gi.reference.numerics.arrays import Masks, Scalars
+from restir_gi.reference.resampling.generalized import Mis
 
 CELL_LIMITS = {
     "query": (0, 31),

@@ -18,10 +18,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from extensions.candidates import density_at, ended, find_lights, no_paths
-from extensions.frame_loop import PathFrame, path_frames, path_shift
-from extensions.restir_pt import reused
-from extensions.shifting import (
+from restir_gi.extensions.candidates import density_at, ended, find_lights, no_paths
+from restir_gi.extensions.frame_loop import PathFrame, path_frames, path_shift
+from restir_gi.extensions.restir_pt import reused
+from restir_gi.extensions.shifting import (
     Leaving,
     PathNeighbor,
     Paths,
@@ -32,20 +32,31 @@ from extensions.shifting import (
     segment,
     start,
 )
-from hashgrid.grid import Cache, insert, lattice_of, look_up, vertex_uniforms
-from hashgrid.path_settings import CellSettings
-from reference.frame import FrameContext
-from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, divide_or_zero
-from reference.numerics.records import NONE, concatenate, cut, take, where
-from reference.numerics.rng import Stream
-from reference.numerics.schedule import Schedule, in_bands
-from reference.resampling.generalized import Shifted, resample
-from reference.resampling.reservoir import Candidates, Reservoirs, finalize, merge
-from reference.resampling.target import luminance
-from reference.scene.animation import Animation
-from reference.scene.materials.table import pdf, scattering
-from reference.scene.surface import SurfacePoints
-from reference.transport.world import World
+from restir_gi.hashgrid.grid import Cache, insert, lattice_of, look_up, vertex_uniforms
+from restir_gi.hashgrid.path_settings import CellSettings
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.arrays import (
+    Indices,
+    Masks,
+    Scalars,
+    Vec3s,
+    divide_or_zero,
+)
+from restir_gi.reference.numerics.records import NONE, concatenate, cut, take, where
+from restir_gi.reference.numerics.rng import Stream
+from restir_gi.reference.numerics.schedule import Schedule, in_bands
+from restir_gi.reference.resampling.generalized import Shifted, resample
+from restir_gi.reference.resampling.reservoir import (
+    Candidates,
+    Reservoirs,
+    finalize,
+    merge,
+)
+from restir_gi.reference.resampling.target import luminance
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.scene.materials.table import pdf, scattering
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.transport.world import World
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,7 +66,8 @@ class PathCache:
     Attributes
     ----------
     cache : Cache
-        Of V vertices, with reservoirs of `extensions.shifting.Paths` from them on.
+        Of V vertices, with reservoirs of `restir_gi.extensions.shifting.Paths` from
+        them on.
     reach : (V,) int8; largest index of a last surface point that each could have drawn
     """
 

@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator, Mapping
 
-from extensions.method import PATHS, path_layers
-from hashgrid.path_settings import CellSettings
-from hashgrid.regir_gi import CellFrame, render_cell_frames
-from reference.methods.framed import Framed
-from reference.methods.method import Job
-from reference.numerics.arrays import Scalars
+from restir_gi.extensions.method import PATHS, path_layers
+from restir_gi.hashgrid.path_settings import CellSettings
+from restir_gi.hashgrid.regir_gi import CellFrame, render_cell_frames
+from restir_gi.reference.methods.framed import Framed
+from restir_gi.reference.methods.method import Job
+from restir_gi.reference.numerics.arrays import Scalars
 
 
 def _frames(job: Job) -> Iterator[CellFrame]:

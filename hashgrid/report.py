@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hashgrid.grid import BUCKET, Grid
+from restir_gi.hashgrid.grid import BUCKET, Grid
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,8 +2,8 @@
 
 [Boisse21].  Each vertex draws points on lights and keeps one (Algorithm 1), resamples
 it with what vertices near it kept in the frame before, traces one shadow ray, and is
-put into a cell for the next frame (Algorithm 2, on the page `hashgrid.grid`, where its
-lines are counted).
+put into a cell for the next frame (Algorithm 2, on the page `restir_gi.hashgrid.grid`,
+where its lines are counted).
 """
 
 from collections.abc import Iterator
@@ -12,10 +12,10 @@ from functools import partial
 
 import numpy as np
 
-from extensions.shifting import roughness
-from hashgrid.grid import Cache, insert, lattice_of, look_up, vertex_uniforms
-from hashgrid.light_settings import LightSettings
-from hashgrid.lights import (
+from restir_gi.extensions.shifting import roughness
+from restir_gi.hashgrid.grid import Cache, insert, lattice_of, look_up, vertex_uniforms
+from restir_gi.hashgrid.light_settings import LightSettings
+from restir_gi.hashgrid.lights import (
     Chance,
     LightPoints,
     draw_lights,
@@ -25,25 +25,25 @@ from hashgrid.lights import (
     reflected_hits,
     renumbered,
 )
-from reference.frame import FrameContext, frames
-from reference.numerics.arrays import Indices, Vec3s, dot, zero_vectors
-from reference.numerics.records import concatenate, cut, keep, take
-from reference.numerics.rng import KeyedUniforms, Stream
-from reference.numerics.schedule import Schedule, in_bands
-from reference.resampling.generalized import Shifted, resample
-from reference.resampling.reservoir import (
+from restir_gi.reference.frame import FrameContext, frames
+from restir_gi.reference.numerics.arrays import Indices, Vec3s, dot, zero_vectors
+from restir_gi.reference.numerics.records import concatenate, cut, keep, take
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.numerics.schedule import Schedule, in_bands
+from restir_gi.reference.resampling.generalized import Shifted, resample
+from restir_gi.reference.resampling.reservoir import (
     Reservoirs,
     finalize,
     initial_candidates,
     merge,
 )
-from reference.resampling.target import luminance
-from reference.scene.animation import Animation
-from reference.scene.hits import surface_points
-from reference.scene.materials.bsdf_sampling import sample
-from reference.scene.surface import SurfacePoints, VisiblePoints
-from reference.transport.direct_light import sees_light
-from reference.transport.world import World
+from restir_gi.reference.resampling.target import luminance
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.scene.hits import surface_points
+from restir_gi.reference.scene.materials.bsdf_sampling import sample
+from restir_gi.reference.scene.surface import SurfacePoints, VisiblePoints
+from restir_gi.reference.transport.direct_light import sees_light
+from restir_gi.reference.transport.world import World
 
 
 @dataclass(frozen=True, slots=True, eq=False)

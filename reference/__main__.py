@@ -1,8 +1,8 @@
-"""``python -m reference`` is ``restir``."""
+"""``python -m restir_gi.reference`` is ``restir``."""
 
 import sys
 
-from reference.cli.main import main
+from restir_gi.reference.cli.main import main
 
 if __name__ == "__main__":  # documentation tools import every module
     sys.exit(main())

@@ -6,15 +6,15 @@ from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
-from reference.numerics.arrays import Indices
-from reference.numerics.records import indices
-from reference.numerics.rng import KeyedUniforms, Stream
-from reference.numerics.schedule import Schedule, in_bands
-from reference.passes.gbuffer import visible_points
-from reference.scene.animation import Animation, Changes, still
-from reference.scene.camera import pixel_centers
-from reference.scene.surface import VisiblePoints
-from reference.transport.world import World, next_world
+from restir_gi.reference.numerics.arrays import Indices
+from restir_gi.reference.numerics.records import indices
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.numerics.schedule import Schedule, in_bands
+from restir_gi.reference.passes.gbuffer import visible_points
+from restir_gi.reference.scene.animation import Animation, Changes, still
+from restir_gi.reference.scene.camera import pixel_centers
+from restir_gi.reference.scene.surface import VisiblePoints
+from restir_gi.reference.transport.world import World, next_world
 
 Settings = TypeVar("Settings")
 Settings_co = TypeVar("Settings_co", covariant=True)

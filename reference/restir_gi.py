@@ -7,34 +7,38 @@ from typing import Generic, Literal, TypeVar
 
 import numpy as np
 
-from reference.frame import FrameContext, frames
-from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
-from reference.numerics.records import concatenate, cut, indices, select, take
-from reference.numerics.rng import Stream
-from reference.numerics.schedule import Schedule, in_bands
-from reference.options.boiling import boiling_filter
-from reference.options.fused import fused_resampling
-from reference.options.history import moved_history
-from reference.options.jacobian import with_jacobian
-from reference.options.masks import who_draws, who_keeps
-from reference.options.neighborhood import special_neighbors
-from reference.options.roulette import tail_weights
-from reference.options.storage import stored
-from reference.options.visibility import finally_seen, trusting, without_hidden
-from reference.options.weights import resample_weighted
-from reference.passes.history import History
-from reference.passes.initial import InitialSamples, initial_samples
-from reference.passes.neighbors import neighbors_of
-from reference.passes.pixels import FrameReservoirs, NeighborPixels, Pixels
-from reference.passes.shade import shade
-from reference.passes.spatial import spatial_resampling
-from reference.passes.temporal import temporal_resampling
-from reference.resampling.reservoir import Reservoirs, Samples
-from reference.scene.animation import Animation
-from reference.scene.surface import VisiblePoints
-from reference.settings import Settings
-from reference.transport.not_reused import reuses_all
-from reference.transport.world import World
+from restir_gi.reference.frame import FrameContext, frames
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
+from restir_gi.reference.numerics.records import concatenate, cut, indices, select, take
+from restir_gi.reference.numerics.rng import Stream
+from restir_gi.reference.numerics.schedule import Schedule, in_bands
+from restir_gi.reference.options.boiling import boiling_filter
+from restir_gi.reference.options.fused import fused_resampling
+from restir_gi.reference.options.history import moved_history
+from restir_gi.reference.options.jacobian import with_jacobian
+from restir_gi.reference.options.masks import who_draws, who_keeps
+from restir_gi.reference.options.neighborhood import special_neighbors
+from restir_gi.reference.options.roulette import tail_weights
+from restir_gi.reference.options.storage import stored
+from restir_gi.reference.options.visibility import (
+    finally_seen,
+    trusting,
+    without_hidden,
+)
+from restir_gi.reference.options.weights import resample_weighted
+from restir_gi.reference.passes.history import History
+from restir_gi.reference.passes.initial import InitialSamples, initial_samples
+from restir_gi.reference.passes.neighbors import neighbors_of
+from restir_gi.reference.passes.pixels import FrameReservoirs, NeighborPixels, Pixels
+from restir_gi.reference.passes.shade import shade
+from restir_gi.reference.passes.spatial import spatial_resampling
+from restir_gi.reference.passes.temporal import temporal_resampling
+from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.scene.surface import VisiblePoints
+from restir_gi.reference.settings import Settings
+from restir_gi.reference.transport.not_reused import reuses_all
+from restir_gi.reference.transport.world import World
 
 OWN = 63
 """Dimension that decides on the pixel's own reservoir; the others are neighbours'."""
@@ -75,8 +79,8 @@ def render_frames(
 ) -> Iterator[Frame]:
     """Frames of indirect light by ReSTIR GI, without end.
 
-    Arguments as of `reference.frame.frames`; each frame resamples what the last one
-    left.
+    Arguments as of `restir_gi.reference.frame.frames`; each frame resamples what the
+    last one left.
     """
     return frames(next_frame, world, settings, bounces, seed, schedule, animation)
 

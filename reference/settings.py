@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from math import inf
 from typing import Literal
 
-from reference.resampling.source import Source
-from reference.resampling.target import Target
-from reference.transport.not_reused import GlossySamples
+from restir_gi.reference.resampling.source import Source
+from restir_gi.reference.resampling.target import Target
+from restir_gi.reference.transport.not_reused import GlossySamples
 
 Mis = Literal["1/M", "1/Z", "balance", "pairwise", "defensive"]
 Visibility = Literal["all", "chosen", "none"]

@@ -1,7 +1,8 @@
 """Packed reservoirs as 32-bit words, made by shifting bit fields.
 
-The judges of :mod:`reference.resampling.packing`, without a line of the project: the
-words are plain numbers, and floats are made by the standard library's ``struct``.
+The judges of :mod:`restir_gi.reference.resampling.packing`, without a line of the
+project: the words are plain numbers, and floats are made by the standard library's
+``struct``.
 """
 
 import struct

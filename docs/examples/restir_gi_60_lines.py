@@ -9,22 +9,22 @@ from dataclasses import replace
 
 import numpy as np
 
-from reference.numerics.records import NONE, take
-from reference.numerics.rng import KeyedUniforms, Stream
-from reference.passes.gbuffer import visible_points
-from reference.passes.initial import initial_samples
-from reference.passes.neighbors import find_neighbors
-from reference.passes.shade import shade
-from reference.resampling import reservoir as r
-from reference.resampling.mis import one_over_z
-from reference.resampling.shift import reconnection_jacobian
-from reference.resampling.source import source_pdf
-from reference.resampling.target import target
-from reference.scene.camera import pixel_centers
-from reference.scene.catalogue.registry import find_scene
-from reference.scene.surface import direction_and_distance
-from reference.settings import UNBIASED
-from reference.transport.world import build_world
+from restir_gi.reference.numerics.records import NONE, take
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.passes.gbuffer import visible_points
+from restir_gi.reference.passes.initial import initial_samples
+from restir_gi.reference.passes.neighbors import find_neighbors
+from restir_gi.reference.passes.shade import shade
+from restir_gi.reference.resampling import reservoir as r
+from restir_gi.reference.resampling.mis import one_over_z
+from restir_gi.reference.resampling.shift import reconnection_jacobian
+from restir_gi.reference.resampling.source import source_pdf
+from restir_gi.reference.resampling.target import target
+from restir_gi.reference.scene.camera import pixel_centers
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.scene.surface import direction_and_distance
+from restir_gi.reference.settings import UNBIASED
+from restir_gi.reference.transport.world import build_world
 
 s = UNBIASED
 

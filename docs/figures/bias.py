@@ -5,14 +5,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from docs.figures.contest import FRAMES, Contender, Contest, compete
-from docs.figures.paths import sized_world
-from reference.methods.restir_gi import UNBIASED
-from reference.numerics.arrays import Vec3s
-from reference.numerics.intervals import Numbers
-from reference.reports.comparison.maps import SIGNED, ErrorMap
-from reference.reports.demo.score import relative_bias
-from reference.reports.figures.canvas import (
+from restir_gi.figures.contest import FRAMES, Contender, Contest, compete
+from restir_gi.figures.paths import sized_world
+from restir_gi.reference.methods.restir_gi import UNBIASED
+from restir_gi.reference.numerics.arrays import Vec3s
+from restir_gi.reference.numerics.intervals import Numbers
+from restir_gi.reference.reports.comparison.maps import SIGNED, ErrorMap
+from restir_gi.reference.reports.demo.score import relative_bias
+from restir_gi.reference.reports.figures.canvas import (
     BIG,
     Tile,
     blank,
@@ -20,15 +20,15 @@ from reference.reports.figures.canvas import (
     exposure_of,
     shown,
 )
-from reference.reports.figures.record import Deviation, PaperFigure, Row, Work
-from reference.reports.figures.registry import FigureEntry
-from reference.reports.figures.tiles import (
+from restir_gi.reference.reports.figures.record import Deviation, PaperFigure, Row, Work
+from restir_gi.reference.reports.figures.registry import FigureEntry
+from restir_gi.reference.reports.figures.tiles import (
     TILE,
     largest_of_half,
     mean_and_error,
     tile_luminance,
 )
-from reference.settings import Mis
+from restir_gi.reference.settings import Mis
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.figure import Figure

@@ -3,11 +3,11 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from docs.figures.contest import FRAMES, Contender, Contest, compete
-from docs.figures.paths import path_traced, sized_world
-from reference.methods.restir_gi import UNBIASED
-from reference.reports.demo.score import relative_bias
-from reference.reports.figures.canvas import (
+from restir_gi.figures.contest import FRAMES, Contender, Contest, compete
+from restir_gi.figures.paths import path_traced, sized_world
+from restir_gi.reference.methods.restir_gi import UNBIASED
+from restir_gi.reference.reports.demo.score import relative_bias
+from restir_gi.reference.reports.figures.canvas import (
     BIG,
     Tile,
     blank,
@@ -15,8 +15,8 @@ from reference.reports.figures.canvas import (
     exposure_of,
     shown,
 )
-from reference.reports.figures.record import Deviation, PaperFigure, Row, Work
-from reference.reports.figures.registry import FigureEntry
+from restir_gi.reference.reports.figures.record import Deviation, PaperFigure, Row, Work
+from restir_gi.reference.reports.figures.registry import FigureEntry
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.figure import Figure

@@ -11,16 +11,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.images import metrics
-from reference.methods import Job, Method, Rendering
-from reference.numerics.arrays import Masks, Vec3s
-from reference.numerics.intervals import Numbers
-from reference.numerics.moments import Moments, merge
-from reference.reports.demo.runs import CONVERGED, Runs
-from reference.reports.figures.record import Work
-from reference.reports.timing import in_turns, timed
-from reference.transport.accumulate import ever_more, path_samples
-from reference.transport.world import World
+from restir_gi.reference.images import metrics
+from restir_gi.reference.methods import Job, Method, Rendering
+from restir_gi.reference.numerics.arrays import Masks, Vec3s
+from restir_gi.reference.numerics.intervals import Numbers
+from restir_gi.reference.numerics.moments import Moments, merge
+from restir_gi.reference.reports.demo.runs import CONVERGED, Runs
+from restir_gi.reference.reports.figures.record import Work
+from restir_gi.reference.reports.timing import in_turns, timed
+from restir_gi.reference.transport.accumulate import ever_more, path_samples
+from restir_gi.reference.transport.world import World
 
 FRAMES = 32  # as in Figure 13
 PATH_SEED = 1_000_003  # another than that of any run

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s, dot
-from reference.oracle.exact.numbers import EXACT, UNROUNDED, exactly
-from reference.oracle.exact.targets import JACOBIAN
-from reference.reports.figures.canvas import COLORS, blank, tidy
-from reference.reports.figures.record import PaperFigure, Row, Work
-from reference.reports.figures.registry import FigureEntry
-from reference.resampling.shift import reconnection_jacobian
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s, dot
+from restir_gi.reference.oracle.exact.numbers import EXACT, UNROUNDED, exactly
+from restir_gi.reference.oracle.exact.targets import JACOBIAN
+from restir_gi.reference.reports.figures.canvas import COLORS, blank, tidy
+from restir_gi.reference.reports.figures.record import PaperFigure, Row, Work
+from restir_gi.reference.reports.figures.registry import FigureEntry
+from restir_gi.reference.resampling.shift import reconnection_jacobian
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.axes import Axes

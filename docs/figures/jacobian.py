@@ -5,14 +5,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from docs.figures.contest import FRAMES, Contender, Contest, compete
-from docs.figures.paths import sized_world
-from docs.figures.regions import floor_points, zones
-from reference.images.image import luminance
-from reference.methods.restir_gi import UNBIASED
-from reference.numerics.arrays import Masks, Vec3s
-from reference.numerics.intervals import Numbers
-from reference.reports.figures.canvas import (
+from restir_gi.figures.contest import FRAMES, Contender, Contest, compete
+from restir_gi.figures.paths import sized_world
+from restir_gi.figures.regions import floor_points, zones
+from restir_gi.reference.images.image import luminance
+from restir_gi.reference.methods.restir_gi import UNBIASED
+from restir_gi.reference.numerics.arrays import Masks, Vec3s
+from restir_gi.reference.numerics.intervals import Numbers
+from restir_gi.reference.reports.figures.canvas import (
     COLORS,
     INK,
     QUIET,
@@ -25,11 +25,11 @@ from reference.reports.figures.canvas import (
     split,
     tidy,
 )
-from reference.reports.figures.record import Deviation, PaperFigure, Work
-from reference.reports.figures.registry import FigureEntry
-from reference.reports.figures.tiles import mean_and_error
-from reference.scene.catalogue.answers import sunlit_wall_indirect
-from reference.settings import JacobianUse, Mis
+from restir_gi.reference.reports.figures.record import Deviation, PaperFigure, Work
+from restir_gi.reference.reports.figures.registry import FigureEntry
+from restir_gi.reference.reports.figures.tiles import mean_and_error
+from restir_gi.reference.scene.catalogue.answers import sunlit_wall_indirect
+from restir_gi.reference.settings import JacobianUse, Mis
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.figure import SubFigure

@@ -4,13 +4,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars
-from reference.oracle.exact.extremes import EXTREMES
-from reference.oracle.exact.matrix import TYPES, MatrixCell, matrix
-from reference.oracle.exact.registry import kernels
-from reference.reports.figures.canvas import QUIET, blank
-from reference.reports.figures.record import PaperFigure, Row, Work
-from reference.reports.figures.registry import FigureEntry
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.oracle.exact.extremes import EXTREMES
+from restir_gi.reference.oracle.exact.matrix import TYPES, MatrixCell, matrix
+from restir_gi.reference.oracle.exact.registry import kernels
+from restir_gi.reference.reports.figures.canvas import QUIET, blank
+from restir_gi.reference.reports.figures.record import PaperFigure, Row, Work
+from restir_gi.reference.reports.figures.registry import FigureEntry
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.axes import Axes

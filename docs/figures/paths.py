@@ -2,14 +2,14 @@
 
 from dataclasses import replace
 
-from reference.numerics.arrays import Vec3s
-from reference.numerics.moments import add_samples, no_samples
-from reference.reports.figures.record import Work
-from reference.scene.catalogue.registry import find_scene
-from reference.scene.validation import validate
-from reference.transport.accumulate import path_samples
-from reference.transport.path_tracer import Light
-from reference.transport.world import World, build_world
+from restir_gi.reference.numerics.arrays import Vec3s
+from restir_gi.reference.numerics.moments import add_samples, no_samples
+from restir_gi.reference.reports.figures.record import Work
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.transport.accumulate import path_samples
+from restir_gi.reference.transport.path_tracer import Light
+from restir_gi.reference.transport.world import World, build_world
 
 
 def sized_world(name: str, size: int) -> World:

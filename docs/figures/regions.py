@@ -5,10 +5,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from reference.methods.aovs import gbuffer_layers
-from reference.numerics.arrays import Masks, Scalars, Vec3s
-from reference.reports.figures.record import Work
-from reference.transport.world import World
+from restir_gi.reference.methods.aovs import gbuffer_layers
+from restir_gi.reference.numerics.arrays import Masks, Scalars, Vec3s
+from restir_gi.reference.reports.figures.record import Work
+from restir_gi.reference.transport.world import World
 
 FLOOR = 1e-3  # height, m, below which a point that faces up lies on the floor
 

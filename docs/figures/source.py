@@ -3,13 +3,17 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from docs.figures.contest import FRAMES, Contender, Contest, compete
-from docs.figures.paths import sized_world
-from docs.figures.regions import floor_points, zones
-from reference.methods.restir_gi import UNBIASED
-from reference.numerics.arrays import Masks
-from reference.numerics.intervals import Interval, mean_interval, ratio_interval
-from reference.reports.figures.canvas import (
+from restir_gi.figures.contest import FRAMES, Contender, Contest, compete
+from restir_gi.figures.paths import sized_world
+from restir_gi.figures.regions import floor_points, zones
+from restir_gi.reference.methods.restir_gi import UNBIASED
+from restir_gi.reference.numerics.arrays import Masks
+from restir_gi.reference.numerics.intervals import (
+    Interval,
+    mean_interval,
+    ratio_interval,
+)
+from restir_gi.reference.reports.figures.canvas import (
     COLORS,
     QUIET,
     SIDE,
@@ -21,9 +25,9 @@ from reference.reports.figures.canvas import (
     split,
     tidy,
 )
-from reference.reports.figures.record import PaperFigure, Row, Work
-from reference.reports.figures.registry import FigureEntry
-from reference.resampling.source import Source
+from restir_gi.reference.reports.figures.record import PaperFigure, Row, Work
+from restir_gi.reference.reports.figures.registry import FigureEntry
+from restir_gi.reference.resampling.source import Source
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.axes import Axes

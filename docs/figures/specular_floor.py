@@ -5,15 +5,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from docs.figures.contest import FRAMES, Contender, Contest, compete
-from docs.figures.paths import sized_world
-from docs.figures.regions import floor_points
-from extensions.method import METHOD
-from extensions.pt_settings import CRITERIA
-from reference.numerics.arrays import Masks
-from reference.numerics.intervals import Interval, mean_interval, ratio_interval
-from reference.reports.demo.score import relative_bias
-from reference.reports.figures.canvas import (
+from restir_gi.extensions.method import METHOD
+from restir_gi.extensions.pt_settings import CRITERIA
+from restir_gi.figures.contest import FRAMES, Contender, Contest, compete
+from restir_gi.figures.paths import sized_world
+from restir_gi.figures.regions import floor_points
+from restir_gi.reference.numerics.arrays import Masks
+from restir_gi.reference.numerics.intervals import (
+    Interval,
+    mean_interval,
+    ratio_interval,
+)
+from restir_gi.reference.reports.demo.score import relative_bias
+from restir_gi.reference.reports.figures.canvas import (
     BIG,
     Tile,
     blank,
@@ -21,8 +25,8 @@ from reference.reports.figures.canvas import (
     exposure_of,
     shown,
 )
-from reference.reports.figures.record import Deviation, PaperFigure, Row, Work
-from reference.reports.figures.registry import FigureEntry
+from restir_gi.reference.reports.figures.record import Deviation, PaperFigure, Row, Work
+from restir_gi.reference.reports.figures.registry import FigureEntry
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.figure import Figure

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from docs.figures.contest import PATH_SEED
-from docs.figures.paths import sized_world
-from reference.numerics.arrays import Vec3s
-from reference.numerics.moments import Moments, add_samples, no_samples
-from reference.reports.demo.score import relative_bias
-from reference.reports.figures.canvas import (
+from restir_gi.figures.contest import PATH_SEED
+from restir_gi.figures.paths import sized_world
+from restir_gi.reference.numerics.arrays import Vec3s
+from restir_gi.reference.numerics.moments import Moments, add_samples, no_samples
+from restir_gi.reference.reports.demo.score import relative_bias
+from restir_gi.reference.reports.figures.canvas import (
     COLORS,
     QUIET,
     SIDE,
@@ -23,16 +23,20 @@ from reference.reports.figures.canvas import (
     split,
     tidy,
 )
-from reference.reports.figures.record import Deviation, PaperFigure, Row, Work
-from reference.reports.figures.registry import FigureEntry
-from reference.reports.figures.tiles import TILE, rms_without_noise, tile_luminance
-from reference.restir_gi import Frame, render_frames
-from reference.scene.catalogue.animations import CHANGE
-from reference.scene.catalogue.registry import find_animation
-from reference.scene.validation import validate
-from reference.settings import BIASED, UNBIASED, Settings
-from reference.transport.accumulate import path_samples
-from reference.transport.world import World, build_world
+from restir_gi.reference.reports.figures.record import Deviation, PaperFigure, Row, Work
+from restir_gi.reference.reports.figures.registry import FigureEntry
+from restir_gi.reference.reports.figures.tiles import (
+    TILE,
+    rms_without_noise,
+    tile_luminance,
+)
+from restir_gi.reference.restir_gi import Frame, render_frames
+from restir_gi.reference.scene.catalogue.animations import CHANGE
+from restir_gi.reference.scene.catalogue.registry import find_animation
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.settings import BIASED, UNBIASED, Settings
+from restir_gi.reference.transport.accumulate import path_samples
+from restir_gi.reference.transport.world import World, build_world
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.figure import SubFigure

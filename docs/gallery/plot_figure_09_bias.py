@@ -28,10 +28,10 @@ numbers have wider intervals, and those above are the ones to quote.
 import matplotlib.pyplot as plt
 from rich.console import Console
 
-from docs.figures.bias import bias
-from reference.numerics.schedule import Schedule
-from reference.reports.figures.record import Work
-from reference.reports.figures.table import table
+from restir_gi.figures.bias import bias
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.figures.record import Work
+from restir_gi.reference.reports.figures.table import table
 
 figure = bias(Work(size=64, runs=6, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)

@@ -22,10 +22,10 @@ cornell-box   47990     0     1801   26.6             195   1.01    0
 import matplotlib.pyplot as plt
 from rich.console import Console
 
-from docs.figures.hashgrid.cells import cells
-from reference.numerics.schedule import Schedule
-from reference.reports.figures.record import Work
-from reference.reports.figures.table import table
+from restir_gi.figures.hashgrid.cells import cells
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.figures.record import Work
+from restir_gi.reference.reports.figures.table import table
 
 figure = cells(Work(size=96, runs=2, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)

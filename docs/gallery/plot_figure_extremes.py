@@ -16,10 +16,10 @@ A renderer that works in float32 had better put the camera into the origin.
 import matplotlib.pyplot as plt
 from rich.console import Console
 
-from docs.figures.extremes import extremes
-from reference.numerics.schedule import Schedule
-from reference.reports.figures.record import Work
-from reference.reports.figures.table import table
+from restir_gi.figures.extremes import extremes
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.figures.record import Work
+from restir_gi.reference.reports.figures.table import table
 
 figure = extremes(Work(size=16, runs=16, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)

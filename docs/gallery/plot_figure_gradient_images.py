@@ -14,11 +14,11 @@ runs: the numbers on that page are the ones to quote.
 import matplotlib.pyplot as plt
 from rich.console import Console
 
-from docs.figures.gradient_domain.images import of_scenes
-from docs.figures.gradient_domain.variants import scene_of
-from reference.numerics.schedule import Schedule
-from reference.reports.figures.record import Work
-from reference.reports.figures.table import table
+from restir_gi.figures.gradient_domain.images import of_scenes
+from restir_gi.figures.gradient_domain.variants import scene_of
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.figures.record import Work
+from restir_gi.reference.reports.figures.table import table
 
 SIZE = 32
 

@@ -18,10 +18,10 @@ runs: its numbers have wider intervals.
 import matplotlib.pyplot as plt
 from rich.console import Console
 
-from docs.figures.gradient_domain.ablations import reuse
-from reference.numerics.schedule import Schedule
-from reference.reports.figures.record import Work
-from reference.reports.figures.table import table
+from restir_gi.figures.gradient_domain.ablations import reuse
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.figures.record import Work
+from restir_gi.reference.reports.figures.table import table
 
 figure = reuse(Work(size=32, runs=2, schedule=Schedule()), ["checker"])
 plt.figure().figimage(figure.pixels(), resize=True)

@@ -17,10 +17,10 @@ runs: its numbers have wider intervals.
 import matplotlib.pyplot as plt
 from rich.console import Console
 
-from docs.figures.gradient_domain.ablations import signs
-from reference.numerics.schedule import Schedule
-from reference.reports.figures.record import Work
-from reference.reports.figures.table import table
+from restir_gi.figures.gradient_domain.ablations import signs
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.figures.record import Work
+from restir_gi.reference.reports.figures.table import table
 
 figure = signs(Work(size=32, runs=3, schedule=Schedule()), ["checker"])
 plt.figure().figimage(figure.pixels(), resize=True)

@@ -21,10 +21,10 @@ with ReSTIR, one a sign     0.0171 [0.0169, 0.0174]   60.8 [58.1, 63.5]
 import matplotlib.pyplot as plt
 from rich.console import Console
 
-from docs.figures.gradient_domain.toy import toy
-from reference.numerics.schedule import Schedule
-from reference.reports.figures.record import Work
-from reference.reports.figures.table import table
+from restir_gi.figures.gradient_domain.toy import toy
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.figures.record import Work
+from restir_gi.reference.reports.figures.table import table
 
 figure = toy(Work(size=16, runs=16, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)

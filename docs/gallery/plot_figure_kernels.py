@@ -13,9 +13,9 @@ White: a kernel that cannot meet that extreme.
 
 import matplotlib.pyplot as plt
 
-from docs.figures.kernels import kernels_at_extremes
-from reference.numerics.schedule import Schedule
-from reference.reports.figures.record import Work
+from restir_gi.figures.kernels import kernels_at_extremes
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.figures.record import Work
 
 figure = kernels_at_extremes(Work(size=16, runs=24, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)

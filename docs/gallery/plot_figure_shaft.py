@@ -36,10 +36,10 @@ numbers have wider intervals, and those above are the ones to quote.
 import matplotlib.pyplot as plt
 from rich.console import Console
 
-from docs.figures.hashgrid.shaft import shaft
-from reference.numerics.schedule import Schedule
-from reference.reports.figures.record import Work
-from reference.reports.figures.table import table
+from restir_gi.figures.hashgrid.shaft import shaft
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.figures.record import Work
+from restir_gi.reference.reports.figures.table import table
 
 figure = shaft(Work(size=32, runs=2, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)

@@ -33,10 +33,10 @@ numbers have wider intervals, and those above are the ones to quote.
 import matplotlib.pyplot as plt
 from rich.console import Console
 
-from docs.figures.specular_floor import specular_floor
-from reference.numerics.schedule import Schedule
-from reference.reports.figures.record import Work
-from reference.reports.figures.table import table
+from restir_gi.figures.specular_floor import specular_floor
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.figures.record import Work
+from restir_gi.reference.reports.figures.table import table
 
 figure = specular_floor(Work(size=48, runs=4, schedule=Schedule()))
 plt.figure().figimage(figure.pixels(), resize=True)

@@ -33,7 +33,7 @@ direction about the *z* axis; beside each stands its density.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from reference.numerics.sampling import (
+from restir_gi.reference.numerics.sampling import (
     pdf_cosine_hemisphere,
     pdf_uniform_hemisphere,
     sample_cosine_hemisphere,

@@ -28,7 +28,7 @@ In the renderer these are two short functions:
 import matplotlib.pyplot as plt
 import numpy as np
 
-from reference.resampling.reservoir import finalize, initial_candidates, merge
+from restir_gi.reference.resampling.reservoir import finalize, initial_candidates, merge
 
 # %%
 # An integrand with a narrow peak on [0, 1), as a lamp seen from a floor:

@@ -24,7 +24,7 @@ from itertools import product
 import matplotlib.pyplot as plt
 import numpy as np
 
-from reference.resampling.reservoir import (
+from restir_gi.reference.resampling.reservoir import (
     Candidates,
     Reservoirs,
     finalize,

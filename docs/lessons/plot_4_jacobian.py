@@ -21,10 +21,10 @@ This is Equation 11 of the paper, and the whole kernel:
 import matplotlib.pyplot as plt
 import numpy as np
 
-from docs.figures.jacobian import jacobian
-from reference.numerics.schedule import Schedule
-from reference.reports.figures.record import Work
-from reference.resampling.shift import reconnection_jacobian
+from restir_gi.figures.jacobian import jacobian
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.figures.record import Work
+from restir_gi.reference.resampling.shift import reconnection_jacobian
 
 # %%
 # Is it the ratio of the solid angles? Take a small triangle on a wall and measure the

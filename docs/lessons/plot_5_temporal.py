@@ -24,14 +24,14 @@ from dataclasses import replace
 import matplotlib.pyplot as plt
 import numpy as np
 
-from reference.numerics.rng import KeyedUniforms, Stream
-from reference.numerics.schedule import Schedule
-from reference.restir_gi import render_frames
-from reference.scene.animation import Animation
-from reference.scene.catalogue.registry import find_scene
-from reference.settings import UNBIASED
-from reference.transport.path_tracer import camera_radiance
-from reference.transport.world import build_world
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.restir_gi import render_frames
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.settings import UNBIASED
+from restir_gi.reference.transport.path_tracer import camera_radiance
+from restir_gi.reference.transport.world import build_world
 
 # %%
 # The Cornell box, 32 x 32 pixels, one bounce. The truth is a path tracer's.

@@ -38,11 +38,11 @@ from dataclasses import replace
 import matplotlib.pyplot as plt
 import numpy as np
 
-from reference.numerics.schedule import Schedule
-from reference.restir_gi import render_frames
-from reference.scene.catalogue.registry import find_scene
-from reference.settings import UNBIASED
-from reference.transport.world import build_world
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.restir_gi import render_frames
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.settings import UNBIASED
+from restir_gi.reference.transport.world import build_world
 
 # %%
 # The Cornell box: behind the edges of the blocks one pixel sees what the next does not.

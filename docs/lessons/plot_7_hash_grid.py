@@ -28,11 +28,11 @@ from dataclasses import replace
 import matplotlib.pyplot as plt
 import numpy as np
 
-from hashgrid.grid import build_grid, jittered, keys_of, lattice_of
-from reference.passes.gbuffer import visible_points
-from reference.scene.camera import pixel_centers
-from reference.scene.catalogue.registry import find_scene
-from reference.transport.world import build_world
+from restir_gi.hashgrid.grid import build_grid, jittered, keys_of, lattice_of
+from restir_gi.reference.passes.gbuffer import visible_points
+from restir_gi.reference.scene.camera import pixel_centers
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.transport.world import build_world
 
 # %%
 # Cells of the visible points of a hall, each in a colour of its own. They double in

@@ -26,17 +26,17 @@ from dataclasses import replace
 import matplotlib.pyplot as plt
 import numpy as np
 
-from docs.figures.gradient_domain.toy import toy
-from gradient_domain.differences import Differences, differences
-from gradient_domain.reconstruction import least_squares
-from reference.numerics.rng import KeyedUniforms, Stream
-from reference.numerics.schedule import Schedule
-from reference.reports.figures.record import Work
-from reference.restir_gi import render_frames
-from reference.scene.catalogue.registry import find_scene
-from reference.settings import UNBIASED
-from reference.transport.path_tracer import camera_radiance
-from reference.transport.world import build_world
+from restir_gi.figures.gradient_domain.toy import toy
+from restir_gi.gradient_domain.differences import Differences, differences
+from restir_gi.gradient_domain.reconstruction import least_squares
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.figures.record import Work
+from restir_gi.reference.restir_gi import render_frames
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.settings import UNBIASED
+from restir_gi.reference.transport.path_tracer import camera_radiance
+from restir_gi.reference.transport.world import build_world
 
 # %%
 # A picture of the Cornell box, and what is known of it: a noisy image, and differences

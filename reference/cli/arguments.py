@@ -4,14 +4,14 @@ import argparse
 from collections.abc import Mapping
 from typing import Any
 
-from reference.cli.targets import new_file
-from reference.cli.values import MOST_SAMPLES, MOST_SEED, size, whole
-from reference.methods import Job
-from reference.numerics.schedule import Schedule
-from reference.scene.animation import Animation
-from reference.system.workers import processors
-from reference.transport.path_tracer import MAX_BOUNCES
-from reference.transport.world import World
+from restir_gi.reference.cli.targets import new_file
+from restir_gi.reference.cli.values import MOST_SAMPLES, MOST_SEED, size, whole
+from restir_gi.reference.methods import Job
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.system.workers import processors
+from restir_gi.reference.transport.path_tracer import MAX_BOUNCES
+from restir_gi.reference.transport.world import World
 
 BAND = Schedule().band
 BANDS_A_THREAD = 2  # at least: threads then end nearly together

@@ -11,28 +11,28 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from reference.cli.arguments import add_json, add_reading, add_scheduler
-from reference.cli.console import emit, progress, remark, show
-from reference.cli.opening import size_in_shape
-from reference.cli.targets import new_folder
-from reference.cli.values import amount, limit, seconds, tiled_size, whole
-from reference.oracle.backends.command import PLACE
-from reference.oracle.backends.files import FilesBackend
-from reference.oracle.backends.find import backend_names, is_python
-from reference.oracle.backends.running import Limits
-from reference.oracle.blackbox.judge import renderer_levels
-from reference.oracle.blackbox.renderer import PLACES, Renderer
-from reference.oracle.blackbox.truth import TILES, Truth, path_traced
-from reference.oracle.checking import judge
-from reference.oracle.golden import read_golden
-from reference.oracle.parts import whole_contract
-from reference.oracle.verdict import Verdict, run_ladder
-from reference.reports.verdict.page import write_page
-from reference.reports.verdict.plain import as_plain
-from reference.reports.verdict.table import table
-from reference.scene.named import find_scene_or_file
-from reference.system.errors import UsageError
-from reference.system.workers import ahead, workers
+from restir_gi.reference.cli.arguments import add_json, add_reading, add_scheduler
+from restir_gi.reference.cli.console import emit, progress, remark, show
+from restir_gi.reference.cli.opening import size_in_shape
+from restir_gi.reference.cli.targets import new_folder
+from restir_gi.reference.cli.values import amount, limit, seconds, tiled_size, whole
+from restir_gi.reference.oracle.backends.command import PLACE
+from restir_gi.reference.oracle.backends.files import FilesBackend
+from restir_gi.reference.oracle.backends.find import backend_names, is_python
+from restir_gi.reference.oracle.backends.running import Limits
+from restir_gi.reference.oracle.blackbox.judge import renderer_levels
+from restir_gi.reference.oracle.blackbox.renderer import PLACES, Renderer
+from restir_gi.reference.oracle.blackbox.truth import TILES, Truth, path_traced
+from restir_gi.reference.oracle.checking import judge
+from restir_gi.reference.oracle.golden import read_golden
+from restir_gi.reference.oracle.parts import whole_contract
+from restir_gi.reference.oracle.verdict import Verdict, run_ladder
+from restir_gi.reference.reports.verdict.page import write_page
+from restir_gi.reference.reports.verdict.plain import as_plain
+from restir_gi.reference.reports.verdict.table import table
+from restir_gi.reference.scene.named import find_scene_or_file
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.workers import ahead, workers
 
 BUDGET = 600.0
 SCENE = "cornell-box"

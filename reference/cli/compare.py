@@ -6,15 +6,15 @@ from pathlib import Path
 
 from rich.table import Table
 
-from reference.cli.arguments import add_json
-from reference.cli.console import emit, show
-from reference.cli.targets import new_folder
-from reference.cli.values import amount
-from reference.images.exr import read_exr
-from reference.reports.comparison import Comparison, compare
-from reference.reports.comparison.labels import NUMBERS
-from reference.reports.comparison.likeness import Difference, differences
-from reference.system.errors import UsageError
+from restir_gi.reference.cli.arguments import add_json
+from restir_gi.reference.cli.console import emit, show
+from restir_gi.reference.cli.targets import new_folder
+from restir_gi.reference.cli.values import amount
+from restir_gi.reference.images.exr import read_exr
+from restir_gi.reference.reports.comparison import Comparison, compare
+from restir_gi.reference.reports.comparison.labels import NUMBERS
+from restir_gi.reference.reports.comparison.likeness import Difference, differences
+from restir_gi.reference.system.errors import UsageError
 
 BEYOND = 1  # exit code
 

@@ -1,7 +1,7 @@
 """Where results, remarks and progress go: stdout, stderr, and a terminal if there is.
 
 With ``--json`` stdout holds one JSON object and nothing else.  Text of others, such as
-the name of a scene, is shown and not obeyed: see `reference.system.terminal`.
+the name of a scene, is shown and not obeyed: see `restir_gi.reference.system.terminal`.
 """
 
 import sys
@@ -13,8 +13,8 @@ from rich.console import Console, RenderableType
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.text import Text
 
-from reference.system.json_text import json_text
-from reference.system.terminal import told_errors, visible
+from restir_gi.reference.system.json_text import json_text
+from restir_gi.reference.system.terminal import told_errors, visible
 
 WIDTH = 120  # of tables where stdout is no terminal
 Tick = Callable[[int, int, str], None]

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from reference.methods import Job
-from reference.numerics.rng import KeyedUniforms, Stream
-from reference.scene.camera import pixel_centers
-from reference.scene.materials.table import can_scatter
-from reference.scene.surface import SurfacePoints
-from reference.transport.path_tracer import camera_radiance, first_hits
-from reference.transport.world import World, next_world
+from restir_gi.reference.methods import Job
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.scene.camera import pixel_centers
+from restir_gi.reference.scene.materials.table import can_scatter
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.transport.path_tracer import camera_radiance, first_hits
+from restir_gi.reference.transport.world import World, next_world
 
 TRIED = 4
 """Paths a pixel that look for light which the picture leaves out."""

@@ -3,26 +3,30 @@
 import argparse
 from dataclasses import asdict, replace
 
-from reference.cli import arguments as options
-from reference.cli.console import emit, progress, show
-from reference.cli.darkness import why_black
-from reference.cli.opening import open_frames, size_in_shape
-from reference.cli.reference import EVERY, TRUTH_SEED
-from reference.cli.targets import new_folder
-from reference.cli.values import MOST_SAMPLES, whole
-from reference.images.exr import write_exr
-from reference.methods import method_named
-from reference.methods.metadata import header, metadata
-from reference.methods.path import PATH
-from reference.reports.demo.gallery import write_gallery
-from reference.reports.demo.page import table
-from reference.reports.demo.runs import Runs, runs_of_frames, runs_of_paths
-from reference.reports.demo.score import scores
-from reference.scene.catalogue.registry import CATALOGUE
-from reference.scene.scene import Scene
-from reference.system.files import make_folder
-from reference.transport.world import build_world, next_world
-from reference.truth.truth import accumulate_truth, checkpoint_beside, truth_image
+from restir_gi.reference.cli import arguments as options
+from restir_gi.reference.cli.console import emit, progress, show
+from restir_gi.reference.cli.darkness import why_black
+from restir_gi.reference.cli.opening import open_frames, size_in_shape
+from restir_gi.reference.cli.reference import EVERY, TRUTH_SEED
+from restir_gi.reference.cli.targets import new_folder
+from restir_gi.reference.cli.values import MOST_SAMPLES, whole
+from restir_gi.reference.images.exr import write_exr
+from restir_gi.reference.methods import method_named
+from restir_gi.reference.methods.metadata import header, metadata
+from restir_gi.reference.methods.path import PATH
+from restir_gi.reference.reports.demo.gallery import write_gallery
+from restir_gi.reference.reports.demo.page import table
+from restir_gi.reference.reports.demo.runs import Runs, runs_of_frames, runs_of_paths
+from restir_gi.reference.reports.demo.score import scores
+from restir_gi.reference.scene.catalogue.registry import CATALOGUE
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.system.files import make_folder
+from restir_gi.reference.transport.world import build_world, next_world
+from restir_gi.reference.truth.truth import (
+    accumulate_truth,
+    checkpoint_beside,
+    truth_image,
+)
 
 SCENE, SIZE = "door-ajar", (192, 144)
 METHODS = ("restir-gi-biased", "restir-gi-unbiased")

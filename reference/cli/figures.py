@@ -4,19 +4,19 @@ import argparse
 from dataclasses import replace
 from typing import Any
 
-from reference.cli import arguments as options
-from reference.cli.console import emit, progress, show
-from reference.cli.memory import refuse_what_does_not_fit
-from reference.cli.targets import new_folder
-from reference.cli.values import whole
-from reference.numerics.schedule import Schedule
-from reference.reports.figures import registry
-from reference.reports.figures.record import Work
-from reference.reports.figures.table import as_plain, table
-from reference.system.errors import UsageError
-from reference.system.files import make_folder, write_file
-from reference.system.json_text import json_text
-from reference.system.machine import machine
+from restir_gi.reference.cli import arguments as options
+from restir_gi.reference.cli.console import emit, progress, show
+from restir_gi.reference.cli.memory import refuse_what_does_not_fit
+from restir_gi.reference.cli.targets import new_folder
+from restir_gi.reference.cli.values import whole
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.figures import registry
+from restir_gi.reference.reports.figures.record import Work
+from restir_gi.reference.reports.figures.table import as_plain, table
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.files import make_folder, write_file
+from restir_gi.reference.system.json_text import json_text
+from restir_gi.reference.system.machine import machine
 
 SIZE = 128
 

@@ -2,18 +2,18 @@
 
 import argparse
 
-from reference.cli.arguments import add_json, add_reading
-from reference.cli.console import emit, progress, remark, show
-from reference.cli.targets import new_folder
-from reference.cli.values import whole
-from reference.oracle.frames import frame_cases
-from reference.oracle.golden import write_golden
-from reference.oracle.levels.kernels import kernel_probes
-from reference.oracle.levels.lattice import lattice_probes
-from reference.oracle.levels.replayed import replayed
-from reference.oracle.parts import parts, whole_contract
-from reference.oracle.prepared_frame import prepare_frame
-from reference.scene.named import find_scene_or_file
+from restir_gi.reference.cli.arguments import add_json, add_reading
+from restir_gi.reference.cli.console import emit, progress, remark, show
+from restir_gi.reference.cli.targets import new_folder
+from restir_gi.reference.cli.values import whole
+from restir_gi.reference.oracle.frames import frame_cases
+from restir_gi.reference.oracle.golden import write_golden
+from restir_gi.reference.oracle.levels.kernels import kernel_probes
+from restir_gi.reference.oracle.levels.lattice import lattice_probes
+from restir_gi.reference.oracle.levels.replayed import replayed
+from restir_gi.reference.oracle.parts import parts, whole_contract
+from restir_gi.reference.oracle.prepared_frame import prepare_frame
+from restir_gi.reference.scene.named import find_scene_or_file
 
 SIZE = 64
 

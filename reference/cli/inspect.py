@@ -4,19 +4,24 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from reference.cli import arguments as options
-from reference.cli.console import emit, progress, show
-from reference.cli.memory import refuse_what_does_not_fit
-from reference.cli.targets import new_file
-from reference.cli.values import MOST_SAMPLES, whole
-from reference.images.display import auto_exposure
-from reference.images.exr import read_exr
-from reference.images.image import Image
-from reference.reports.inspector.page import page
-from reference.reports.inspector.recorded import recorded
-from reference.reports.inspector.runs import as_it_is, job_of, method_of, standing
-from reference.system.errors import UsageError
-from reference.system.files import write_file
+from restir_gi.reference.cli import arguments as options
+from restir_gi.reference.cli.console import emit, progress, show
+from restir_gi.reference.cli.memory import refuse_what_does_not_fit
+from restir_gi.reference.cli.targets import new_file
+from restir_gi.reference.cli.values import MOST_SAMPLES, whole
+from restir_gi.reference.images.display import auto_exposure
+from restir_gi.reference.images.exr import read_exr
+from restir_gi.reference.images.image import Image
+from restir_gi.reference.reports.inspector.page import page
+from restir_gi.reference.reports.inspector.recorded import recorded
+from restir_gi.reference.reports.inspector.runs import (
+    as_it_is,
+    job_of,
+    method_of,
+    standing,
+)
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.files import write_file
 
 ROOM = 48 << 20  # bytes of frames that are kept where nobody says how many
 

@@ -26,10 +26,10 @@ from contextlib import suppress
 from importlib import import_module
 from typing import Any, NoReturn
 
-from reference.system.errors import UsageError
-from reference.system.signals import terminable
-from reference.system.terminal import told_errors, visible
-from reference.system.trouble import refuse_narrow_limits, trouble
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.signals import terminable
+from restir_gi.reference.system.terminal import told_errors, visible
+from restir_gi.reference.system.trouble import refuse_narrow_limits, trouble
 
 BAD_USAGE, FAULT, INTERRUPTED, TERMINATED, BROKEN_PIPE = 2, 70, 130, 143, 141
 TRACEBACK = "RESTIR_TRACEBACK"
@@ -63,7 +63,7 @@ class Parser(argparse.ArgumentParser):
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is None or value in action.choices:
             return
-        from reference.system.suggestions import unknown
+        from restir_gi.reference.system.suggestions import unknown
 
         kind = "command" if action.dest == "command" else "value"
         message = unknown(kind, str(value), map(str, action.choices))
@@ -75,7 +75,7 @@ class _Version(argparse.Action):
     """``--version``: its number takes a while to find, and is seldom asked for."""
 
     def __call__(self, parser: argparse.ArgumentParser, *rest: Any) -> NoReturn:
-        from reference.system.version import project_version
+        from restir_gi.reference.system.version import project_version
 
         sys.stdout.write(f"restir-gi-oracle {project_version()}\n")
         parser.exit()
@@ -139,7 +139,7 @@ def build_parser(filled: Iterable[str] = COMMANDS) -> argparse.ArgumentParser:
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
         if name in filled:
-            module = import_module(f"reference.cli.{name}")
+            module = import_module(f"restir_gi.reference.cli.{name}")
             module.add_arguments(child)
             child.set_defaults(run=module.run)
     return parser

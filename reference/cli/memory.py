@@ -3,8 +3,8 @@
 import os
 from pathlib import Path
 
-from reference.cli.values import MOST_PIXELS_A_SIDE
-from reference.system.errors import UsageError
+from restir_gi.reference.cli.values import MOST_PIXELS_A_SIDE
+from restir_gi.reference.system.errors import UsageError
 
 BYTES_A_PIXEL = 1024
 """What ReSTIR GI takes at its peak; path tracing takes less."""

@@ -5,13 +5,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from reference.cli.console import remark
-from reference.cli.memory import refuse_what_does_not_fit
-from reference.cli.values import Size
-from reference.scene.animation import Animation
-from reference.scene.camera import Camera
-from reference.scene.named import Named, find_scene_or_file, frames_of
-from reference.scene.scene import Scene
+from restir_gi.reference.cli.console import remark
+from restir_gi.reference.cli.memory import refuse_what_does_not_fit
+from restir_gi.reference.cli.values import Size
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.named import Named, find_scene_or_file, frames_of
+from restir_gi.reference.scene.scene import Scene
 
 
 def open_named(

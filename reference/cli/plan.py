@@ -6,14 +6,14 @@ from typing import Any
 
 from rich.table import Table
 
-from reference.cli import arguments as options
-from reference.cli.console import emit, progress, show
-from reference.cli.opening import open_frames
-from reference.cli.values import whole
-from reference.reports.effects import ALL, Effect, effects
-from reference.scene.animation import Animation
-from reference.scene.requirements import Requirement, survey
-from reference.system.machine import machine
+from restir_gi.reference.cli import arguments as options
+from restir_gi.reference.cli.console import emit, progress, show
+from restir_gi.reference.cli.opening import open_frames
+from restir_gi.reference.cli.values import whole
+from restir_gi.reference.reports.effects import ALL, Effect, effects
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.scene.requirements import Requirement, survey
+from restir_gi.reference.system.machine import machine
 
 SIDE, FRAMES = 64, 8
 

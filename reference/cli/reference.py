@@ -5,21 +5,25 @@ from contextlib import ExitStack
 
 import numpy as np
 
-from reference.cli import arguments as options
-from reference.cli.console import emit, progress, show
-from reference.cli.opening import open_named
-from reference.cli.targets import check_file
-from reference.cli.values import MOST_SAMPLES, seconds, whole
-from reference.images.display import auto_exposure, write_png
-from reference.images.exr import write_exr
-from reference.images.image import Image
-from reference.methods.metadata import Words, header, metadata
-from reference.methods.path import PATH, PathTracerSettings
-from reference.methods.setting_values import with_values
-from reference.system.workers import workers
-from reference.transport.world import build_world
-from reference.truth.distributed import sampled_by
-from reference.truth.truth import accumulate_truth, checkpoint_beside, truth_image
+from restir_gi.reference.cli import arguments as options
+from restir_gi.reference.cli.console import emit, progress, show
+from restir_gi.reference.cli.opening import open_named
+from restir_gi.reference.cli.targets import check_file
+from restir_gi.reference.cli.values import MOST_SAMPLES, seconds, whole
+from restir_gi.reference.images.display import auto_exposure, write_png
+from restir_gi.reference.images.exr import write_exr
+from restir_gi.reference.images.image import Image
+from restir_gi.reference.methods.metadata import Words, header, metadata
+from restir_gi.reference.methods.path import PATH, PathTracerSettings
+from restir_gi.reference.methods.setting_values import with_values
+from restir_gi.reference.system.workers import workers
+from restir_gi.reference.transport.world import build_world
+from restir_gi.reference.truth.distributed import sampled_by
+from restir_gi.reference.truth.truth import (
+    accumulate_truth,
+    checkpoint_beside,
+    truth_image,
+)
 
 EVERY = 30.0  # seconds between checkpoints
 TRUTH_SEED = 1_000_003  # another than anybody's first seeds

@@ -5,24 +5,30 @@ from pathlib import Path
 
 import numpy as np
 
-from reference.cli import arguments as options
-from reference.cli.console import emit, progress, show
-from reference.cli.darkness import why_black
-from reference.cli.opening import open_frames
-from reference.cli.targets import check_file
-from reference.cli.values import MOST_SAMPLES, whole
-from reference.images.display import auto_exposure, write_png
-from reference.images.exr import write_exr
-from reference.images.image import Image, to_image
-from reference.methods import Layers, Method, drive, method_named, method_names
-from reference.methods.discovery import BUILT_IN
-from reference.methods.metadata import Words, header, metadata
-from reference.methods.setting_values import with_values
-from reference.reports.effects import planner_of, prepared_for_all
-from reference.reports.timing import timed
-from reference.system.errors import UsageError
-from reference.system.suggestions import unknown
-from reference.transport.world import World, build_world
+from restir_gi.reference.cli import arguments as options
+from restir_gi.reference.cli.console import emit, progress, show
+from restir_gi.reference.cli.darkness import why_black
+from restir_gi.reference.cli.opening import open_frames
+from restir_gi.reference.cli.targets import check_file
+from restir_gi.reference.cli.values import MOST_SAMPLES, whole
+from restir_gi.reference.images.display import auto_exposure, write_png
+from restir_gi.reference.images.exr import write_exr
+from restir_gi.reference.images.image import Image, to_image
+from restir_gi.reference.methods import (
+    Layers,
+    Method,
+    drive,
+    method_named,
+    method_names,
+)
+from restir_gi.reference.methods.discovery import BUILT_IN
+from restir_gi.reference.methods.metadata import Words, header, metadata
+from restir_gi.reference.methods.setting_values import with_values
+from restir_gi.reference.reports.effects import planner_of, prepared_for_all
+from restir_gi.reference.reports.timing import timed
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.suggestions import unknown
+from restir_gi.reference.transport.world import World, build_world
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -4,10 +4,10 @@ import argparse
 
 from rich.table import Table
 
-from reference.cli.arguments import add_json
-from reference.cli.console import emit, show
-from reference.scene.catalogue.registry import CATALOGUE
-from reference.scene.requirements import requirements
+from restir_gi.reference.cli.arguments import add_json
+from restir_gi.reference.cli.console import emit, show
+from restir_gi.reference.scene.catalogue.registry import CATALOGUE
+from restir_gi.reference.scene.requirements import requirements
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

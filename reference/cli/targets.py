@@ -9,8 +9,8 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
-from reference.system.errors import UsageError
-from reference.system.files import read_file
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.files import read_file
 
 BESIDE = ".checkpoint"
 """The longest ending that a command puts to the name of a file."""

@@ -2,41 +2,50 @@
 
 import argparse
 
-from reference.cli import arguments as options
-from reference.cli.console import emit, progress, show
-from reference.cli.opening import open_named
-from reference.cli.targets import new_folder
-from reference.cli.values import MOST_SAMPLES, MOST_SEED, amount, whole
-from reference.methods import Job, method_named
-from reference.methods.path import PathTracerSettings
-from reference.numerics.moments import Moments
-from reference.numerics.schedule import Schedule
-from reference.reports.tradeoff.change import points_after_change, recoveries
-from reference.reports.tradeoff.design import at_random, methods_beside, one_at_a_time
-from reference.reports.tradeoff.knobs import Knob, built_in_knobs, knobs_of, usable
-from reference.reports.tradeoff.page import write_results
-from reference.reports.tradeoff.points import Design, settings_of
-from reference.reports.tradeoff.report import as_plain, table
-from reference.reports.tradeoff.results import Results
-from reference.reports.tradeoff.store import open_store
-from reference.reports.tradeoff.sweep import (
+from restir_gi.reference.cli import arguments as options
+from restir_gi.reference.cli.console import emit, progress, show
+from restir_gi.reference.cli.opening import open_named
+from restir_gi.reference.cli.targets import new_folder
+from restir_gi.reference.cli.values import MOST_SAMPLES, MOST_SEED, amount, whole
+from restir_gi.reference.methods import Job, method_named
+from restir_gi.reference.methods.path import PathTracerSettings
+from restir_gi.reference.numerics.moments import Moments
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.tradeoff.change import points_after_change, recoveries
+from restir_gi.reference.reports.tradeoff.design import (
+    at_random,
+    methods_beside,
+    one_at_a_time,
+)
+from restir_gi.reference.reports.tradeoff.knobs import (
+    Knob,
+    built_in_knobs,
+    knobs_of,
+    usable,
+)
+from restir_gi.reference.reports.tradeoff.page import write_results
+from restir_gi.reference.reports.tradeoff.points import Design, settings_of
+from restir_gi.reference.reports.tradeoff.report import as_plain, table
+from restir_gi.reference.reports.tradeoff.results import Results
+from restir_gi.reference.reports.tradeoff.store import open_store
+from restir_gi.reference.reports.tradeoff.sweep import (
     Sweep,
     pixel_of,
     pixels_of,
     run_sweep,
     scores_of,
 )
-from reference.scene.animation import Animation
-from reference.scene.fingerprint import fingerprint
-from reference.scene.named import Named
-from reference.scene.scene import Scene
-from reference.system.errors import UsageError
-from reference.system.files import make_folder
-from reference.system.version import project_version
-from reference.system.workers import processors, workers
-from reference.transport.accumulate import Pixel
-from reference.transport.world import build_world, next_world
-from reference.truth.truth import accumulate_truth
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.scene.fingerprint import fingerprint
+from restir_gi.reference.scene.named import Named
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.files import make_folder
+from restir_gi.reference.system.version import project_version
+from restir_gi.reference.system.workers import processors, workers
+from restir_gi.reference.transport.accumulate import Pixel
+from restir_gi.reference.transport.world import build_world, next_world
+from restir_gi.reference.truth.truth import accumulate_truth
 
 METHOD = "restir-gi-unbiased"
 SIDE = 64

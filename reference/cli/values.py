@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 MOST_PIXELS_A_SIDE = 2**14
 # Frames, samples and seeds are words of the random key.  Words that differ in higher
-# bits alone have dependent streams (reference.numerics.rng).
+# bits alone have dependent streams (restir_gi.reference.numerics.rng).
 MOST_SAMPLES = 2**27 - 1
 MOST_SEED = 2**27 - 1
 MOST = 1e9

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.images.image import Floats, luminance
-from reference.system.files import write_file
+from restir_gi.reference.images.image import Floats, luminance
+from restir_gi.reference.system.files import write_file
 
 Bytes = NDArray[np.uint8]
 

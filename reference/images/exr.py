@@ -6,10 +6,13 @@ from pathlib import Path
 import numpy as np
 import OpenEXR
 
-from reference.images.exr_channels import channels_of_layers, layers_of_channels
-from reference.images.exr_parts import decode
-from reference.images.image import Image
-from reference.system.files import read_file, write_file
+from restir_gi.reference.images.exr_channels import (
+    channels_of_layers,
+    layers_of_channels,
+)
+from restir_gi.reference.images.exr_parts import decode
+from restir_gi.reference.images.image import Image
+from restir_gi.reference.system.files import read_file, write_file
 
 PREFIX = "restir:"  # keeps our metadata apart from the standard's own attributes
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.system.errors import UsageError
-from reference.system.suggestions import unknown
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.suggestions import unknown
 
 Channels = dict[str, NDArray[Any]]  # each (H, W)
 MOST_LISTED = 20  # layers in a message

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import OpenEXR
 
-from reference.system.errors import UsageError
+from restir_gi.reference.system.errors import UsageError
 
 MAGIC = b"\x76\x2f\x31\x01"
 MOST_PIXELS = 2**28  # 16384 x 16384

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.images.display import Bytes
-from reference.images.image import Floats, luminance
+from restir_gi.reference.images.display import Bytes
+from restir_gi.reference.images.image import Floats, luminance
 
 ACES_85 = 2.1188723  # radiance that FLIP's ACES curve maps to 0.85
 MOST_EXPOSURES = 32  # FLIP takes one a stop, about 2 s each at 1920 x 1080

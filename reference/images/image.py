@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import dot
+from restir_gi.reference.numerics.arrays import dot
 
 Floats = NDArray[np.floating[Any]]
 

@@ -7,8 +7,8 @@ and channels, n terms in all, in float64.
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.images.image import luminance
-from reference.numerics.arrays import divide_or_zero
+from restir_gi.reference.images.image import luminance
+from restir_gi.reference.numerics.arrays import divide_or_zero
 
 Colors = NDArray[np.float64]
 

@@ -1,7 +1,7 @@
 """Methods: how a picture is made, and what they are called on the command line."""
 
-from reference.methods.discovery import method_named, method_names
-from reference.methods.method import (
+from restir_gi.reference.methods.discovery import method_named, method_names
+from restir_gi.reference.methods.method import (
     Job,
     Layers,
     Method,

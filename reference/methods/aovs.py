@@ -4,14 +4,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars
-from reference.numerics.schedule import Schedule, in_bands
-from reference.passes.gbuffer import visible_points
-from reference.resampling.reservoir import Reservoirs
-from reference.scene.camera import pixel_centers
-from reference.scene.origins import contact
-from reference.scene.surface import VisiblePoints
-from reference.transport.world import World
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.numerics.schedule import Schedule, in_bands
+from restir_gi.reference.passes.gbuffer import visible_points
+from restir_gi.reference.resampling.reservoir import Reservoirs
+from restir_gi.reference.scene.camera import pixel_centers
+from restir_gi.reference.scene.origins import contact
+from restir_gi.reference.scene.surface import VisiblePoints
+from restir_gi.reference.transport.world import World
 
 GBUFFER = {
     "depth": "distance along the camera's axis, m",

@@ -3,10 +3,10 @@
 from collections.abc import Callable
 from math import isfinite
 
-from reference.scene.animation import Changes
-from reference.scene.requirements import requirements
-from reference.scene.scene import Scene
-from reference.settings import Settings
+from restir_gi.reference.scene.animation import Changes
+from restir_gi.reference.scene.requirements import requirements
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.settings import Settings
 
 
 def biases(settings: Settings, scene: Scene, changes: Changes) -> tuple[str, ...]:

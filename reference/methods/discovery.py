@@ -1,11 +1,11 @@
 """Methods by name: the built-in ones, and those of plug-ins."""
 
-from reference.methods.method import Method
-from reference.methods.path import PATH
-from reference.methods.restir_gi import BIASED, UNBIASED
-from reference.system.errors import UsageError
-from reference.system.plugins import find_plugin, plugin_names
-from reference.system.suggestions import unknown
+from restir_gi.reference.methods.method import Method
+from restir_gi.reference.methods.path import PATH
+from restir_gi.reference.methods.restir_gi import BIASED, UNBIASED
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.plugins import find_plugin, plugin_names
+from restir_gi.reference.system.suggestions import unknown
 
 GROUP = "restir.methods"
 BUILT_IN = {method.name: method for method in (PATH, BIASED, UNBIASED)}

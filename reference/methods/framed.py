@@ -7,15 +7,15 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 
-from reference.methods.aovs import GBUFFER, gbuffer_layers
-from reference.methods.method import Job, Method, Progress, Rendering, Shown
-from reference.methods.path import mean_of_paths
-from reference.numerics.arrays import Scalars, Vec3s
-from reference.numerics.records import fields_but, nbytes
-from reference.numerics.rng import Stream
-from reference.system.errors import UsageError
-from reference.transport.accumulate import Pixel
-from reference.transport.world import World, next_world
+from restir_gi.reference.methods.aovs import GBUFFER, gbuffer_layers
+from restir_gi.reference.methods.method import Job, Method, Progress, Rendering, Shown
+from restir_gi.reference.methods.path import mean_of_paths
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.numerics.records import fields_but, nbytes
+from restir_gi.reference.numerics.rng import Stream
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.transport.accumulate import Pixel
+from restir_gi.reference.transport.world import World, next_world
 
 Image = Literal["last", "mean"]
 

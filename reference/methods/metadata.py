@@ -3,12 +3,12 @@
 from collections.abc import Mapping
 from dataclasses import asdict, fields
 
-from reference.methods import Job, Method
-from reference.methods.setting_values import text_of
-from reference.scene.camera import Camera
-from reference.scene.fingerprint import fingerprint
-from reference.scene.scene import Scene
-from reference.system.version import project_version
+from restir_gi.reference.methods import Job, Method
+from restir_gi.reference.methods.setting_values import text_of
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.fingerprint import fingerprint
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.system.version import project_version
 
 Words = Mapping[str, str | int | float | bool]
 

@@ -4,7 +4,7 @@ A package registers a method by an entry point of the group ``restir.methods``, 
 its ``pyproject.toml``::
 
     [project.entry-points."restir.methods"]
-    world-reservoirs = "hashgrid.method:METHOD"
+    world-reservoirs = "restir_gi.hashgrid.method:METHOD"
 
 The name of the entry point is the name of the method.  The object that it points to is
 a `Method`, whose ``render`` is a generator function::
@@ -29,12 +29,12 @@ from collections.abc import Callable, Generator, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from reference.numerics.arrays import Scalars, Vec3s
-from reference.numerics.schedule import Schedule
-from reference.scene.animation import Animation
-from reference.transport.accumulate import Pixel
-from reference.transport.path_tracer import Light
-from reference.transport.world import World
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.transport.accumulate import Pixel
+from restir_gi.reference.transport.path_tracer import Light
+from restir_gi.reference.transport.world import World
 
 Layers = Mapping[str, Scalars]
 """Quantities by name, (N,) or (N, 3); ``"color"`` is the picture."""
@@ -118,8 +118,8 @@ class Method:
     counts : mapping of str to int
         Which of the options ``"frames"`` and ``"spp"`` it heeds, and their defaults.
     settings : dataclass instance
-        Defaults of what ``--set`` changes; :mod:`reference.methods.setting_values` says
-        which fields it may have.
+        Defaults of what ``--set`` changes;
+        :mod:`restir_gi.reference.methods.setting_values` says which fields it may have.
     aovs : mapping of str to str; names that ``--aov`` takes, and what they are
     render : callable; takes a `Job` and generates; `Rendering`
     biases : callable

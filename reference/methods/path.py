@@ -5,16 +5,21 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import count
 
-from reference.methods.aovs import GBUFFER, gbuffer_layers
-from reference.methods.method import Job, Method, Progress, Rendering, Shown
-from reference.numerics.arrays import Scalars
-from reference.numerics.moments import Moments, no_samples
-from reference.numerics.rng import Stream
-from reference.numerics.schedule import in_bands
-from reference.system.errors import UsageError
-from reference.transport.accumulate import PathSamples, Pixel, accumulate, path_samples
-from reference.transport.path_tracer import Light
-from reference.transport.world import World, next_world
+from restir_gi.reference.methods.aovs import GBUFFER, gbuffer_layers
+from restir_gi.reference.methods.method import Job, Method, Progress, Rendering, Shown
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.numerics.moments import Moments, no_samples
+from restir_gi.reference.numerics.rng import Stream
+from restir_gi.reference.numerics.schedule import in_bands
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.transport.accumulate import (
+    PathSamples,
+    Pixel,
+    accumulate,
+    path_samples,
+)
+from restir_gi.reference.transport.path_tracer import Light
+from restir_gi.reference.transport.world import World, next_world
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

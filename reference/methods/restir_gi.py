@@ -3,17 +3,17 @@
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 
-from reference import settings
-from reference.methods.aovs import RESERVOIRS, reservoir_layers
-from reference.methods.biases import biases
-from reference.methods.framed import Framed, Image
-from reference.methods.method import Job, Method
-from reference.methods.setting_values import refuse_beyond
-from reference.numerics.arrays import Scalars
-from reference.numerics.records import nbytes
-from reference.options.storage import stored_bytes
-from reference.restir_gi import Frame, render_frames
-from reference.settings import Settings
+from restir_gi.reference import settings
+from restir_gi.reference.methods.aovs import RESERVOIRS, reservoir_layers
+from restir_gi.reference.methods.biases import biases
+from restir_gi.reference.methods.framed import Framed, Image
+from restir_gi.reference.methods.method import Job, Method
+from restir_gi.reference.methods.setting_values import refuse_beyond
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.numerics.records import nbytes
+from restir_gi.reference.options.storage import stored_bytes
+from restir_gi.reference.restir_gi import Frame, render_frames
+from restir_gi.reference.settings import Settings
 
 LEAST_AND_MOST = {
     "temporal_cap": (1, float("inf")),

@@ -6,8 +6,8 @@ from functools import cache
 from math import isfinite, isnan
 from typing import Any, Literal, TypeVar, get_args, get_origin, get_type_hints
 
-from reference.system.errors import UsageError
-from reference.system.suggestions import unknown
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.suggestions import unknown
 
 Settings = TypeVar("Settings")
 

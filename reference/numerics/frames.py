@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s, dot, vectors
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s, dot, vectors
 
 
 def normal_frames(n: Vec3s) -> tuple[Vec3s, Vec3s]:

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.numerics.arrays import Vec3s
-from reference.numerics.schedule import Schedule, in_bands
+from restir_gi.reference.numerics.arrays import Vec3s
+from restir_gi.reference.numerics.schedule import Schedule, in_bands
 
 
 @dataclass(frozen=True, slots=True, eq=False)

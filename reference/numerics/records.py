@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks
+from restir_gi.reference.numerics.arrays import Indices, Masks
 
 Record = TypeVar("Record")
 

@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Indices, Scalars
+from restir_gi.reference.numerics.arrays import Indices, Scalars
 
 DIMENSIONS = 64
 """Dimensions of a stream: the step between the keys of two streams."""

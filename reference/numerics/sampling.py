@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s, divide_or_zero, vectors
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s, divide_or_zero, vectors
 
 
 def left_of(u: Scalars, probability: Scalars) -> Scalars:

@@ -8,7 +8,7 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from reference.numerics.records import map_rows
+from restir_gi.reference.numerics.records import map_rows
 
 Result = TypeVar("Result")
 

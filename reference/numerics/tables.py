@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Scalars
+from restir_gi.reference.numerics.arrays import Indices, Scalars
 
 
 def sample_table(cumulative: Scalars, u: Scalars) -> tuple[Indices, Scalars]:

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, divide_or_zero, saturate
-from reference.resampling.reservoir import Reservoirs
-from reference.resampling.target import luminance
+from restir_gi.reference.numerics.arrays import Indices, divide_or_zero, saturate
+from restir_gi.reference.resampling.reservoir import Reservoirs
+from restir_gi.reference.resampling.target import luminance
 
 TILE = 16
 """Pixels on a side of the tiles within which reservoirs are compared."""

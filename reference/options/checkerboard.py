@@ -1,6 +1,6 @@
 """Checkerboard: half of the pixels draw a new sample in each frame."""
 
-from reference.numerics.arrays import Indices, Masks
+from restir_gi.reference.numerics.arrays import Indices, Masks
 
 
 def draws_new_sample(

@@ -5,22 +5,26 @@ from math import isfinite
 
 import numpy as np
 
-from reference.frame import FrameContext
-from reference.numerics.arrays import Indices
-from reference.numerics.records import NONE, cut
-from reference.numerics.schedule import in_bands
-from reference.options.history_search import find_history
-from reference.options.motion import EarlierReservoirs, TemporalShift, temporal_shift
-from reference.options.reduced_resolution import corner, keeps_reservoir
-from reference.options.replay import replay_of
-from reference.options.validation import validated, validates
-from reference.passes.history import History
-from reference.passes.pixels import FrameReservoirs
-from reference.resampling.reservoir import Reservoirs
-from reference.resampling.suffix import age
-from reference.scene.motion import carry
-from reference.scene.surface import SurfacePoints, VisiblePoints
-from reference.settings import Settings
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.arrays import Indices
+from restir_gi.reference.numerics.records import NONE, cut
+from restir_gi.reference.numerics.schedule import in_bands
+from restir_gi.reference.options.history_search import find_history
+from restir_gi.reference.options.motion import (
+    EarlierReservoirs,
+    TemporalShift,
+    temporal_shift,
+)
+from restir_gi.reference.options.reduced_resolution import corner, keeps_reservoir
+from restir_gi.reference.options.replay import replay_of
+from restir_gi.reference.options.validation import validated, validates
+from restir_gi.reference.passes.history import History
+from restir_gi.reference.passes.pixels import FrameReservoirs
+from restir_gi.reference.resampling.reservoir import Reservoirs
+from restir_gi.reference.resampling.suffix import age
+from restir_gi.reference.scene.motion import carry
+from restir_gi.reference.scene.surface import SurfacePoints, VisiblePoints
+from restir_gi.reference.settings import Settings
 
 
 def moved_history(frame: FrameContext[Settings], last: History) -> History:

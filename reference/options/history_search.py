@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from reference.frame import FrameContext
-from reference.numerics.arrays import Indices, Masks, Scalars
-from reference.numerics.records import NONE
-from reference.numerics.rng import Draw, Stream
-from reference.options.reprojection import alike_before, places_before, row_at
-from reference.passes.pixels import FrameReservoirs
-from reference.scene.motion import Motion
-from reference.settings import Settings
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars
+from restir_gi.reference.numerics.records import NONE
+from restir_gi.reference.numerics.rng import Draw, Stream
+from restir_gi.reference.options.reprojection import alike_before, places_before, row_at
+from restir_gi.reference.passes.pixels import FrameReservoirs
+from restir_gi.reference.scene.motion import Motion
+from restir_gi.reference.settings import Settings
 
 ATTEMPTS, REACH = 4, 4.0
 """Places that are tried where reprojection fails, and how far away, in pixels."""

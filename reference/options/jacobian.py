@@ -4,11 +4,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from math import isfinite
 
-from reference.numerics.arrays import Masks, Scalars, Vec3s, divide_or_zero
-from reference.passes.pixels import Pixels, reconnection
-from reference.resampling.jacobian_limits import clamp_jacobian, within_limit
-from reference.resampling.reservoir import Samples
-from reference.settings import Settings
+from restir_gi.reference.numerics.arrays import Masks, Scalars, Vec3s, divide_or_zero
+from restir_gi.reference.passes.pixels import Pixels, reconnection
+from restir_gi.reference.resampling.jacobian_limits import clamp_jacobian, within_limit
+from restir_gi.reference.resampling.reservoir import Samples
+from restir_gi.reference.settings import Settings
 
 
 def with_jacobian(q: Pixels) -> Pixels:

@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from reference.frame import FrameContext
-from reference.numerics.arrays import Masks
-from reference.numerics.records import NONE, indices
-from reference.options.checkerboard import draws_new_sample
-from reference.options.reduced_resolution import keeps_reservoir
-from reference.options.validation import validates
-from reference.passes.history import History
-from reference.settings import Settings
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.arrays import Masks
+from restir_gi.reference.numerics.records import NONE, indices
+from restir_gi.reference.options.checkerboard import draws_new_sample
+from restir_gi.reference.options.reduced_resolution import keeps_reservoir
+from restir_gi.reference.options.validation import validates
+from restir_gi.reference.passes.history import History
+from restir_gi.reference.settings import Settings
 
 
 def goes_on(history: History, rows: slice) -> Masks:

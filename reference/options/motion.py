@@ -2,14 +2,14 @@
 
 from dataclasses import dataclass, replace
 
-from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
-from reference.numerics.records import NONE
-from reference.options.replay import Replay
-from reference.passes.pixels import FrameReservoirs, NeighborPixels, Pixels
-from reference.resampling.reservoir import Samples
-from reference.scene.motion import Motion, carry, motion_between, turn
-from reference.scene.surface import SurfacePoints
-from reference.transport.world import World, same_but_for_the_camera
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
+from restir_gi.reference.numerics.records import NONE
+from restir_gi.reference.options.replay import Replay
+from restir_gi.reference.passes.pixels import FrameReservoirs, NeighborPixels, Pixels
+from restir_gi.reference.resampling.reservoir import Samples
+from restir_gi.reference.scene.motion import Motion, carry, motion_between, turn
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.transport.world import World, same_but_for_the_camera
 
 
 @dataclass(frozen=True, slots=True, eq=False)

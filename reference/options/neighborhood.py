@@ -5,15 +5,15 @@ from functools import partial
 
 import numpy as np
 
-from reference.frame import FrameContext
-from reference.numerics.arrays import Indices, Scalars
-from reference.numerics.records import NONE, indices
-from reference.numerics.rng import Uniforms
-from reference.options.reduced_resolution import corner
-from reference.passes.history import History
-from reference.passes.neighbors import neighbors_of
-from reference.passes.pixels import FrameReservoirs, NeighborPixels, Pixels
-from reference.settings import Settings
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.arrays import Indices, Scalars
+from restir_gi.reference.numerics.records import NONE, indices
+from restir_gi.reference.numerics.rng import Uniforms
+from restir_gi.reference.options.reduced_resolution import corner
+from restir_gi.reference.passes.history import History
+from restir_gi.reference.passes.neighbors import neighbors_of
+from restir_gi.reference.passes.pixels import FrameReservoirs, NeighborPixels, Pixels
+from restir_gi.reference.settings import Settings
 
 Neighbors = list[tuple[NeighborPixels, Scalars]]
 
@@ -37,8 +37,8 @@ def special_neighbors(
     q : Pixels; K pixels
     rows : slice or (K,) int
     uniforms : Uniforms
-        As of :func:`reference.passes.neighbors.neighbors_of`; lane 3 of a dimension
-        decides on the spatial reservoir of the same neighbour.
+        As of :func:`restir_gi.reference.passes.neighbors.neighbors_of`; lane 3 of a
+        dimension decides on the spatial reservoir of the same neighbour.
 
     Returns
     -------

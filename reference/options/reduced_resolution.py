@@ -1,6 +1,6 @@
 """Reservoirs at a lower resolution than the picture's: one for a square of pixels."""
 
-from reference.numerics.arrays import Indices, Masks
+from restir_gi.reference.numerics.arrays import Indices, Masks
 
 
 def corner(rows: Indices, width: int, side: int) -> Indices:

@@ -5,14 +5,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.frame import FrameContext
-from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
-from reference.numerics.rng import Stream, Uniforms
-from reference.options.roulette import tail_weights
-from reference.resampling.suffix import Suffix
-from reference.settings import Settings
-from reference.transport.path_tracer import reflected_radiance
-from reference.transport.world import World
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
+from restir_gi.reference.numerics.rng import Stream, Uniforms
+from restir_gi.reference.options.roulette import tail_weights
+from restir_gi.reference.resampling.suffix import Suffix
+from restir_gi.reference.settings import Settings
+from restir_gi.reference.transport.path_tracer import reflected_radiance
+from restir_gi.reference.transport.world import World
 
 
 @dataclass(frozen=True, slots=True)

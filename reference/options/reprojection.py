@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Scalars
-from reference.numerics.records import NONE, take
-from reference.passes.gbuffer import similar
-from reference.scene.camera import image_points, view_depth
-from reference.scene.motion import Motion, carry, turn
-from reference.scene.surface import VisiblePoints
-from reference.settings import Search
-from reference.transport.world import World
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars
+from restir_gi.reference.numerics.records import NONE, take
+from restir_gi.reference.passes.gbuffer import similar
+from restir_gi.reference.scene.camera import image_points, view_depth
+from restir_gi.reference.scene.motion import Motion, carry, turn
+from restir_gi.reference.scene.surface import VisiblePoints
+from restir_gi.reference.settings import Search
+from restir_gi.reference.transport.world import World
 
 
 def places_before(

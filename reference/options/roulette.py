@@ -4,10 +4,10 @@ from collections.abc import Callable
 
 import numpy as np
 
-from reference.frame import FrameContext
-from reference.numerics.arrays import Indices, Scalars
-from reference.numerics.rng import KeyedUniforms, Stream
-from reference.settings import Settings
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.arrays import Indices, Scalars
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.settings import Settings
 
 TILE_WIDTH, TILE_HEIGHT = 64, 32
 """Pixels that live or die together, so that threads side by side do the same."""

@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.records import map_rows, nbytes
-from reference.resampling.packing.paper import pack, unpack
-from reference.resampling.reservoir import Reservoirs
-from reference.scene.surface import SurfacePoints
-from reference.settings import Storage
+from restir_gi.reference.numerics.records import map_rows, nbytes
+from restir_gi.reference.resampling.packing.paper import pack, unpack
+from restir_gi.reference.resampling.reservoir import Reservoirs
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.settings import Storage
 
 SHORT: dict[Storage, type[np.floating[Any]]] = {
     "float32": np.float32,
@@ -30,11 +30,12 @@ def stored(
 
     Notes
     -----
-    [Ouyang21, section 5]; errors as :func:`reference.resampling.packing.paper.pack`
-    states them.  The 32 bits of the seed hold the number of the path, modulo the
-    largest multiple of ``pixels`` that they can: at 1920 x 1080 pixels it repeats after
-    2071 frames.  The rest of the path, which a moving scene wants too, is not counted
-    among the 48 bytes and keeps its precision.
+    [Ouyang21, section 5]; errors as
+    :func:`restir_gi.reference.resampling.packing.paper.pack` states them.  The 32 bits
+    of the seed hold the number of the path, modulo the largest multiple of ``pixels``
+    that they can: at 1920 x 1080 pixels it repeats after 2071 frames.  The rest of the
+    path, which a moving scene wants too, is not counted among the 48 bytes and keeps
+    its precision.
     """
     if storage == "float64":
         return r

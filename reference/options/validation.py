@@ -4,17 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from reference.frame import FrameContext
-from reference.numerics.arrays import Masks, dot
-from reference.options.replay import Replay
-from reference.resampling.reservoir import Reservoirs, Samples
-from reference.resampling.target import luminance
-from reference.scene.origins import contact
-from reference.scene.surface import SurfacePoints, direction_and_distance
-from reference.settings import Settings
-from reference.transport.caster import STOP
-from reference.transport.path_tracer import follow
-from reference.transport.world import World
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.arrays import Masks, dot
+from restir_gi.reference.options.replay import Replay
+from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
+from restir_gi.reference.resampling.target import luminance
+from restir_gi.reference.scene.origins import contact
+from restir_gi.reference.scene.surface import SurfacePoints, direction_and_distance
+from restir_gi.reference.settings import Settings
+from restir_gi.reference.transport.caster import STOP
+from restir_gi.reference.transport.path_tracer import follow
+from restir_gi.reference.transport.world import World
 
 
 def validates(frame: FrameContext[Settings]) -> bool:

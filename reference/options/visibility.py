@@ -4,14 +4,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.frame import FrameContext
-from reference.numerics.arrays import Masks
-from reference.numerics.records import indices
-from reference.options.masks import goes_on
-from reference.passes.history import History
-from reference.passes.pixels import Pixels, sees
-from reference.resampling.reservoir import Reservoirs, Samples
-from reference.settings import Settings
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.arrays import Masks
+from restir_gi.reference.numerics.records import indices
+from restir_gi.reference.options.masks import goes_on
+from restir_gi.reference.passes.history import History
+from restir_gi.reference.passes.pixels import Pixels, sees
+from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
+from restir_gi.reference.settings import Settings
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,13 +6,19 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Scalars, divide_or_zero, saturate
-from reference.numerics.records import take
-from reference.passes.initial import InitialSamples
-from reference.passes.pixels import NeighborPixels, Pixels, reconnection, sees
-from reference.resampling.domain import target_if_drawn
-from reference.resampling.generalized import Mis, Shifted, resample
-from reference.resampling.reservoir import Reservoirs, Samples
+from restir_gi.reference.numerics.arrays import (
+    Indices,
+    Masks,
+    Scalars,
+    divide_or_zero,
+    saturate,
+)
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.passes.initial import InitialSamples
+from restir_gi.reference.passes.pixels import NeighborPixels, Pixels, reconnection, sees
+from restir_gi.reference.resampling.domain import target_if_drawn
+from restir_gi.reference.resampling.generalized import Mis, Shifted, resample
+from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
 
 Source = InitialSamples | Reservoirs | NeighborPixels
 

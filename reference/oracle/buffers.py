@@ -5,12 +5,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Indices
-from reference.numerics.records import take
-from reference.oracle.cases import Buffers
-from reference.oracle.contract.fields import Precision, dtype_of
-from reference.oracle.prepared_frame import PreparedFrame
-from reference.resampling.reservoir import Reservoirs, Samples
+from restir_gi.reference.numerics.arrays import Indices
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.oracle.cases import Buffers
+from restir_gi.reference.oracle.contract.fields import Precision, dtype_of
+from restir_gi.reference.oracle.prepared_frame import PreparedFrame
+from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
 
 
 def given(inputs: Buffers, precision: Precision) -> dict[str, NDArray[Any]]:

@@ -8,7 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.oracle.contract.fields import Field, Passes, Precision, Value, dtype_of
+from restir_gi.reference.oracle.contract.fields import (
+    Field,
+    Passes,
+    Precision,
+    Value,
+    dtype_of,
+)
 
 Buffers = Mapping[str, NDArray[Any]]
 

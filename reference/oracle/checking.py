@@ -8,16 +8,16 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from reference.oracle.backends.open import open_backend
-from reference.oracle.backends.running import Limits
-from reference.oracle.cases import UnaskedError
-from reference.oracle.contract.fields import Precision
-from reference.oracle.distributed import Reached, distributed_levels
-from reference.oracle.golden import read_golden
-from reference.oracle.ladder import golden_levels, ladder, statistical_levels
-from reference.oracle.parts import whole_contract
-from reference.oracle.verdict import Verdict, run_ladder
-from reference.system.errors import UsageError
+from restir_gi.reference.oracle.backends.open import open_backend
+from restir_gi.reference.oracle.backends.running import Limits
+from restir_gi.reference.oracle.cases import UnaskedError
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.distributed import Reached, distributed_levels
+from restir_gi.reference.oracle.golden import read_golden
+from restir_gi.reference.oracle.ladder import golden_levels, ladder, statistical_levels
+from restir_gi.reference.oracle.parts import whole_contract
+from restir_gi.reference.oracle.verdict import Verdict, run_ladder
+from restir_gi.reference.system.errors import UsageError
 
 
 def _silent(title: str) -> None:

@@ -15,17 +15,17 @@ from threading import TIMEOUT_MAX
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.oracle.backends.backend import Backend
-from reference.oracle.backends.open import open_backend
-from reference.oracle.backends.running import Limits
-from reference.oracle.cases import NO_TIME, UnaskedError
-from reference.oracle.contract.fields import Precision
-from reference.oracle.ladder import distribution_step, statistical_levels
-from reference.oracle.levels.distribution import SCENES
-from reference.oracle.levels.means import replicates
-from reference.oracle.parts import whole_contract
-from reference.oracle.steps import Asker, Level, LevelStep
-from reference.system.workers import ahead
+from restir_gi.reference.oracle.backends.backend import Backend
+from restir_gi.reference.oracle.backends.open import open_backend
+from restir_gi.reference.oracle.backends.running import Limits
+from restir_gi.reference.oracle.cases import NO_TIME, UnaskedError
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.ladder import distribution_step, statistical_levels
+from restir_gi.reference.oracle.levels.distribution import SCENES
+from restir_gi.reference.oracle.levels.means import replicates
+from restir_gi.reference.oracle.parts import whole_contract
+from restir_gi.reference.oracle.steps import Asker, Level, LevelStep
+from restir_gi.reference.system.workers import ahead
 
 AHEAD = 32
 """Batches that are handed out before they are wanted."""
@@ -63,7 +63,8 @@ def _opened(reached: Reached) -> Backend:
 def batch(reached: Reached, seed: int) -> NDArray[np.float64]:
     """Runs of the backend of this process.
 
-    Returns (R, 1 + T) float64; as of :func:`reference.oracle.levels.means.replicates`.
+    Returns (R, 1 + T) float64; as of
+    :func:`restir_gi.reference.oracle.levels.means.replicates`.
     """
     backend = reached.open()
     return replicates(Asker(whole_contract(), backend), backend.precision, seed)

@@ -8,12 +8,12 @@ import numpy as np
 import OpenEXR
 from numpy.typing import NDArray
 
-from reference.images.exr_parts import decode
-from reference.oracle.cases import Case, Failure, output_shapes
-from reference.oracle.contract.fields import Passes, dtype_of
-from reference.oracle.raw import MOST_MORE, MOST_TIMES, outputs_size
-from reference.system.errors import UsageError
-from reference.system.files import read_file
+from restir_gi.reference.images.exr_parts import decode
+from restir_gi.reference.oracle.cases import Case, Failure, output_shapes
+from restir_gi.reference.oracle.contract.fields import Passes, dtype_of
+from restir_gi.reference.oracle.raw import MOST_MORE, MOST_TIMES, outputs_size
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.files import read_file
 
 VECTOR = ("R", "G", "B")
 

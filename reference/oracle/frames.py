@@ -6,16 +6,27 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Indices, Masks
-from reference.numerics.records import take
-from reference.numerics.rng import Stream
-from reference.oracle.buffers import given, prefixed, receivers, reservoirs, samples
-from reference.oracle.cases import Case
-from reference.oracle.contract.fields import Precision, Value
-from reference.oracle.prepared_frame import CAPS, NEIGHBORS, SIMILARITY, PreparedFrame
-from reference.oracle.visibility import made_it
-from reference.passes.pixels import sees
-from reference.resampling.reservoir import Samples
+from restir_gi.reference.numerics.arrays import Indices, Masks
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.numerics.rng import Stream
+from restir_gi.reference.oracle.buffers import (
+    given,
+    prefixed,
+    receivers,
+    reservoirs,
+    samples,
+)
+from restir_gi.reference.oracle.cases import Case
+from restir_gi.reference.oracle.contract.fields import Precision, Value
+from restir_gi.reference.oracle.prepared_frame import (
+    CAPS,
+    NEIGHBORS,
+    SIMILARITY,
+    PreparedFrame,
+)
+from restir_gi.reference.oracle.visibility import made_it
+from restir_gi.reference.passes.pixels import sees
+from restir_gi.reference.resampling.reservoir import Samples
 
 
 def frame_cases(at: PreparedFrame, precision: Precision) -> Iterator[Case]:

@@ -1,9 +1,10 @@
 """Golden folders: inputs and expected outputs, for backends that are not here.
 
-Beside the index and the raw buffers of :mod:`reference.oracle.raw` a folder holds
-``manifest.json``, and for each case ``in.npz``, ``expected.npz``, ``expected/*.raw``
-and, where its rows are the pixels of an image, ``frame.exr`` with a part for each
-buffer.  A backend writes ``out/*.raw``, or ``out.npz``, or ``out/out.exr``.
+Beside the index and the raw buffers of :mod:`restir_gi.reference.oracle.raw` a folder
+holds ``manifest.json``, and for each case ``in.npz``, ``expected.npz``,
+``expected/*.raw`` and, where its rows are the pixels of an image, ``frame.exr`` with a
+part for each buffer.  A backend writes ``out/*.raw``, or ``out.npz``, or
+``out/out.exr``.
 """
 
 import json
@@ -16,23 +17,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.oracle.buffers import given
-from reference.oracle.builtin.backend import BuiltIn
-from reference.oracle.cases import Case
-from reference.oracle.contract.fields import Passes, Precision
-from reference.oracle.exact.registry import limits_of
-from reference.oracle.exr_frames import write_frames
-from reference.oracle.levels.exact import exact_outputs, examined_exactly
-from reference.oracle.levels.kernels import kernel_probes
-from reference.oracle.levels.lattice import lattice_probes
-from reference.oracle.levels.probe import Probe
-from reference.oracle.levels.replayed import replayed
-from reference.oracle.parts import parts
-from reference.oracle.raw import read_cases, write_cases
-from reference.system.errors import UsageError
-from reference.system.files import make_folder, read_file, write_file
-from reference.system.leftovers import scratch_folder, sweep
-from reference.system.version import project_version
+from restir_gi.reference.oracle.buffers import given
+from restir_gi.reference.oracle.builtin.backend import BuiltIn
+from restir_gi.reference.oracle.cases import Case
+from restir_gi.reference.oracle.contract.fields import Passes, Precision
+from restir_gi.reference.oracle.exact.registry import limits_of
+from restir_gi.reference.oracle.exr_frames import write_frames
+from restir_gi.reference.oracle.levels.exact import exact_outputs, examined_exactly
+from restir_gi.reference.oracle.levels.kernels import kernel_probes
+from restir_gi.reference.oracle.levels.lattice import lattice_probes
+from restir_gi.reference.oracle.levels.probe import Probe
+from restir_gi.reference.oracle.levels.replayed import replayed
+from restir_gi.reference.oracle.parts import parts
+from restir_gi.reference.oracle.raw import read_cases, write_cases
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.files import make_folder, read_file, write_file
+from restir_gi.reference.system.leftovers import scratch_folder, sweep
+from restir_gi.reference.system.version import project_version
 
 MANIFEST, FORM = "manifest.json", "restir-golden 1"
 

@@ -4,24 +4,24 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache, partial
 
-from reference.oracle.backends.backend import Backend
-from reference.oracle.contract.fields import Passes, Precision
-from reference.oracle.diagnosis.hypothesis import Departure
-from reference.oracle.frames import frame_cases
-from reference.oracle.levels.distribution import SCENES as DISTRIBUTION_SCENES
-from reference.oracle.levels.distribution import same_distribution
-from reference.oracle.levels.kernels import kernel_probes
-from reference.oracle.levels.lattice import lattice_probes
-from reference.oracle.levels.means import Batches, Mean, mean_over_runs
-from reference.oracle.levels.probe import Finding, Probe
-from reference.oracle.levels.relations import relations_of
-from reference.oracle.levels.replayed import replayed
-from reference.oracle.levels.spheres import furnace, half_lit
-from reference.oracle.loop import Ask
-from reference.oracle.parts import Frames, no_frames, parts
-from reference.oracle.prepared_frame import SCENES, prepare_frame
-from reference.oracle.steps import Level, LevelStep, asked, taken
-from reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.oracle.backends.backend import Backend
+from restir_gi.reference.oracle.contract.fields import Passes, Precision
+from restir_gi.reference.oracle.diagnosis.hypothesis import Departure
+from restir_gi.reference.oracle.frames import frame_cases
+from restir_gi.reference.oracle.levels.distribution import SCENES as DISTRIBUTION_SCENES
+from restir_gi.reference.oracle.levels.distribution import same_distribution
+from restir_gi.reference.oracle.levels.kernels import kernel_probes
+from restir_gi.reference.oracle.levels.lattice import lattice_probes
+from restir_gi.reference.oracle.levels.means import Batches, Mean, mean_over_runs
+from restir_gi.reference.oracle.levels.probe import Finding, Probe
+from restir_gi.reference.oracle.levels.relations import relations_of
+from restir_gi.reference.oracle.levels.replayed import replayed
+from restir_gi.reference.oracle.levels.spheres import furnace, half_lit
+from restir_gi.reference.oracle.loop import Ask
+from restir_gi.reference.oracle.parts import Frames, no_frames, parts
+from restir_gi.reference.oracle.prepared_frame import SCENES, prepare_frame
+from restir_gi.reference.oracle.steps import Level, LevelStep, asked, taken
+from restir_gi.reference.scene.catalogue.registry import find_scene
 
 SIZE, SEED = 48, 1
 

@@ -8,12 +8,12 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Indices, Masks, Vec3s
-from reference.numerics.rng import KeyedUniforms, Stream
-from reference.oracle.buffers import given, prefixed
-from reference.oracle.cases import Buffers, Case
-from reference.oracle.contract.fields import Precision, Value
-from reference.oracle.visibility import made_it
+from restir_gi.reference.numerics.arrays import Indices, Masks, Vec3s
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.oracle.buffers import given, prefixed
+from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.contract.fields import Precision, Value
+from restir_gi.reference.oracle.visibility import made_it
 
 Array = NDArray[Any]
 

@@ -14,17 +14,17 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import NDArray
 
-from reference.oracle.contract.fields import Pass, Passes, Precision
-from reference.oracle.contract.registry import CONTRACT
-from reference.oracle.diagnosis.hypothesis import Hypothesis
-from reference.oracle.replay.judges import JUDGES, Judge
-from reference.system.errors import UsageError
+from restir_gi.reference.oracle.contract.fields import Pass, Passes, Precision
+from restir_gi.reference.oracle.contract.registry import CONTRACT
+from restir_gi.reference.oracle.diagnosis.hypothesis import Hypothesis
+from restir_gi.reference.oracle.replay.judges import JUDGES, Judge
+from restir_gi.reference.system.errors import UsageError
 
 if TYPE_CHECKING:
-    from reference.oracle.levels.probe import Probe
+    from restir_gi.reference.oracle.levels.probe import Probe
 
 GROUP = "restir.passes"
-OWN = ("reference.oracle.levels.further_part:FURTHER_PART",)
+OWN = ("restir_gi.reference.oracle.levels.further_part:FURTHER_PART",)
 
 PassFunction = Callable[..., dict[str, NDArray[Any]]]
 Frames = Callable[[Precision, frozenset[str]], "list[Probe]"]

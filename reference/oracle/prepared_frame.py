@@ -5,19 +5,19 @@ from itertools import islice
 
 import numpy as np
 
-from reference.numerics.arrays import Indices
-from reference.numerics.rng import KeyedUniforms, Stream
-from reference.numerics.schedule import Schedule
-from reference.oracle.contract.fields import Value
-from reference.passes.initial import InitialSamples, initial_samples
-from reference.passes.neighbors import find_neighbors
-from reference.restir_gi import Frame, render_frames
-from reference.scene.materials.parameters import Kind
-from reference.scene.scene import Scene
-from reference.scene.validation import validate
-from reference.settings import UNBIASED
-from reference.system.errors import UsageError
-from reference.transport.world import World, build_world
+from restir_gi.reference.numerics.arrays import Indices
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.oracle.contract.fields import Value
+from restir_gi.reference.passes.initial import InitialSamples, initial_samples
+from restir_gi.reference.passes.neighbors import find_neighbors
+from restir_gi.reference.restir_gi import Frame, render_frames
+from restir_gi.reference.scene.materials.parameters import Kind
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.settings import UNBIASED
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.transport.world import World, build_world
 
 SCENES = ("cornell-box", "door-ajar", "sunlit-wall", "grazing-light", "many-lights")
 """All diffuse, and unlike: corners, a slit, grazing angles, small lights."""

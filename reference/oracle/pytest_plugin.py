@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 if TYPE_CHECKING:
-    from reference.oracle.verdict import Verdict
+    from restir_gi.reference.oracle.verdict import Verdict
 
 
 class Oracle:
@@ -38,7 +38,7 @@ class Oracle:
             Whole runs too: it takes some ten seconds, and certifies the mean.
         """
         # Imported here: a test run that never asks should not wait for Embree.
-        from reference.oracle.checking import judge, told
+        from restir_gi.reference.oracle.checking import judge, told
 
         __tracebackhide__ = True
         verdict = judge(backend, budget, statistics)

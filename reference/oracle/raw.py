@@ -27,10 +27,15 @@ from zipfile import ZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.oracle.cases import Case, Failure, Outcome, output_shapes
-from reference.oracle.contract.fields import Passes, Precision, Value, dtype_of
-from reference.system.errors import UsageError
-from reference.system.files import make_folder, read_file
+from restir_gi.reference.oracle.cases import Case, Failure, Outcome, output_shapes
+from restir_gi.reference.oracle.contract.fields import (
+    Passes,
+    Precision,
+    Value,
+    dtype_of,
+)
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.files import make_folder, read_file
 
 INDEX, FORM = "cases.txt", "restir-cases 1"
 

@@ -6,20 +6,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Indices, Masks, Vec3s
-from reference.numerics.records import take
-from reference.numerics.rng import KeyedUniforms, Stream
-from reference.oracle.prepared_frame import NEIGHBORS
-from reference.passes.gbuffer import visible_points
-from reference.passes.neighbors import find_neighbors
-from reference.scene.camera import pixel_centers
-from reference.scene.catalogue.registry import find_scene
-from reference.scene.origins import contact
-from reference.scene.surface import SurfacePoints, VisiblePoints
-from reference.scene.validation import validate
-from reference.settings import UNBIASED
-from reference.transport.path_tracer import follow, reflected_radiance
-from reference.transport.world import World, build_world
+from restir_gi.reference.numerics.arrays import Indices, Masks, Vec3s
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.oracle.prepared_frame import NEIGHBORS
+from restir_gi.reference.passes.gbuffer import visible_points
+from restir_gi.reference.passes.neighbors import find_neighbors
+from restir_gi.reference.scene.camera import pixel_centers
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.scene.origins import contact
+from restir_gi.reference.scene.surface import SurfacePoints, VisiblePoints
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.settings import UNBIASED
+from restir_gi.reference.transport.path_tracer import follow, reflected_radiance
+from restir_gi.reference.transport.world import World, build_world
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from reference.oracle.backends.backend import Backend
-from reference.oracle.builtin.backend import BuiltIn
-from reference.oracle.cases import (
+from restir_gi.reference.oracle.backends.backend import Backend
+from restir_gi.reference.oracle.builtin.backend import BuiltIn
+from restir_gi.reference.oracle.cases import (
     NO_TIME,
     Buffers,
     Case,
@@ -16,10 +16,10 @@ from reference.oracle.cases import (
     UnaskedError,
     refused,
 )
-from reference.oracle.contract.fields import Passes
-from reference.oracle.diagnosis.hypothesis import Departure
-from reference.oracle.levels.probe import Answer, Finding, Probe, examined
-from reference.oracle.loop import Ask
+from restir_gi.reference.oracle.contract.fields import Passes
+from restir_gi.reference.oracle.diagnosis.hypothesis import Departure
+from restir_gi.reference.oracle.levels.probe import Answer, Finding, Probe, examined
+from restir_gi.reference.oracle.loop import Ask
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,11 +4,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from reference.oracle.cases import UnaskedError
-from reference.oracle.contract.fields import Passes, Precision
-from reference.oracle.diagnosis.diagnose import Diagnosis, diagnose
-from reference.oracle.levels.probe import Answer
-from reference.oracle.steps import Level, LevelStep
+from restir_gi.reference.oracle.cases import UnaskedError
+from restir_gi.reference.oracle.contract.fields import Passes, Precision
+from restir_gi.reference.oracle.diagnosis.diagnose import Diagnosis, diagnose
+from restir_gi.reference.oracle.levels.probe import Answer
+from restir_gi.reference.oracle.steps import Level, LevelStep
 
 Status = Literal["PASS", "FAIL", "UNDECIDED"]
 

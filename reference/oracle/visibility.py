@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Vec3s
+from restir_gi.reference.numerics.arrays import Indices, Masks, Vec3s
 
 
 def made_it(

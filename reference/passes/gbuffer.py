@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Masks, Scalars, Vec3s, dot
-from reference.scene.camera import view_depth
-from reference.scene.surface import VisiblePoints
-from reference.transport.path_tracer import first_hits
-from reference.transport.world import World
+from restir_gi.reference.numerics.arrays import Masks, Scalars, Vec3s, dot
+from restir_gi.reference.scene.camera import view_depth
+from restir_gi.reference.scene.surface import VisiblePoints
+from restir_gi.reference.transport.path_tracer import first_hits
+from restir_gi.reference.transport.world import World
 
 
 def visible_points(world: World, x: Scalars, y: Scalars) -> VisiblePoints:

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Scalars
-from reference.numerics.records import NONE, indices, select
-from reference.passes.pixels import FrameReservoirs, NeighborPixels, Pixels
-from reference.resampling.reservoir import Reservoirs
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars
+from restir_gi.reference.numerics.records import NONE, indices, select
+from restir_gi.reference.passes.pixels import FrameReservoirs, NeighborPixels, Pixels
+from restir_gi.reference.resampling.reservoir import Reservoirs
 
 
 @dataclass(frozen=True, slots=True, eq=False)

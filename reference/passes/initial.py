@@ -4,16 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
-from reference.numerics.rng import Uniforms
-from reference.resampling.reservoir import Samples
-from reference.resampling.source import Source, sample_source, source_pdf
-from reference.resampling.suffix import suffix_of
-from reference.scene.origins import contact
-from reference.scene.surface import SurfacePoints, direction_and_distance
-from reference.transport.not_reused import GlossySamples, split_light
-from reference.transport.path_tracer import follow, reflected_radiance
-from reference.transport.world import World
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
+from restir_gi.reference.numerics.rng import Uniforms
+from restir_gi.reference.resampling.reservoir import Samples
+from restir_gi.reference.resampling.source import Source, sample_source, source_pdf
+from restir_gi.reference.resampling.suffix import suffix_of
+from restir_gi.reference.scene.origins import contact
+from restir_gi.reference.scene.surface import SurfacePoints, direction_and_distance
+from restir_gi.reference.transport.not_reused import GlossySamples, split_light
+from restir_gi.reference.transport.path_tracer import follow, reflected_radiance
+from restir_gi.reference.transport.world import World
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,13 +4,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Scalars
-from reference.numerics.records import NONE, take
-from reference.numerics.rng import Draw, Uniforms
-from reference.passes.gbuffer import similar
-from reference.passes.pixels import FrameReservoirs, NeighborPixels, Pixels
-from reference.scene.surface import VisiblePoints
-from reference.settings import Search
+from restir_gi.reference.numerics.arrays import Indices, Scalars
+from restir_gi.reference.numerics.records import NONE, take
+from restir_gi.reference.numerics.rng import Draw, Uniforms
+from restir_gi.reference.passes.gbuffer import similar
+from restir_gi.reference.passes.pixels import FrameReservoirs, NeighborPixels, Pixels
+from restir_gi.reference.scene.surface import VisiblePoints
+from restir_gi.reference.settings import Search
 
 
 def neighbors_of(

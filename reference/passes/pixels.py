@@ -5,15 +5,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
-from reference.numerics.records import NONE, take
-from reference.resampling.domain import supports
-from reference.resampling.reservoir import Reservoirs, Samples
-from reference.resampling.shift import reconnection_jacobian
-from reference.resampling.target import target
-from reference.scene.surface import SurfacePoints, Viewpoints, VisiblePoints
-from reference.settings import Settings
-from reference.transport.world import World
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
+from restir_gi.reference.numerics.records import NONE, take
+from restir_gi.reference.resampling.domain import supports
+from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
+from restir_gi.reference.resampling.shift import reconnection_jacobian
+from restir_gi.reference.resampling.target import target
+from restir_gi.reference.scene.surface import SurfacePoints, Viewpoints, VisiblePoints
+from restir_gi.reference.settings import Settings
+from restir_gi.reference.transport.world import World
 
 
 def reconnection(x_from: Vec3s, x_to: Vec3s, y: Samples) -> Scalars:

@@ -1,10 +1,10 @@
 """Shading: the estimate f(y) W of the pixel's indirect light."""
 
-from reference.numerics.arrays import Vec3s
-from reference.resampling.reservoir import Reservoirs
-from reference.resampling.target import reflected
-from reference.scene.surface import SurfacePoints
-from reference.transport.world import World
+from restir_gi.reference.numerics.arrays import Vec3s
+from restir_gi.reference.resampling.reservoir import Reservoirs
+from restir_gi.reference.resampling.target import reflected
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.transport.world import World
 
 
 def shade(world: World, points: SurfacePoints, reservoirs: Reservoirs) -> Vec3s:

@@ -2,9 +2,13 @@
 
 from collections.abc import Sequence
 
-from reference.numerics.arrays import Scalars
-from reference.resampling.reservoir import Reservoirs, cap_confidence, finalize
-from reference.resampling.reuse import (
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.resampling.reservoir import (
+    Reservoirs,
+    cap_confidence,
+    finalize,
+)
+from restir_gi.reference.resampling.reuse import (
     Neighbor,
     PaperMis,
     Receiver,
@@ -28,9 +32,9 @@ def spatial_resampling(
     """Each pixel q resamples the temporal reservoirs of pixels near it, K rows.
 
     [Ouyang21, Alg. 4].  Line 1 is the loop over rows.  Lines 5 to 8, the search for
-    neighbours, are :func:`reference.passes.neighbors.find_neighbors`.  The printed
-    algorithm leaves out q's own temporal reservoir; without it nobody need cover the
-    domain of q.
+    neighbours, are :func:`restir_gi.reference.passes.neighbors.find_neighbors`.  The
+    printed algorithm leaves out q's own temporal reservoir; without it nobody need
+    cover the domain of q.
 
     Parameters
     ----------

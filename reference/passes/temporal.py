@@ -1,14 +1,14 @@
 """Algorithm 3: temporal resampling."""
 
-from reference.numerics.arrays import Scalars
-from reference.passes.initial import InitialSamples
-from reference.resampling.reservoir import (
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.passes.initial import InitialSamples
+from restir_gi.reference.resampling.reservoir import (
     Reservoirs,
     cap_confidence,
     finalize,
     initial_candidates,
 )
-from reference.resampling.reuse import (
+from restir_gi.reference.resampling.reuse import (
     Neighbor,
     PaperMis,
     Receiver,

@@ -5,16 +5,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.numerics.arrays import Vec3s
-from reference.numerics.intervals import Interval, median_interval
-from reference.numerics.schedule import Schedule
-from reference.reports.timing import in_turns
-from reference.restir_gi import render_frames
-from reference.scene.animation import Animation
-from reference.scene.plan import EVERYTHING, Plan, everything, parts, plan_of
-from reference.scene.scene import Scene
-from reference.settings import UNBIASED
-from reference.transport.world import Planner, build_world
+from restir_gi.reference.numerics.arrays import Vec3s
+from restir_gi.reference.numerics.intervals import Interval, median_interval
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.timing import in_turns
+from restir_gi.reference.restir_gi import render_frames
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.scene.plan import EVERYTHING, Plan, everything, parts, plan_of
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.settings import UNBIASED
+from restir_gi.reference.transport.world import Planner, build_world
 
 WHOLE = "everything"
 """Name of leaving out nothing."""
@@ -48,7 +48,7 @@ class Effect:
     def saved(self) -> Interval:
         """Share of the time that is saved: median of the frames, and its 95 % interval.
 
-        See :func:`reference.numerics.intervals.median_interval`.
+        See :func:`restir_gi.reference.numerics.intervals.median_interval`.
         """
         left = median_interval(self.ratios)
         return Interval(1 - left.value, 1 - left.high, 1 - left.low)

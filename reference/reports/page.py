@@ -6,7 +6,7 @@ from typing import Any
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 
-SHARED = "reference.reports"
+SHARED = "restir_gi.reference.reports"
 """Package of the frame ``page.html``, its style, and the macros of ``pieces.html``."""
 
 

@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Generic, NamedTuple, TypeVar
 
-from reference.numerics.intervals import Interval, median_interval
+from restir_gi.reference.numerics.intervals import Interval, median_interval
 
 Result = TypeVar("Result")
 Name = TypeVar("Name")

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Scalars, dot
-from reference.numerics.records import take
-from reference.resampling.reservoir import Samples
-from reference.resampling.source import Source, source_pdf
-from reference.resampling.target import Target, target
-from reference.scene.materials.parameters import MaterialTable
-from reference.scene.surface import SurfacePoints, direction_and_distance
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars, dot
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.resampling.reservoir import Samples
+from restir_gi.reference.resampling.source import Source, source_pdf
+from restir_gi.reference.resampling.target import Target, target
+from restir_gi.reference.scene.materials.parameters import MaterialTable
+from restir_gi.reference.scene.surface import SurfacePoints, direction_and_distance
 
 
 def target_if_drawn(

@@ -20,11 +20,14 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Scalars, divide_or_zero
-from reference.numerics.records import NONE, scatter, take, where
-from reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
-from reference.resampling.pairwise import pairwise_canonical, pairwise_neighbor
-from reference.resampling.reservoir import (
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars, divide_or_zero
+from restir_gi.reference.numerics.records import NONE, scatter, take, where
+from restir_gi.reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
+from restir_gi.reference.resampling.pairwise import (
+    pairwise_canonical,
+    pairwise_neighbor,
+)
+from restir_gi.reference.resampling.reservoir import (
     Candidates,
     Reservoirs,
     cap_confidence,
@@ -32,7 +35,7 @@ from reference.resampling.reservoir import (
     merge,
     reused_candidates,
 )
-from reference.resampling.target import luminance
+from restir_gi.reference.resampling.target import luminance
 
 Mis = Literal["1/M", "1/Z", "balance", "pairwise", "defensive"]
 

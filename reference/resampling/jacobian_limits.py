@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Masks, Scalars
+from restir_gi.reference.numerics.arrays import Masks, Scalars
 
 
 def clamp_jacobian(jacobian: Scalars, limit: float) -> Scalars:

@@ -7,7 +7,7 @@ estimate is unbiased if c_k is 0 exactly where k cannot make z.
 
 import numpy as np
 
-from reference.numerics.arrays import Masks, Scalars, divide_or_zero, saturate
+from restir_gi.reference.numerics.arrays import Masks, Scalars, divide_or_zero, saturate
 
 
 def one_over_m(M_k: list[Scalars]) -> Scalars:

@@ -10,9 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import Masks, Scalars, Vec3s, divide_or_zero, saturate
-from reference.numerics.records import where
-from reference.resampling.suffix import Suffix
+from restir_gi.reference.numerics.arrays import (
+    Masks,
+    Scalars,
+    Vec3s,
+    divide_or_zero,
+    saturate,
+)
+from restir_gi.reference.numerics.records import where
+from restir_gi.reference.resampling.suffix import Suffix
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,7 +128,7 @@ def finalize(c: Candidates, normalization: Scalars) -> Reservoirs:
     ----------
     normalization : (N,)
         What the sum of weights is divided by: M, Z, or the balance heuristic's; see
-        :mod:`reference.resampling.mis`.
+        :mod:`restir_gi.reference.resampling.mis`.
 
     Returns
     -------

@@ -11,10 +11,10 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Scalars
-from reference.numerics.records import pick
-from reference.resampling.mis import one_over_m, one_over_z
-from reference.resampling.reservoir import (
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars
+from restir_gi.reference.numerics.records import pick
+from restir_gi.reference.resampling.mis import one_over_m, one_over_z
+from restir_gi.reference.resampling.reservoir import (
     Candidates,
     Reservoirs,
     Samples,

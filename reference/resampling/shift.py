@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.numerics.arrays import (
+from restir_gi.reference.numerics.arrays import (
     Scalars,
     Vec3s,
     divide_or_zero,

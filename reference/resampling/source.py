@@ -4,19 +4,19 @@ from typing import Literal
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s, vectors
-from reference.numerics.frames import to_world
-from reference.numerics.rng import Draw
-from reference.numerics.sampling import (
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s, vectors
+from restir_gi.reference.numerics.frames import to_world
+from restir_gi.reference.numerics.rng import Draw
+from restir_gi.reference.numerics.sampling import (
     pdf_cosine_hemisphere,
     pdf_uniform_hemisphere,
     sample_cosine_hemisphere,
     sample_uniform_hemisphere,
 )
-from reference.scene.materials.bsdf_sampling import BsdfSamples, sample
-from reference.scene.materials.parameters import MaterialTable, lit_cosine
-from reference.scene.materials.table import can_scatter, is_shared, pdf
-from reference.scene.surface import SurfacePoints
+from restir_gi.reference.scene.materials.bsdf_sampling import BsdfSamples, sample
+from restir_gi.reference.scene.materials.parameters import MaterialTable, lit_cosine
+from restir_gi.reference.scene.materials.table import can_scatter, is_shared, pdf
+from restir_gi.reference.scene.surface import SurfacePoints
 
 Source = Literal["uniform", "cosine", "bsdf"]
 """Of initial directions: over the hemisphere, by its cosine, or as the BSDF has it."""

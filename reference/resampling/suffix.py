@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Scalars
-from reference.scene.surface import SurfacePoints
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars
+from restir_gi.reference.scene.surface import SurfacePoints
 
 
 @dataclass(frozen=True, slots=True)

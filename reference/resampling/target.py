@@ -4,12 +4,22 @@ from typing import Literal
 
 import numpy as np
 
-from reference.images.image import luminance_weights
-from reference.numerics.arrays import Scalars, Vec3s, divide_or_zero, dot, saturate
-from reference.resampling.reservoir import Samples
-from reference.scene.materials.parameters import Kind, MaterialTable, lit_cosine
-from reference.scene.materials.table import is_shared, scattering
-from reference.scene.surface import SurfacePoints, direction_and_distance
+from restir_gi.reference.images.image import luminance_weights
+from restir_gi.reference.numerics.arrays import (
+    Scalars,
+    Vec3s,
+    divide_or_zero,
+    dot,
+    saturate,
+)
+from restir_gi.reference.resampling.reservoir import Samples
+from restir_gi.reference.scene.materials.parameters import (
+    Kind,
+    MaterialTable,
+    lit_cosine,
+)
+from restir_gi.reference.scene.materials.table import is_shared, scattering
+from restir_gi.reference.scene.surface import SurfacePoints, direction_and_distance
 
 Target = Literal["scattered", "outgoing"]
 """Eq. 9, light that the receiver scatters; Eq. 10, light that leaves the sample."""

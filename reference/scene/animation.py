@@ -11,11 +11,11 @@ from typing import Literal
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars
-from reference.scene.camera import Camera
-from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, Sphere
-from reference.system.errors import UsageError
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Mesh, Sphere
+from restir_gi.reference.system.errors import UsageError
 
 RIGID = 1e-9
 """How far a pose's rotation may be from orthonormal: rounding, and no scale."""

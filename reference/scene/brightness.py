@@ -2,10 +2,10 @@
 
 from dataclasses import replace
 
-from reference.scene.lights import ConstantEnvironment, LatLongEnvironment
-from reference.scene.scene import Scene
-from reference.scene.shapes import emits
-from reference.scene.textures import Color, scaled, scaled_color
+from restir_gi.reference.scene.lights import ConstantEnvironment, LatLongEnvironment
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import emits
+from restir_gi.reference.scene.textures import Color, scaled, scaled_color
 
 
 def brightened(scene: Scene, factor: float) -> Scene:

@@ -5,7 +5,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s, dot, normalize
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s, dot, normalize
 
 FovAxis = Literal["x", "y", "smaller", "larger", "diagonal"]
 FOV_AXES: tuple[FovAxis, ...] = get_args(FovAxis)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.numerics.arrays import (
+from restir_gi.reference.numerics.arrays import (
     Indices,
     Masks,
     Scalars,
@@ -13,7 +13,7 @@ from reference.numerics.arrays import (
     divide_or_zero,
     dot,
 )
-from reference.scene.lights import Lamp, SpotLight
+from restir_gi.reference.scene.lights import Lamp, SpotLight
 
 
 @dataclass(frozen=True, slots=True, eq=False)

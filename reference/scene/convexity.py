@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Masks, Scalars, dot, triangle_normal
-from reference.scene.geometry import world_corners
-from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, Sphere
+from restir_gi.reference.numerics.arrays import Masks, Scalars, dot, triangle_normal
+from restir_gi.reference.scene.geometry import world_corners
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Mesh, Sphere
 
 MOST_TRIANGLES = 2000
 """Beyond so many, a scene is taken to have obstacles."""

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.images.image import luminance_weights
-from reference.numerics.arrays import (
+from restir_gi.reference.images.image import luminance_weights
+from restir_gi.reference.numerics.arrays import (
     Indices,
     Masks,
     Scalars,
@@ -14,21 +14,21 @@ from reference.numerics.arrays import (
     dot,
     zero_vectors,
 )
-from reference.numerics.records import take
-from reference.numerics.sampling import sample_uniform_sphere
-from reference.numerics.tables import cumulate, guide_of
-from reference.scene.cones import Cones, build_cones, solid_angles
-from reference.scene.environment import (
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.numerics.sampling import sample_uniform_sphere
+from restir_gi.reference.numerics.tables import cumulate, guide_of
+from restir_gi.reference.scene.cones import Cones, build_cones, solid_angles
+from restir_gi.reference.scene.environment import (
     EnvironmentMap,
     build_environment,
     environment_radiance,
     pdf_environment,
 )
-from reference.scene.geometry import Geometry
-from reference.scene.light_cells import LightCells, cut_lights, radiance_at
-from reference.scene.origins import contact
-from reference.scene.scene import Scene
-from reference.scene.surface import SurfacePoints
+from restir_gi.reference.scene.geometry import Geometry
+from restir_gi.reference.scene.light_cells import LightCells, cut_lights, radiance_at
+from restir_gi.reference.scene.origins import contact
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.surface import SurfacePoints
 
 
 @dataclass(frozen=True, slots=True, eq=False)

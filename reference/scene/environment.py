@@ -4,13 +4,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.images.image import luminance_weights
-from reference.numerics.arrays import Scalars, Vec3s, vectors
-from reference.numerics.frames import turn
-from reference.numerics.sampling import sample_uniform_sphere
-from reference.numerics.tables import cumulate, sample_table
-from reference.scene.lights import ConstantEnvironment, Environment, LatLongEnvironment
-from reference.scene.textures import read_latitudes
+from restir_gi.reference.images.image import luminance_weights
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s, vectors
+from restir_gi.reference.numerics.frames import turn
+from restir_gi.reference.numerics.sampling import sample_uniform_sphere
+from restir_gi.reference.numerics.tables import cumulate, sample_table
+from restir_gi.reference.scene.lights import (
+    ConstantEnvironment,
+    Environment,
+    LatLongEnvironment,
+)
+from restir_gi.reference.scene.textures import read_latitudes
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.numerics.arrays import (
+from restir_gi.reference.numerics.arrays import (
     Indices,
     Masks,
     Scalars,
@@ -17,12 +17,12 @@ from reference.numerics.arrays import (
     normalize,
     triangle_normal,
 )
-from reference.numerics.records import take
-from reference.scene.materials.kinds import Dielectric, Material
-from reference.scene.materials.parameters import MaterialTable, tabulate
-from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, Sphere
-from reference.scene.textures import Bitmap, Pattern, Texture, mean_color
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.scene.materials.kinds import Dielectric, Material
+from restir_gi.reference.scene.materials.parameters import MaterialTable, tabulate
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Mesh, Sphere
+from restir_gi.reference.scene.textures import Bitmap, Pattern, Texture, mean_color
 
 INSIDE = 2.0**-16
 """How far hit points stay inside their triangle, in half extents of the scene.

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.numerics.arrays import (
+from restir_gi.reference.numerics.arrays import (
     Indices,
     Masks,
     Scalars,
@@ -13,16 +13,16 @@ from reference.numerics.arrays import (
     normalize,
     zero_vectors,
 )
-from reference.numerics.records import take
-from reference.scene.geometry import (
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.scene.geometry import (
     Geometry,
     inside,
     on_triangles,
     texture_coordinates,
 )
-from reference.scene.origins import step_before
-from reference.scene.surface import SurfacePoints
-from reference.scene.textures import Bitmap, Checker, read
+from restir_gi.reference.scene.origins import step_before
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.scene.textures import Bitmap, Checker, read
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,13 +13,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.images.image import luminance
-from reference.numerics.arrays import Indices, Scalars, Vec3s, normalize
-from reference.numerics.records import take
-from reference.numerics.sampling import invert_triangle, sample_triangle
-from reference.scene.geometry import Geometry, barycentric, texture_coordinates
-from reference.scene.texel_sums import TexelSums, texels
-from reference.scene.textures import read
+from restir_gi.reference.images.image import luminance
+from restir_gi.reference.numerics.arrays import Indices, Scalars, Vec3s, normalize
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.numerics.sampling import invert_triangle, sample_triangle
+from restir_gi.reference.scene.geometry import (
+    Geometry,
+    barycentric,
+    texture_coordinates,
+)
+from restir_gi.reference.scene.texel_sums import TexelSums, texels
+from restir_gi.reference.scene.textures import read
 
 CELLS_A_TEXEL = 2.0
 """Cells along a side of a texel: most of them then show one texel alone."""

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.numerics.arrays import (
+from restir_gi.reference.numerics.arrays import (
     Indices,
     Masks,
     Scalars,
@@ -13,17 +13,20 @@ from reference.numerics.arrays import (
     dot,
     zero_vectors,
 )
-from reference.numerics.records import take
-from reference.numerics.rng import Draw
-from reference.numerics.sampling import sample_triangle, sample_uniform_sphere
-from reference.numerics.tables import index_in_table
-from reference.scene.cones import falloff
-from reference.scene.emitters import Emitters
-from reference.scene.environment import environment_radiance, sample_environment
-from reference.scene.geometry import Geometry, on_triangles
-from reference.scene.light_cells import radiance_at
-from reference.scene.masks import is_solid_at
-from reference.scene.surface import direction_and_distance
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.numerics.rng import Draw
+from restir_gi.reference.numerics.sampling import sample_triangle, sample_uniform_sphere
+from restir_gi.reference.numerics.tables import index_in_table
+from restir_gi.reference.scene.cones import falloff
+from restir_gi.reference.scene.emitters import Emitters
+from restir_gi.reference.scene.environment import (
+    environment_radiance,
+    sample_environment,
+)
+from restir_gi.reference.scene.geometry import Geometry, on_triangles
+from restir_gi.reference.scene.light_cells import radiance_at
+from restir_gi.reference.scene.masks import is_solid_at
+from restir_gi.reference.scene.surface import direction_and_distance
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,8 +5,8 @@ from typing import Literal
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s
-from reference.scene.textures import Color
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.scene.textures import Color
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,9 +2,19 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, zero_vectors
-from reference.scene.geometry import Geometry, barycentric, texture_coordinates
-from reference.scene.textures import read
+from restir_gi.reference.numerics.arrays import (
+    Indices,
+    Masks,
+    Scalars,
+    Vec3s,
+    zero_vectors,
+)
+from restir_gi.reference.scene.geometry import (
+    Geometry,
+    barycentric,
+    texture_coordinates,
+)
+from restir_gi.reference.scene.textures import read
 
 
 def is_solid(geometry: Geometry, primitive: Indices, u: Scalars, v: Scalars) -> Masks:

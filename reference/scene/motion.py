@@ -4,11 +4,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, dot, vectors
-from reference.scene.animation import check_rigid
-from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, Sphere
-from reference.system.errors import UsageError
+from restir_gi.reference.numerics.arrays import (
+    Indices,
+    Masks,
+    Scalars,
+    Vec3s,
+    dot,
+    vectors,
+)
+from restir_gi.reference.scene.animation import check_rigid
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Mesh, Sphere
+from restir_gi.reference.system.errors import UsageError
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -18,7 +25,8 @@ class Motion:
     Attributes
     ----------
     rotation : (S, 3, 3) float64
-        Of each shape, in the order of :attr:`reference.scene.geometry.Geometry.shape`.
+        Of each shape, in the order of
+        :attr:`restir_gi.reference.scene.geometry.Geometry.shape`.
     translation : (S, 3) float64, m; x after = rotation · x before + translation
     """
 

@@ -4,12 +4,16 @@ import os
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from reference.scene.animation import Animation, still
-from reference.scene.catalogue.registry import CATALOGUE, find_animation, find_scene
-from reference.scene.loaders.load import LOADERS, load_scene
-from reference.scene.scene import Scene
-from reference.scene.validation import validate, validate_frames
-from reference.system.errors import UsageError
+from restir_gi.reference.scene.animation import Animation, still
+from restir_gi.reference.scene.catalogue.registry import (
+    CATALOGUE,
+    find_animation,
+    find_scene,
+)
+from restir_gi.reference.scene.loaders.load import LOADERS, load_scene
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.validation import validate, validate_frames
+from restir_gi.reference.system.errors import UsageError
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Scalars, Vec3s, dot
-from reference.scene.geometry import Geometry
-from reference.scene.surface import SurfacePoints
+from restir_gi.reference.numerics.arrays import Indices, Scalars, Vec3s, dot
+from restir_gi.reference.scene.geometry import Geometry
+from restir_gi.reference.scene.surface import SurfacePoints
 
 STEP = 2.0**-19
 """How far before its triangle a point stands, in half extents of the scene.

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass, fields
 
-from reference.scene.requirements import requirements
-from reference.scene.scene import Scene
+from restir_gi.reference.scene.requirements import requirements
+from restir_gi.reference.scene.scene import Scene
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

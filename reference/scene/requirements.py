@@ -3,19 +3,19 @@
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-from reference.scene.convexity import first_obstacle
-from reference.scene.lights import ConstantEnvironment
-from reference.scene.materials.kinds import (
+from restir_gi.reference.scene.convexity import first_obstacle
+from restir_gi.reference.scene.lights import ConstantEnvironment
+from restir_gi.reference.scene.materials.kinds import (
     Coated,
     Conductor,
     Dielectric,
     Lambertian,
     Material,
 )
-from reference.scene.materials.parameters import Kind, kind_of
-from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, Sphere, emits
-from reference.scene.textures import Pattern, color_range
+from restir_gi.reference.scene.materials.parameters import Kind, kind_of
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Mesh, Sphere, emits
+from restir_gi.reference.scene.textures import Pattern, color_range
 
 Shape = Mesh | Sphere
 

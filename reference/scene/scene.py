@@ -2,15 +2,15 @@
 
 from dataclasses import dataclass
 
-from reference.scene.camera import Camera
-from reference.scene.lights import (
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.lights import (
     DirectionalLight,
     Environment,
     Lamp,
     PointLight,
     SpotLight,
 )
-from reference.scene.shapes import Mesh, Sphere
+from restir_gi.reference.scene.shapes import Mesh, Sphere
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

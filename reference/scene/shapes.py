@@ -4,9 +4,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Scalars, Vec3s
-from reference.scene.materials.kinds import Material
-from reference.scene.textures import Bitmap, Color, Texture, shines
+from restir_gi.reference.numerics.arrays import Indices, Scalars, Vec3s
+from restir_gi.reference.scene.materials.kinds import Material
+from restir_gi.reference.scene.textures import Bitmap, Color, Texture, shines
 
 
 def _identity() -> Scalars:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Scalars, Vec3s, dot
+from restir_gi.reference.numerics.arrays import Indices, Scalars, Vec3s, dot
 
 
 def first_sphere(

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, saturate
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, saturate
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,8 +28,8 @@ class SurfacePoints:
     Attributes
     ----------
     position : (N, 3) float64, m
-        Where rays leave the surface: on spheres a point of it, on triangles a tiny
-        step before it (:func:`reference.scene.origins.contact` takes it back).
+        Where rays leave the surface: on spheres a point of it, on triangles a tiny step
+        before it (:func:`restir_gi.reference.scene.origins.contact` takes it back).
     normal : (N, 3) float64; unit geometric normal on the side that the ray came from
     smooth : (N, 3) float64 or None
         Unit interpolated normal, in the hemisphere of ``normal``; ``None`` in scenes

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.images.image import luminance_weights
-from reference.numerics.arrays import Indices, Scalars, Vec3s
-from reference.scene.textures import Bitmap, Pattern, Wrap
+from restir_gi.reference.images.image import luminance_weights
+from restir_gi.reference.numerics.arrays import Indices, Scalars, Vec3s
+from restir_gi.reference.scene.textures import Bitmap, Pattern, Wrap
 
 LEAST_SHARE = 1e-3
 """Least weight of a cell that emits, in means of its texture.

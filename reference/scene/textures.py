@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Scalars, Vec3s
+from restir_gi.reference.numerics.arrays import Indices, Scalars, Vec3s
 
 Color = tuple[float, float, float]
 

@@ -2,16 +2,20 @@
 
 import numpy as np
 
-from reference.scene.animation import Animation
-from reference.scene.checks.camera import check_camera, check_place
-from reference.scene.checks.enclosure import check_enclosure
-from reference.scene.checks.lights import check_lights, check_lit, is_lit
-from reference.scene.checks.shapes import check_mesh, check_sphere, without_flat_faces
-from reference.scene.checks.values import refuse
-from reference.scene.geometry import world_corners
-from reference.scene.motion import motion_between
-from reference.scene.scene import Scene
-from reference.system.errors import UsageError
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.scene.checks.camera import check_camera, check_place
+from restir_gi.reference.scene.checks.enclosure import check_enclosure
+from restir_gi.reference.scene.checks.lights import check_lights, check_lit, is_lit
+from restir_gi.reference.scene.checks.shapes import (
+    check_mesh,
+    check_sphere,
+    without_flat_faces,
+)
+from restir_gi.reference.scene.checks.values import refuse
+from restir_gi.reference.scene.geometry import world_corners
+from restir_gi.reference.scene.motion import motion_between
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.system.errors import UsageError
 
 SMALLEST = 1e-50
 """Half of the longest side of a scene, in metres, whose square still has a square."""

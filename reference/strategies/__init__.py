@@ -2,8 +2,8 @@
 
 Each takes the number of rows (a *batch*) and makes whole arrays; nothing is filtered
 away, so no example is thrown out.  Values span what a scene may hold, their ends
-included; what lies beyond is in :mod:`reference.strategies.extremes`.  Hypothesis comes
-with ``pip install '.[test]'``.
+included; what lies beyond is in :mod:`restir_gi.reference.strategies.extremes`.
+Hypothesis comes with ``pip install '.[test]'``.
 
 >>> from hypothesis import given
 >>> @given(views_of_a_patch(rows=2))
@@ -12,13 +12,13 @@ with ``pip install '.[test]'``.
 >>> test()
 """
 
-from reference.strategies.extremes import (
+from restir_gi.reference.strategies.extremes import (
     extreme_offsets,
     extreme_uniforms,
     extreme_weights,
     grazing_directions,
 )
-from reference.strategies.geometry import (
+from restir_gi.reference.strategies.geometry import (
     Views,
     colors,
     directions_above,
@@ -27,7 +27,7 @@ from reference.strategies.geometry import (
     unit_vectors,
     views_of_a_patch,
 )
-from reference.strategies.numbers import (
+from restir_gi.reference.strategies.numbers import (
     ROWS,
     cuts,
     draws,
@@ -35,8 +35,8 @@ from reference.strategies.numbers import (
     tabled_uniforms,
     uniforms,
 )
-from reference.strategies.resampling import candidates, reservoirs
-from reference.strategies.scattering import (
+from restir_gi.reference.strategies.resampling import candidates, reservoirs
+from restir_gi.reference.strategies.scattering import (
     COLOR,
     EXAMPLES,
     Surfaces,

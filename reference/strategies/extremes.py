@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import DTypeLike
 
-from reference.numerics.arrays import Scalars, Vec3s
-from reference.numerics.frames import normal_frames
-from reference.strategies.numbers import ROWS
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.numerics.frames import normal_frames
+from restir_gi.reference.strategies.numbers import ROWS
 
 
 def extreme_weights(

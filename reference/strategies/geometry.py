@@ -6,10 +6,10 @@ import numpy as np
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from reference.numerics.arrays import Scalars, Vec3s, normalize
-from reference.numerics.frames import normal_frames
-from reference.resampling.reservoir import Samples
-from reference.strategies.numbers import ROWS, scalars, uniforms
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s, normalize
+from restir_gi.reference.numerics.frames import normal_frames
+from restir_gi.reference.resampling.reservoir import Samples
+from restir_gi.reference.strategies.numbers import ROWS, scalars, uniforms
 
 
 @st.composite

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import DTypeLike, NDArray
 
-from reference.numerics.arrays import Indices, Scalars
-from reference.numerics.rng import Draw, TabledUniforms
+from restir_gi.reference.numerics.arrays import Indices, Scalars
+from restir_gi.reference.numerics.rng import Draw, TabledUniforms
 
 ROWS = 5
 """Rows of a batch where a test does not say otherwise."""
@@ -30,7 +30,7 @@ def scalars(
 
 
 def uniforms(rows: int = ROWS) -> st.SearchStrategy[Scalars]:
-    """Multiples of 2⁻²⁴ in [0, 1): those that :mod:`reference.numerics.rng` makes.
+    """Multiples of 2⁻²⁴ in [0, 1): those that :mod:`restir_gi.reference.numerics.rng` makes.
 
     Returns strategy of (rows,) float64; exact in float32.
     """
@@ -43,7 +43,7 @@ def uniforms(rows: int = ROWS) -> st.SearchStrategy[Scalars]:
 
 
 def draws(rows: int = ROWS) -> st.SearchStrategy[Draw]:
-    """Four uniforms a row, as :class:`reference.numerics.rng.Uniforms` hands them out.
+    """Four uniforms a row, as :class:`restir_gi.reference.numerics.rng.Uniforms` hands them out.
 
     Returns strategy of four (rows,) float64; in [0, 1).
     """

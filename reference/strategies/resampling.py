@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from reference.resampling.reservoir import Candidates, Reservoirs
-from reference.strategies.numbers import ROWS, scalars
+from restir_gi.reference.resampling.reservoir import Candidates, Reservoirs
+from restir_gi.reference.strategies.numbers import ROWS, scalars
 
 
 @st.composite

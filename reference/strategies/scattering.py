@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from reference.numerics.arrays import dot
-from reference.scene.materials.kinds import (
+from restir_gi.reference.numerics.arrays import dot
+from restir_gi.reference.scene.materials.kinds import (
     Coated,
     Conductor,
     Dielectric,
@@ -15,10 +15,14 @@ from reference.scene.materials.kinds import (
     Material,
     mirror,
 )
-from reference.scene.materials.parameters import Kind, MaterialTable, tabulate
-from reference.scene.surface import SurfacePoints
-from reference.strategies.geometry import directions_above, points, unit_vectors
-from reference.strategies.numbers import ROWS
+from restir_gi.reference.scene.materials.parameters import Kind, MaterialTable, tabulate
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.strategies.geometry import (
+    directions_above,
+    points,
+    unit_vectors,
+)
+from restir_gi.reference.strategies.numbers import ROWS
 
 COLOR = (0.8, 0.5, 0.2)
 

@@ -5,8 +5,8 @@ from errno import EINVAL
 from pathlib import Path
 from stat import S_ISDIR, S_ISREG
 
-from reference.system.errors import UsageError
-from reference.system.leftovers import part_beside
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.leftovers import part_beside
 
 MOST_BYTES = 2**32
 """Of one file: as much as fits the memory of a large machine a few times."""

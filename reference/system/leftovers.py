@@ -17,7 +17,7 @@ from pathlib import Path
 from secrets import token_hex
 from typing import BinaryIO
 
-from reference.system.errors import UsageError
+from restir_gi.reference.system.errors import UsageError
 
 try:
     import fcntl

@@ -5,7 +5,7 @@ import platform
 
 import numpy as np
 
-from reference.system.version import project_version
+from restir_gi.reference.system.version import project_version
 
 
 def machine() -> dict[str, str | int | None]:

@@ -3,7 +3,7 @@
 from importlib.metadata import EntryPoint, entry_points
 from typing import TypeVar
 
-from reference.system.errors import UsageError
+from restir_gi.reference.system.errors import UsageError
 
 Kind = TypeVar("Kind")
 

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-from reference.system.errors import UsageError
+from restir_gi.reference.system.errors import UsageError
 
 
 def visible(text: str, keep: str = "") -> str:

@@ -4,7 +4,7 @@ import errno
 import os
 from contextlib import suppress
 
-from reference.system.errors import UsageError
+from restir_gi.reference.system.errors import UsageError
 
 LEAST = 2**30
 """Bytes of address space without which libraries end or hang while they load."""

@@ -18,7 +18,7 @@ from contextlib import contextmanager
 from itertools import islice
 from typing import Any, TypeVar
 
-from reference.system.errors import UsageError
+from restir_gi.reference.system.errors import UsageError
 
 Task = TypeVar("Task")
 Result = TypeVar("Result")

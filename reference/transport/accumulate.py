@@ -12,15 +12,15 @@ from typing import Literal
 
 import numpy as np
 
-from reference.numerics.arrays import Vec3s
-from reference.numerics.moments import Moments, add_samples, no_samples
-from reference.numerics.records import cut
-from reference.numerics.rng import KeyedUniforms, Stream
-from reference.numerics.schedule import Schedule, in_bands
-from reference.scene.camera import pixel_centers
-from reference.scene.surface import SurfacePoints
-from reference.transport.path_tracer import Light, camera_radiance, first_hits
-from reference.transport.world import World
+from restir_gi.reference.numerics.arrays import Vec3s
+from restir_gi.reference.numerics.moments import Moments, add_samples, no_samples
+from restir_gi.reference.numerics.records import cut
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.numerics.schedule import Schedule, in_bands
+from restir_gi.reference.scene.camera import pixel_centers
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.transport.path_tracer import Light, camera_radiance, first_hits
+from restir_gi.reference.transport.world import World
 
 Pixel = Literal["center", "box"]
 

@@ -1,7 +1,7 @@
 """What rays from surfaces meet, and what surfaces see: triangles and spheres together.
 
-Surface points stand a step before their triangle (:mod:`reference.scene.origins`), so
-that rays start where they are.
+Surface points stand a step before their triangle
+(:mod:`restir_gi.reference.scene.origins`), so that rays start where they are.
 """
 
 import threading
@@ -9,14 +9,14 @@ from collections import Counter
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, dot
-from reference.scene.geometry import Geometry
-from reference.scene.hits import Hits
-from reference.scene.origins import STEP, approach, leaving
-from reference.scene.spheres import first_sphere
-from reference.scene.surface import SurfacePoints, Viewpoints
-from reference.transport.pierced import PiercedTriangles
-from reference.transport.rays import ENDLESS, NOT_TRACED, Triangles
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, dot
+from restir_gi.reference.scene.geometry import Geometry
+from restir_gi.reference.scene.hits import Hits
+from restir_gi.reference.scene.origins import STEP, approach, leaving
+from restir_gi.reference.scene.spheres import first_sphere
+from restir_gi.reference.scene.surface import SurfacePoints, Viewpoints
+from restir_gi.reference.transport.pierced import PiercedTriangles
+from restir_gi.reference.transport.rays import ENDLESS, NOT_TRACED, Triangles
 
 STOP = 2.0**-17
 """How far before its target a visibility ray ends; occluders closer do not count."""

@@ -4,17 +4,26 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, zero_vectors
-from reference.numerics.records import take
-from reference.numerics.rng import Draw
-from reference.scene.emitters import emitted, may_emit, pdf_light
-from reference.scene.hits import Hits, surface_points
-from reference.scene.light_sampling import LightSamples, sample_light
-from reference.scene.materials.bsdf_sampling import BsdfSamples
-from reference.scene.materials.table import scattering
-from reference.scene.surface import SurfacePoints
-from reference.transport.light_mis import bsdf_sampling_weight, light_sampling_weight
-from reference.transport.world import World
+from restir_gi.reference.numerics.arrays import (
+    Indices,
+    Masks,
+    Scalars,
+    Vec3s,
+    zero_vectors,
+)
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.numerics.rng import Draw
+from restir_gi.reference.scene.emitters import emitted, may_emit, pdf_light
+from restir_gi.reference.scene.hits import Hits, surface_points
+from restir_gi.reference.scene.light_sampling import LightSamples, sample_light
+from restir_gi.reference.scene.materials.bsdf_sampling import BsdfSamples
+from restir_gi.reference.scene.materials.table import scattering
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.transport.light_mis import (
+    bsdf_sampling_weight,
+    light_sampling_weight,
+)
+from restir_gi.reference.transport.world import World
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,10 +2,16 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Masks, Scalars, Vec3s, divide_or_zero, plus
-from reference.scene.materials.table import pdf
-from reference.scene.surface import SurfacePoints
-from reference.transport.world import World
+from restir_gi.reference.numerics.arrays import (
+    Masks,
+    Scalars,
+    Vec3s,
+    divide_or_zero,
+    plus,
+)
+from restir_gi.reference.scene.materials.table import pdf
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.transport.world import World
 
 
 def light_sampling_weight(

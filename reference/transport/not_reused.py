@@ -4,14 +4,18 @@ from typing import Literal
 
 import numpy as np
 
-from reference.numerics.arrays import Masks, Scalars, Vec3s, divide_or_zero
-from reference.numerics.rng import Uniforms
-from reference.scene.materials.bsdf_sampling import APART, BsdfSamples, sample_apart
-from reference.scene.materials.parameters import Kind, MaterialTable
-from reference.scene.materials.table import is_shared, scattering
-from reference.scene.surface import SurfacePoints
-from reference.transport.path_tracer import reflected_radiance
-from reference.transport.world import World
+from restir_gi.reference.numerics.arrays import Masks, Scalars, Vec3s, divide_or_zero
+from restir_gi.reference.numerics.rng import Uniforms
+from restir_gi.reference.scene.materials.bsdf_sampling import (
+    APART,
+    BsdfSamples,
+    sample_apart,
+)
+from restir_gi.reference.scene.materials.parameters import Kind, MaterialTable
+from restir_gi.reference.scene.materials.table import is_shared, scattering
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.transport.path_tracer import reflected_radiance
+from restir_gi.reference.transport.world import World
 
 GlossySamples = Literal["path-traced", "as-lambertian"]
 """Sample points that are not Lambertian: shown as this frame has them, or reused."""
@@ -37,7 +41,7 @@ def split_light(
     Parameters
     ----------
     world, points, source, glossy_samples, bounces, speculars
-        As of :func:`reference.passes.initial.initial_samples`.
+        As of :func:`restir_gi.reference.passes.initial.initial_samples`.
     omega : (N, 3) float64; unit directions to the sample points
     density : (N,) float64, 1/sr; source density of ``omega``
     radiance : (N, 3) float64, W/(m² sr); that leaves the sample points

@@ -10,17 +10,24 @@ from typing import Literal
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, dot, zero_vectors
-from reference.numerics.records import take
-from reference.numerics.rng import Uniforms
-from reference.scene.camera import camera_rays
-from reference.scene.emitters import emitted
-from reference.scene.hits import surface_points
-from reference.scene.materials.bsdf_sampling import BsdfSamples, sample
-from reference.scene.materials.table import can_scatter
-from reference.scene.surface import SurfacePoints
-from reference.transport.direct_light import next_event, weighted_emitter_hits
-from reference.transport.world import World
+from restir_gi.reference.numerics.arrays import (
+    Indices,
+    Masks,
+    Scalars,
+    Vec3s,
+    dot,
+    zero_vectors,
+)
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.numerics.rng import Uniforms
+from restir_gi.reference.scene.camera import camera_rays
+from restir_gi.reference.scene.emitters import emitted
+from restir_gi.reference.scene.hits import surface_points
+from restir_gi.reference.scene.materials.bsdf_sampling import BsdfSamples, sample
+from restir_gi.reference.scene.materials.table import can_scatter
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.transport.direct_light import next_event, weighted_emitter_hits
+from restir_gi.reference.transport.world import World
 
 Light = Literal["indirect", "direct", "full"]
 

@@ -8,12 +8,18 @@ from collections.abc import Callable
 
 import numpy as np
 
-from reference.numerics.arrays import Masks, Scalars, Vec3s, divide_or_zero, length
-from reference.scene.geometry import Geometry
-from reference.scene.hits import Hits
-from reference.scene.masks import is_solid
-from reference.scene.origins import STEP
-from reference.transport.rays import NOT_TRACED, Triangles
+from restir_gi.reference.numerics.arrays import (
+    Masks,
+    Scalars,
+    Vec3s,
+    divide_or_zero,
+    length,
+)
+from restir_gi.reference.scene.geometry import Geometry
+from restir_gi.reference.scene.hits import Hits
+from restir_gi.reference.scene.masks import is_solid
+from restir_gi.reference.scene.origins import STEP
+from restir_gi.reference.transport.rays import NOT_TRACED, Triangles
 
 
 class PiercedTriangles:

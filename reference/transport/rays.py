@@ -10,9 +10,9 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
-from reference.scene.geometry import Geometry
-from reference.scene.hits import Hits
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
+from restir_gi.reference.scene.geometry import Geometry
+from restir_gi.reference.scene.hits import Hits
 
 ENDLESS = 1e30
 """Reach of rays that end nowhere, as a multiple of their direction."""

@@ -3,13 +3,13 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from reference.scene.camera import Camera
-from reference.scene.emitters import Emitters, build_emitters
-from reference.scene.geometry import Geometry, build_geometry
-from reference.scene.materials.parameters import MaterialTable
-from reference.scene.plan import Plan, plan_of
-from reference.scene.scene import Scene
-from reference.transport.caster import RayCaster
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.emitters import Emitters, build_emitters
+from restir_gi.reference.scene.geometry import Geometry, build_geometry
+from restir_gi.reference.scene.materials.parameters import MaterialTable
+from restir_gi.reference.scene.plan import Plan, plan_of
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.transport.caster import RayCaster
 
 Planner = Callable[[Scene], Plan]
 
@@ -58,7 +58,7 @@ def build_world(
 
     Parameters
     ----------
-    scene : Scene; validated by :func:`reference.scene.validation.validate`
+    scene : Scene; validated by :func:`restir_gi.reference.scene.validation.validate`
     before : World, optional
         Of another frame of the same animation, in whose counter rays are counted on.
     planner : callable

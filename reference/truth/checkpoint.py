@@ -14,9 +14,9 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from reference.numerics.moments import Moments
-from reference.system.errors import UsageError
-from reference.system.files import read_file, write_file
+from restir_gi.reference.numerics.moments import Moments
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.files import read_file, write_file
 
 
 @dataclass(frozen=True, slots=True, eq=False)

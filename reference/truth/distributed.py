@@ -12,16 +12,16 @@ from functools import lru_cache
 
 import numpy as np
 
-from reference.methods import Job
-from reference.numerics.arrays import Vec3s
-from reference.numerics.moments import Moments, add_samples
-from reference.numerics.schedule import Schedule, bands
-from reference.scene.named import Named, find_scene_or_file, frames_of
-from reference.system.workers import work
-from reference.transport.accumulate import PathSamples, Pixel, path_samples
-from reference.transport.path_tracer import Light
-from reference.transport.world import build_world
-from reference.truth.resumable import SampleSource
+from restir_gi.reference.methods import Job
+from restir_gi.reference.numerics.arrays import Vec3s
+from restir_gi.reference.numerics.moments import Moments, add_samples
+from restir_gi.reference.numerics.schedule import Schedule, bands
+from restir_gi.reference.scene.named import Named, find_scene_or_file, frames_of
+from restir_gi.reference.system.workers import work
+from restir_gi.reference.transport.accumulate import PathSamples, Pixel, path_samples
+from restir_gi.reference.transport.path_tracer import Light
+from restir_gi.reference.transport.world import build_world
+from restir_gi.reference.truth.resumable import SampleSource
 
 MOST_SHARES, LEAST_ROWS = 32, 256
 """Of a frame, for all workers; and rows that are worth a message."""

@@ -6,11 +6,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from reference.numerics.moments import no_samples
-from reference.system.errors import UsageError
-from reference.system.signals import Interrupted
-from reference.transport.accumulate import Advance, in_batches
-from reference.truth.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from restir_gi.reference.numerics.moments import no_samples
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.signals import Interrupted
+from restir_gi.reference.transport.accumulate import Advance, in_batches
+from restir_gi.reference.truth.checkpoint import (
+    Checkpoint,
+    load_checkpoint,
+    save_checkpoint,
+)
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,16 +4,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from reference.images.image import Image, to_image
-from reference.methods import Job
-from reference.methods.setting_values import as_text
-from reference.numerics.moments import Moments, add_samples
-from reference.scene.fingerprint import fingerprint
-from reference.scene.scene import Scene
-from reference.system.version import project_version
-from reference.transport.accumulate import path_samples
-from reference.truth.checkpoint import Checkpoint
-from reference.truth.resumable import SampleSource, accumulate_resumably
+from restir_gi.reference.images.image import Image, to_image
+from restir_gi.reference.methods import Job
+from restir_gi.reference.methods.setting_values import as_text
+from restir_gi.reference.numerics.moments import Moments, add_samples
+from restir_gi.reference.scene.fingerprint import fingerprint
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.system.version import project_version
+from restir_gi.reference.transport.accumulate import path_samples
+from restir_gi.reference.truth.checkpoint import Checkpoint
+from restir_gi.reference.truth.resumable import SampleSource, accumulate_resumably
 
 
 def checkpoint_beside(out: Path) -> Path:

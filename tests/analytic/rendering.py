@@ -5,13 +5,13 @@ from itertools import islice
 
 import numpy as np
 
-from reference.numerics.rng import KeyedUniforms, Stream
-from reference.numerics.schedule import Schedule
-from reference.restir_gi import render_frames
-from reference.scene.camera import pixel_centers
-from reference.settings import Settings
-from reference.transport.path_tracer import camera_radiance, first_hits
-from reference.transport.world import build_world
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.restir_gi import render_frames
+from restir_gi.reference.scene.camera import pixel_centers
+from restir_gi.reference.settings import Settings
+from restir_gi.reference.transport.path_tracer import camera_radiance, first_hits
+from restir_gi.reference.transport.world import build_world
 
 ONE_BAND = Schedule(band=1 << 20)
 

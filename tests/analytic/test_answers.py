@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import dblquad, quad
 
-from reference.scene.catalogue.answers import (
+from restir_gi.reference.scene.catalogue.answers import (
     UPPER_PLATE,
     WALL,
     half_lit_sphere,
@@ -20,9 +20,9 @@ from reference.scene.catalogue.answers import (
     sphere_furnace,
     sunlit_wall_indirect,
 )
-from reference.scene.catalogue.registry import find_scene
-from reference.scene.catalogue.spheres import ALBEDO, EMISSION, INTENSITY
-from reference.scene.geometry import world_corners
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.scene.catalogue.spheres import ALBEDO, EMISSION, INTENSITY
+from restir_gi.reference.scene.geometry import world_corners
 from tests.analytic.rendering import what_is_seen, world_of
 
 ROUNDING = 100 * 2.0**-52

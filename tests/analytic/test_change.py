@@ -9,13 +9,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reference.numerics.schedule import Schedule
-from reference.restir_gi import render_frames
-from reference.scene.animation import Animation, still
-from reference.scene.catalogue.animations import CHANGE
-from reference.scene.catalogue.registry import find_animation, find_scene
-from reference.settings import BIASED, UNBIASED
-from reference.transport.world import build_world
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.restir_gi import render_frames
+from restir_gi.reference.scene.animation import Animation, still
+from restir_gi.reference.scene.catalogue.animations import CHANGE
+from restir_gi.reference.scene.catalogue.registry import find_animation, find_scene
+from restir_gi.reference.settings import BIASED, UNBIASED
+from restir_gi.reference.transport.world import build_world
 
 SIZE, WITHIN = 16, 6
 
@@ -90,8 +90,8 @@ def test_pixels_that_begin_anew_draw_in_a_validating_frame_too():
 
 def test_control_other_random_numbers_empty_the_reservoirs(monkeypatch):
     """Were the path drawn again, its radiance would differ, and M with it."""
-    from reference.options import history
-    from reference.options.replay import Replay, replay_of
+    from restir_gi.reference.options import history
+    from restir_gi.reference.options.replay import Replay, replay_of
 
     def drawn_anew(frame):
         replay = replay_of(frame)

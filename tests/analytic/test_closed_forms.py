@@ -18,15 +18,15 @@ import pytest
 from scipy import stats
 from scipy.spatial.transform import Rotation
 
-from reference.numerics.arrays import divide_or_zero
-from reference.passes import pixels
-from reference.resampling.shift import reconnection_jacobian
-from reference.scene.camera import Camera
-from reference.scene.catalogue.answers import (
+from restir_gi.reference.numerics.arrays import divide_or_zero
+from restir_gi.reference.passes import pixels
+from restir_gi.reference.resampling.shift import reconnection_jacobian
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.catalogue.answers import (
     parallel_plates_indirect,
     sunlit_wall_indirect,
 )
-from reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.scene.catalogue.registry import find_scene
 from tests.analytic.rendering import (
     frames_of,
     moved,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from reference.images.flip import ACES_85, flip_hdr, flip_ldr
+from restir_gi.reference.images.flip import ACES_85, flip_hdr, flip_ldr
 
 
 @pytest.fixture

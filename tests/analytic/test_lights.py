@@ -16,24 +16,24 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad as integral
 
-from reference.numerics.arrays import divide_or_zero, dot
-from reference.numerics.records import take
-from reference.numerics.rng import KeyedUniforms, Stream
-from reference.scene.camera import Camera
-from reference.scene.cones import build_cones, falloff, solid_angles
-from reference.scene.emitters import emitted, pdf_light
-from reference.scene.light_sampling import points_on_lights, sample_light
-from reference.scene.lights import PointLight, SpotLight
-from reference.scene.materials.kinds import Lambertian
-from reference.scene.origins import step_before
-from reference.scene.scene import Scene
-from reference.scene.shapes import Sphere, quad
-from reference.scene.textures import Bitmap, Checker
-from reference.scene.validation import validate
-from reference.transport import direct_light
-from reference.transport.direct_light import choose_light, next_event
-from reference.transport.path_tracer import reflected_radiance
-from reference.transport.world import build_world
+from restir_gi.reference.numerics.arrays import divide_or_zero, dot
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.cones import build_cones, falloff, solid_angles
+from restir_gi.reference.scene.emitters import emitted, pdf_light
+from restir_gi.reference.scene.light_sampling import points_on_lights, sample_light
+from restir_gi.reference.scene.lights import PointLight, SpotLight
+from restir_gi.reference.scene.materials.kinds import Lambertian
+from restir_gi.reference.scene.origins import step_before
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Sphere, quad
+from restir_gi.reference.scene.textures import Bitmap, Checker
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.transport import direct_light
+from restir_gi.reference.transport.direct_light import choose_light, next_event
+from restir_gi.reference.transport.path_tracer import reflected_radiance
+from restir_gi.reference.transport.world import build_world
 from tests.analytic.rendering import path_traced, what_is_seen, world_of
 
 SIGMAS = 5.0

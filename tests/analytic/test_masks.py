@@ -11,16 +11,16 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from reference.scene.catalogue.rooms import cornell_box
-from reference.scene.emitters import build_emitters
-from reference.scene.geometry import build_geometry
-from reference.scene.light_sampling import sample_light
-from reference.scene.materials.kinds import Lambertian
-from reference.scene.shapes import Mesh, quad
-from reference.scene.surface import Viewpoints
-from reference.scene.textures import Bitmap
-from reference.scene.validation import validate
-from reference.transport.world import build_world
+from restir_gi.reference.scene.catalogue.rooms import cornell_box
+from restir_gi.reference.scene.emitters import build_emitters
+from restir_gi.reference.scene.geometry import build_geometry
+from restir_gi.reference.scene.light_sampling import sample_light
+from restir_gi.reference.scene.materials.kinds import Lambertian
+from restir_gi.reference.scene.shapes import Mesh, quad
+from restir_gi.reference.scene.surface import Viewpoints
+from restir_gi.reference.scene.textures import Bitmap
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.transport.world import build_world
 from tests.analytic.rendering import frames_of, path_traced, world_of
 
 GREY = Lambertian((0.5, 0.5, 0.5))

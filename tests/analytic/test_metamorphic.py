@@ -10,25 +10,25 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reference.frame import FrameContext
-from reference.numerics.frames import to_world
-from reference.numerics.records import take
-from reference.numerics.rng import KeyedUniforms, Stream, TabledUniforms
-from reference.numerics.sampling import sample_cosine_hemisphere
-from reference.numerics.schedule import Schedule
-from reference.restir_gi import next_frame
-from reference.scene.brightness import brightened
-from reference.scene.camera import Camera
-from reference.scene.catalogue.registry import CATALOGUE, find_scene
-from reference.scene.catalogue.rooms import pose
-from reference.scene.lights import ConstantEnvironment
-from reference.scene.materials.bsdf_sampling import BsdfSamples
-from reference.scene.materials.kinds import Lambertian
-from reference.scene.origins import STEP
-from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, Sphere, box
-from reference.settings import Settings
-from reference.transport.path_tracer import reflected_radiance
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.frames import to_world
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream, TabledUniforms
+from restir_gi.reference.numerics.sampling import sample_cosine_hemisphere
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.restir_gi import next_frame
+from restir_gi.reference.scene.brightness import brightened
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.catalogue.registry import CATALOGUE, find_scene
+from restir_gi.reference.scene.catalogue.rooms import pose
+from restir_gi.reference.scene.lights import ConstantEnvironment
+from restir_gi.reference.scene.materials.bsdf_sampling import BsdfSamples
+from restir_gi.reference.scene.materials.kinds import Lambertian
+from restir_gi.reference.scene.origins import STEP
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Mesh, Sphere, box
+from restir_gi.reference.settings import Settings
+from restir_gi.reference.transport.path_tracer import reflected_radiance
 from tests.analytic.rendering import (
     ONE_BAND,
     frames_of,

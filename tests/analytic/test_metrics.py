@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from reference.images import metrics
-from reference.images.image import luminance_weights
+from restir_gi.reference.images import metrics
+from restir_gi.reference.images.image import luminance_weights
 
 # Two pixels, six terms; differences 1, -2, 0, 0, 0, 3.
 B = np.array([[1.0, 2.0, 0.0], [4.0, 0.5, 3.0]])

@@ -9,10 +9,10 @@ of our own value, times the number of steps (32), and by that number of rounding
 import numpy as np
 import pytest
 
-from reference.scene.materials import table
-from reference.scene.materials.kinds import Coated, Conductor, Dielectric
-from reference.scene.materials.parameters import tabulate
-from reference.scene.surface import SurfacePoints
+from restir_gi.reference.scene.materials import table
+from restir_gi.reference.scene.materials.kinds import Coated, Conductor, Dielectric
+from restir_gi.reference.scene.materials.parameters import tabulate
+from restir_gi.reference.scene.surface import SurfacePoints
 
 mi = pytest.importorskip("mitsuba", reason="Mitsuba evaluates its own materials")
 

@@ -12,14 +12,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reference.options.motion import TemporalShift
-from reference.restir_gi import render_frames
-from reference.scene.animation import still, with_camera, with_shape
-from reference.scene.catalogue.answers import half_lit_sphere, sphere_furnace
-from reference.scene.catalogue.registry import find_scene
-from reference.scene.catalogue.rooms import pose
-from reference.settings import Settings
-from reference.transport.world import build_world
+from restir_gi.reference.options.motion import TemporalShift
+from restir_gi.reference.restir_gi import render_frames
+from restir_gi.reference.scene.animation import still, with_camera, with_shape
+from restir_gi.reference.scene.catalogue.answers import half_lit_sphere, sphere_furnace
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.scene.catalogue.rooms import pose
+from restir_gi.reference.settings import Settings
+from restir_gi.reference.transport.world import build_world
 from tests.analytic.rendering import ONE_BAND, sized
 
 ROUNDING = 1e-12

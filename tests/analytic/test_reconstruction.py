@@ -10,9 +10,9 @@ from scipy import sparse
 from scipy.optimize import linprog
 from scipy.sparse.linalg import spsolve
 
-from gradient_domain.differences import Differences, differences, spread_back
-from gradient_domain.least_absolute import least_absolute
-from gradient_domain.reconstruction import ALPHA, least_squares
+from restir_gi.gradient_domain.differences import Differences, differences, spread_back
+from restir_gi.gradient_domain.least_absolute import least_absolute
+from restir_gi.gradient_domain.reconstruction import ALPHA, least_squares
 
 EPS = 2.0**-52
 SIZES = [(1, 1), (1, 7), (9, 1), (2, 2), (13, 8), (64, 48)]

@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from reference.scene.camera import Camera, pixel_centers
-from reference.scene.catalogue.rooms import cornell_box
-from reference.scene.lights import DirectionalLight, PointLight
-from reference.scene.materials.kinds import Dielectric, Lambertian
-from reference.scene.materials.table import scattering
-from reference.scene.shapes import Sphere, quad
-from reference.scene.validation import validate
-from reference.transport.direct_light import choose_light
-from reference.transport.path_tracer import first_hits
-from reference.transport.world import build_world
+from restir_gi.reference.scene.camera import Camera, pixel_centers
+from restir_gi.reference.scene.catalogue.rooms import cornell_box
+from restir_gi.reference.scene.lights import DirectionalLight, PointLight
+from restir_gi.reference.scene.materials.kinds import Dielectric, Lambertian
+from restir_gi.reference.scene.materials.table import scattering
+from restir_gi.reference.scene.shapes import Sphere, quad
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.transport.direct_light import choose_light
+from restir_gi.reference.transport.path_tracer import first_hits
+from restir_gi.reference.transport.world import build_world
 
 GLASS = Dielectric(1.5, 0.4)
 PANE = quad("pane", (-1, -1, 0), (2, 0, 0), (0, 2, 0), GLASS)

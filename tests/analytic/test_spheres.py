@@ -19,10 +19,10 @@ import numpy as np
 import pytest
 from scipy.stats import binom
 
-from reference.passes import pixels, temporal
-from reference.resampling.shift import reconnection_jacobian
-from reference.scene.catalogue.answers import half_lit_sphere, sphere_furnace
-from reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.passes import pixels, temporal
+from restir_gi.reference.resampling.shift import reconnection_jacobian
+from restir_gi.reference.scene.catalogue.answers import half_lit_sphere, sphere_furnace
+from restir_gi.reference.scene.catalogue.registry import find_scene
 from tests.analytic.rendering import frames_of, path_traced, what_is_seen, world_of
 
 ROUNDING = 1e-12

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from reference.scene.catalogue.rooms import cornell_box
-from reference.scene.hits import surface_points
-from reference.scene.materials.kinds import Dielectric, Lambertian
-from reference.scene.shapes import quad
-from reference.scene.textures import Bitmap
-from reference.scene.validation import validate
-from reference.system.errors import UsageError
-from reference.transport.world import build_world
+from restir_gi.reference.scene.catalogue.rooms import cornell_box
+from restir_gi.reference.scene.hits import surface_points
+from restir_gi.reference.scene.materials.kinds import Dielectric, Lambertian
+from restir_gi.reference.scene.shapes import quad
+from restir_gi.reference.scene.textures import Bitmap
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.transport.world import build_world
 from tests.analytic.rendering import path_traced, world_of
 
 SQUARE = quad("square", (0, 0, 0), (1, 0, 0), (0, 1, 0), Lambertian((0.8, 0.5, 0.2)))

@@ -14,11 +14,11 @@ import sys
 import time
 from pathlib import Path
 
-from reference.scene.catalogue.registry import CATALOGUE
-from reference.system.machine import machine
+from restir_gi.reference.scene.catalogue.registry import CATALOGUE
+from restir_gi.reference.system.machine import machine
 
 PYTHON = sys.executable
-RESTIR = [PYTHON, "-m", "reference"]
+RESTIR = [PYTHON, "-m", "restir_gi.reference"]
 
 
 def bench(name: str, *words: str) -> list[str]:

@@ -16,22 +16,22 @@ from typing import Any
 
 import numpy as np
 
-from extensions.area_restir import render_area_frames
-from extensions.area_settings import AreaSettings
-from extensions.pt_settings import CRITERIA, PathSettings
-from extensions.restir_pt import render_path_frames
-from reference.frame import FrameContext
-from reference.numerics.schedule import Schedule
-from reference.passes.gbuffer import visible_points
-from reference.reports.timing import seconds_in_turns, time_ratio
-from reference.restir_gi import Frame, next_frame, render_frames
-from reference.scene.animation import Animation, Changes
-from reference.scene.camera import pixel_centers
-from reference.scene.catalogue.registry import find_animation, find_scene
-from reference.scene.catalogue.rooms import cornell_box
-from reference.scene.surface import VisiblePoints
-from reference.settings import BIASED, UNBIASED, Settings
-from reference.transport.world import World, build_world, next_world
+from restir_gi.extensions.area_restir import render_area_frames
+from restir_gi.extensions.area_settings import AreaSettings
+from restir_gi.extensions.pt_settings import CRITERIA, PathSettings
+from restir_gi.extensions.restir_pt import render_path_frames
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.passes.gbuffer import visible_points
+from restir_gi.reference.reports.timing import seconds_in_turns, time_ratio
+from restir_gi.reference.restir_gi import Frame, next_frame, render_frames
+from restir_gi.reference.scene.animation import Animation, Changes
+from restir_gi.reference.scene.camera import pixel_centers
+from restir_gi.reference.scene.catalogue.registry import find_animation, find_scene
+from restir_gi.reference.scene.catalogue.rooms import cornell_box
+from restir_gi.reference.scene.surface import VisiblePoints
+from restir_gi.reference.settings import BIASED, UNBIASED, Settings
+from restir_gi.reference.transport.world import World, build_world, next_world
 from tests.benchmarks.scenes import bumpy_box, sized
 
 MODULE = "tests.benchmarks.bench_cost"

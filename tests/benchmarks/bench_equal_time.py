@@ -13,16 +13,16 @@ import sys
 
 import numpy as np
 
-from reference.methods.setting_values import with_values
-from reference.numerics.intervals import Numbers, ratio_interval
-from reference.numerics.moments import add_samples, no_samples
-from reference.numerics.schedule import Schedule
-from reference.reports.timing import timed
-from reference.restir_gi import render_frames
-from reference.scene.catalogue.registry import find_scene
-from reference.settings import BIASED, UNBIASED
-from reference.transport.accumulate import ever_more, path_samples
-from reference.transport.world import build_world
+from restir_gi.reference.methods.setting_values import with_values
+from restir_gi.reference.numerics.intervals import Numbers, ratio_interval
+from restir_gi.reference.numerics.moments import add_samples, no_samples
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.timing import timed
+from restir_gi.reference.restir_gi import render_frames
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.settings import BIASED, UNBIASED
+from restir_gi.reference.transport.accumulate import ever_more, path_samples
+from restir_gi.reference.transport.world import build_world
 from tests.benchmarks.scenes import sized
 
 FRAMES, LAST, PATHS, SAMPLES = 32, 8, 8, 3000

@@ -12,15 +12,15 @@ from pathlib import Path
 
 from rich.console import Console
 
-from docs.figures.gradient_domain import gradients, images
-from docs.figures.gradient_domain.rounds import RoundScene
-from docs.figures.gradient_domain.variants import BOUNCES
-from reference.numerics.schedule import Schedule
-from reference.reports.figures.record import Work
-from reference.reports.figures.table import table
-from reference.scene.loaders.load import load_scene
-from reference.scene.validation import validate
-from reference.transport.world import build_world
+from restir_gi.figures.gradient_domain import gradients, images
+from restir_gi.figures.gradient_domain.rounds import RoundScene
+from restir_gi.figures.gradient_domain.variants import BOUNCES
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.figures.record import Work
+from restir_gi.reference.reports.figures.table import table
+from restir_gi.reference.scene.loaders.load import load_scene
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.transport.world import build_world
 
 
 def main() -> None:

@@ -21,9 +21,9 @@ from functools import partial
 
 import numpy as np
 
-from reference.numerics.intervals import bootstrap_interval
-from reference.reports.timing import in_turns, seconds_in_turns, timed
-from reference.system.version import project_version
+from restir_gi.reference.numerics.intervals import bootstrap_interval
+from restir_gi.reference.reports.timing import in_turns, seconds_in_turns, timed
+from restir_gi.reference.system.version import project_version
 from tests.benchmarks.mitsuba_side import LAUNCH, opened
 from tests.benchmarks.our_side import THREADS, Runner
 

@@ -15,16 +15,16 @@ from itertools import islice
 
 import numpy as np
 
-from reference.numerics.moments import add_samples, no_samples
-from reference.numerics.rng import Stream
-from reference.numerics.schedule import Schedule
-from reference.reports.timing import in_turns
-from reference.restir_gi import render_frames
-from reference.scene.animation import Animation
-from reference.scene.catalogue.registry import find_animation
-from reference.settings import BIASED, UNBIASED, Settings
-from reference.transport.accumulate import path_samples
-from reference.transport.world import World, build_world
+from restir_gi.reference.numerics.moments import add_samples, no_samples
+from restir_gi.reference.numerics.rng import Stream
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.timing import in_turns
+from restir_gi.reference.restir_gi import render_frames
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.scene.catalogue.registry import find_animation
+from restir_gi.reference.settings import BIASED, UNBIASED, Settings
+from restir_gi.reference.transport.accumulate import path_samples
+from restir_gi.reference.transport.world import World, build_world
 
 FRAMES, BOUNCES, SAMPLES = 12, 2, 3000
 

@@ -69,8 +69,8 @@ def translated(name: str, size: int, folder: Path) -> dict:
 
 
 def _shape(mesh, path):
-    from reference.scene.geometry import world_corners
-    from reference.scene.materials.kinds import Lambertian
+    from restir_gi.reference.scene.geometry import world_corners
+    from restir_gi.reference.scene.materials.kinds import Lambertian
 
     assert isinstance(mesh.material, Lambertian), mesh.name
     corners = world_corners(mesh)

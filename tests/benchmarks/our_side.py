@@ -11,16 +11,16 @@ from pathlib import Path
 
 import numpy as np
 
-from reference.frame import FrameContext
-from reference.numerics.schedule import Schedule
-from reference.passes.gbuffer import visible_points
-from reference.restir_gi import next_frame
-from reference.scene.camera import pixel_centers
-from reference.scene.catalogue.registry import find_scene
-from reference.scene.scene import Scene
-from reference.scene.validation import validate
-from reference.settings import UNBIASED
-from reference.transport.world import build_world
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.passes.gbuffer import visible_points
+from restir_gi.reference.restir_gi import next_frame
+from restir_gi.reference.scene.camera import pixel_centers
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.settings import UNBIASED
+from restir_gi.reference.transport.world import build_world
 from tests.benchmarks.scenes import bumpy_box, sized
 
 THREADS = os.cpu_count() or 1
@@ -32,7 +32,7 @@ def real_scene() -> Path:
 
 def scene_of(name: str, size: int) -> Scene:
     if name == "veach-ajar":
-        from reference.scene.loaders.load import load_scene
+        from restir_gi.reference.scene.loaders.load import load_scene
 
         return validate(sized(load_scene(real_scene()), size, size))
     scene = bumpy_box() if name == "bumpy-box" else find_scene(name)

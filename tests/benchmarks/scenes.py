@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from reference.scene.catalogue.rooms import cornell_box
-from reference.scene.materials.kinds import Lambertian
-from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh
+from restir_gi.reference.scene.catalogue.rooms import cornell_box
+from restir_gi.reference.scene.materials.kinds import Lambertian
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Mesh
 
 
 def sized(scene: Scene, width: int, height: int) -> Scene:

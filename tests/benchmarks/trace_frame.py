@@ -33,13 +33,13 @@ from pathlib import Path
 from types import CodeType, FrameType
 from typing import Any
 
-from reference.methods.discovery import method_named, method_names
-from reference.methods.method import Job, Method
-from reference.numerics.schedule import Schedule
-from reference.passes.gbuffer import visible_points
-from reference.scene.catalogue.registry import find_scene
-from reference.scene.validation import validate
-from reference.transport.world import build_world
+from restir_gi.reference.methods.discovery import method_named, method_names
+from restir_gi.reference.methods.method import Job, Method
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.passes.gbuffer import visible_points
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.transport.world import build_world
 
 PACKAGES = ("reference", "extensions", "hashgrid", "gradient_domain")
 KERNELS = {

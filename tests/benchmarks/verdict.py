@@ -12,10 +12,10 @@ from pathlib import Path
 
 from rich.console import Console
 
-from reference.oracle.checking import judge
-from reference.oracle.parts import whole_contract
-from reference.reports.verdict.plain import as_plain
-from reference.reports.verdict.table import table
+from restir_gi.reference.oracle.checking import judge
+from restir_gi.reference.oracle.parts import whole_contract
+from restir_gi.reference.reports.verdict.plain import as_plain
+from restir_gi.reference.reports.verdict.table import table
 from tests.mutants.catalogue import JACOBIANS
 from tests.mutants.harness import Planted
 

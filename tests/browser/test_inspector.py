@@ -5,9 +5,9 @@ import re
 import numpy as np
 import pytest
 
-from reference.cli.main import main
-from reference.images.exr import read_exr, write_exr
-from reference.images.image import Image
+from restir_gi.reference.cli.main import main
+from restir_gi.reference.images.exr import read_exr, write_exr
+from restir_gi.reference.images.image import Image
 from tests.browser.accessible import overflow, violations
 
 WIDTH, HEIGHT, FRAMES = 16, 12, 3
@@ -219,7 +219,7 @@ def test_every_view_paints_the_picture_anew(inspector):
 
 def test_the_picture_is_the_picture(inspector, folder):
     """Pixels of the canvas against the exposure and curve of the previews."""
-    from reference.images.display import auto_exposure, to_display
+    from restir_gi.reference.images.display import auto_exposure, to_display
 
     color = read_exr(folder / "unbiased.exr").color
     known = to_display(color, auto_exposure(color)).astype(int)

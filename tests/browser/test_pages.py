@@ -2,11 +2,11 @@
 
 import pytest
 
-from reference.cli.main import main
-from reference.oracle.checking import judge
-from reference.oracle.parts import whole_contract
-from reference.reports.verdict.page import write_page
-from reference.reports.verdict.plain import as_plain
+from restir_gi.reference.cli.main import main
+from restir_gi.reference.oracle.checking import judge
+from restir_gi.reference.oracle.parts import whole_contract
+from restir_gi.reference.reports.verdict.page import write_page
+from restir_gi.reference.reports.verdict.plain import as_plain
 from tests.browser.accessible import overflow, violations
 from tests.mutants.catalogue import BY_NAME
 from tests.mutants.harness import Planted

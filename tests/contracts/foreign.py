@@ -1,11 +1,11 @@
 """What the tests of foreign backends share."""
 
-from reference.oracle.ladder import scene_probes
-from reference.oracle.levels.kernels import kernel_probes
-from reference.oracle.levels.lattice import lattice_probes
-from reference.oracle.parts import whole_contract
-from reference.oracle.steps import asked
-from reference.oracle.verdict import run_ladder
+from restir_gi.reference.oracle.ladder import scene_probes
+from restir_gi.reference.oracle.levels.kernels import kernel_probes
+from restir_gi.reference.oracle.levels.lattice import lattice_probes
+from restir_gi.reference.oracle.parts import whole_contract
+from restir_gi.reference.oracle.steps import asked
+from restir_gi.reference.oracle.verdict import run_ladder
 
 CONTRACT = whole_contract()
 

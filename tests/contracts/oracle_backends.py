@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 
-from reference.oracle.builtin.backend import FLOAT32
+from restir_gi.reference.oracle.builtin.backend import FLOAT32
 
 
 class Right:

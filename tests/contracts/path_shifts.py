@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from extensions.oracle.shifts.passes import SHIFT
+from restir_gi.extensions.oracle.shifts.passes import SHIFT
 
 
 def joins(real, mistake, alphas, singles, distance, s):

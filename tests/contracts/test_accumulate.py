@@ -16,17 +16,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reference.cli.main import main
-from reference.images.exr import read_exr
-from reference.methods.metadata import header
-from reference.numerics.moments import Moments, add_samples, no_samples
-from reference.numerics.schedule import Schedule
-from reference.scene.catalogue.registry import find_scene
-from reference.scene.fingerprint import fingerprint
-from reference.system.errors import UsageError
-from reference.transport.accumulate import accumulate, path_samples
-from reference.transport.world import build_world
-from reference.truth.checkpoint import Checkpoint, load_checkpoint, save_checkpoint
+from restir_gi.reference.cli.main import main
+from restir_gi.reference.images.exr import read_exr
+from restir_gi.reference.methods.metadata import header
+from restir_gi.reference.numerics.moments import Moments, add_samples, no_samples
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.scene.fingerprint import fingerprint
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.transport.accumulate import accumulate, path_samples
+from restir_gi.reference.transport.world import build_world
+from restir_gi.reference.truth.checkpoint import (
+    Checkpoint,
+    load_checkpoint,
+    save_checkpoint,
+)
 
 ROOT = Path(__file__).parents[2]
 RUN = {"scene": "room", "seed": "0"}
@@ -232,7 +236,12 @@ def start():
 
         def start(out, spp, *more):
             process = subprocess.Popen(
-                [sys.executable, "-m", "reference", *command(out, spp, *more)],
+                [
+                    sys.executable,
+                    "-m",
+                    "restir_gi.reference",
+                    *command(out, spp, *more),
+                ],
                 cwd=ROOT,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,

@@ -5,16 +5,16 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from extensions.area_method import METHOD
-from extensions.area_restir import render_area_frames
-from extensions.area_settings import AreaSettings
-from reference.cli.main import main
-from reference.images.exr import read_exr
-from reference.methods.discovery import method_named, method_names
-from reference.methods.setting_values import with_values
-from reference.numerics.schedule import Schedule
-from reference.scene.catalogue.registry import find_animation
-from reference.system.errors import UsageError
+from restir_gi.extensions.area_method import METHOD
+from restir_gi.extensions.area_restir import render_area_frames
+from restir_gi.extensions.area_settings import AreaSettings
+from restir_gi.reference.cli.main import main
+from restir_gi.reference.images.exr import read_exr
+from restir_gi.reference.methods.discovery import method_named, method_names
+from restir_gi.reference.methods.setting_values import with_values
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.scene.catalogue.registry import find_animation
+from restir_gi.reference.system.errors import UsageError
 from tests.properties.path_scenes import world
 
 

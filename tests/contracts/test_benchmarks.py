@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from reference.cli.main import build_parser
-from reference.system.errors import UsageError
+from restir_gi.reference.cli.main import build_parser
+from restir_gi.reference.system.errors import UsageError
 from tests.benchmarks.__main__ import parts
 from tests.mutants import matrix
 

@@ -5,9 +5,9 @@ from math import inf
 
 import pytest
 
-from reference.methods.biases import biases
-from reference.scene.catalogue.registry import find_scene
-from reference.settings import BIASED, UNBIASED
+from restir_gi.reference.methods.biases import biases
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.settings import BIASED, UNBIASED
 
 ROOM, GLOSSY, SPHERE = (
     find_scene(name) for name in ("cornell-box", "glossy-floor", "sphere-furnace")

@@ -6,13 +6,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reference.scene.catalogue.animations import CHANGE
-from reference.scene.catalogue.registry import CATALOGUE, find_animation, find_scene
-from reference.scene.catalogue.rooms import WHITE
-from reference.scene.geometry import world_corners
-from reference.scene.materials.kinds import Coated, Dielectric, Lambertian
-from reference.scene.shapes import quad
-from reference.system.errors import UsageError
+from restir_gi.reference.scene.catalogue.animations import CHANGE
+from restir_gi.reference.scene.catalogue.registry import (
+    CATALOGUE,
+    find_animation,
+    find_scene,
+)
+from restir_gi.reference.scene.catalogue.rooms import WHITE
+from restir_gi.reference.scene.geometry import world_corners
+from restir_gi.reference.scene.materials.kinds import Coated, Dielectric, Lambertian
+from restir_gi.reference.scene.shapes import quad
+from restir_gi.reference.system.errors import UsageError
 from tests.analytic.rendering import path_traced, what_is_seen, world_of
 
 NAMES = [

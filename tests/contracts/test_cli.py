@@ -12,22 +12,22 @@ from typing import Literal
 import numpy as np
 import pytest
 
-from reference.cli.main import main
-from reference.images.exr import read_exr
-from reference.methods import (
+from restir_gi.reference.cli.main import main
+from restir_gi.reference.images.exr import read_exr
+from restir_gi.reference.methods import (
     Method,
     Progress,
     method_named,
     method_names,
 )
-from reference.methods.metadata import header
-from reference.methods.setting_values import as_text, known, with_values
-from reference.scene.animation import still, with_change
-from reference.scene.camera import view_depth
-from reference.scene.catalogue.registry import CATALOGUE, find_scene
-from reference.scene.origins import STEP
-from reference.system import plugins
-from reference.system.json_text import json_text
+from restir_gi.reference.methods.metadata import header
+from restir_gi.reference.methods.setting_values import as_text, known, with_values
+from restir_gi.reference.scene.animation import still, with_change
+from restir_gi.reference.scene.camera import view_depth
+from restir_gi.reference.scene.catalogue.registry import CATALOGUE, find_scene
+from restir_gi.reference.scene.origins import STEP
+from restir_gi.reference.system import plugins
+from restir_gi.reference.system.json_text import json_text
 
 ROOT = Path(__file__).parents[2]
 COMMANDS = ("scenes", "render", "reference", "compare", "demo")
@@ -72,7 +72,7 @@ def few(method):
 
 
 def test_it_runs_as_a_module():
-    command = [sys.executable, "-m", "reference", "--version"]
+    command = [sys.executable, "-m", "restir_gi.reference", "--version"]
     result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert result.returncode == 0
     assert re.fullmatch(r"restir-gi-oracle \S.*\n", result.stdout)
@@ -95,7 +95,7 @@ def test_the_help_lists_every_command(restir):
 
 def test_nobody_reads_the_output():
     """A pipe that is closed at once: no traceback, and the exit code of `yes`."""
-    script = f"{sys.executable} -m reference scenes | true; exit ${{PIPESTATUS[0]}}"
+    script = f"{sys.executable} -m restir_gi.reference scenes | true; exit ${{PIPESTATUS[0]}}"
     result = subprocess.run(
         ["bash", "-c", script], cwd=ROOT, capture_output=True, text=True
     )

@@ -6,10 +6,10 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from reference.images.image import Image
-from reference.reports.comparison import Comparison, compare
-from reference.reports.comparison.labels import NUMBERS
-from reference.system.errors import UsageError
+from restir_gi.reference.images.image import Image
+from restir_gi.reference.reports.comparison import Comparison, compare
+from restir_gi.reference.reports.comparison.labels import NUMBERS
+from restir_gi.reference.system.errors import UsageError
 
 
 def grey(value, height=4, width=6):

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from reference.images.display import MARKER
-from reference.images.metrics import mape
-from reference.reports.comparison.histogram import histogram_bars
-from reference.reports.comparison.maps import (
+from restir_gi.reference.images.display import MARKER
+from restir_gi.reference.images.metrics import mape
+from restir_gi.reference.reports.comparison.histogram import histogram_bars
+from restir_gi.reference.reports.comparison.maps import (
     difference_map,
     flip_map,
     relative_error_map,

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from PIL import Image as Pillow
 
-from reference.images.display import MARKER
-from reference.images.image import Image
-from reference.reports.comparison import compare
-from reference.system.errors import UsageError
+from restir_gi.reference.images.display import MARKER
+from restir_gi.reference.images.image import Image
+from restir_gi.reference.reports.comparison import compare
+from restir_gi.reference.system.errors import UsageError
 from tests.contracts.elements import Page
 
 PICTURES = ["a.png", "b.png", "difference.png", "flip.png", "relative_error.png"]

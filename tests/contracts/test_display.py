@@ -7,7 +7,7 @@ import numpy as np
 from numpy.testing import assert_allclose
 from PIL import Image as Pillow
 
-from reference.images.display import (
+from restir_gi.reference.images.display import (
     MARKER,
     auto_exposure,
     encode_png,

@@ -15,9 +15,9 @@ from functools import cache
 import pytest
 import trimesh
 
-from reference.cli.main import build_parser, main
-from reference.reports.figures.registry import figure_names
-from reference.system.errors import UsageError
+from restir_gi.reference.cli.main import build_parser, main
+from restir_gi.reference.reports.figures.registry import figure_names
+from restir_gi.reference.system.errors import UsageError
 from tests.contracts.documented import (
     ROOT,
     commands_in,
@@ -204,7 +204,7 @@ def smaller(words):
 
 RENDERER = """#!/bin/sh
 # my-renderer --scene S --seed N --frames F --size WxH --out X
-exec {python} -m reference render "$2" --method restir-gi-unbiased \\
+exec {python} -m restir_gi.reference render "$2" --method restir-gi-unbiased \\
     --seed "$4" --frames "$6" --size "$8" --out "${{10}}"
 """
 
@@ -220,7 +220,7 @@ SCENE = """<scene version="3.0.0">
 """
 
 BACKEND = """
-from reference.oracle.builtin.backend import FLOAT32 as BACKEND
+from restir_gi.reference.oracle.builtin.backend import FLOAT32 as BACKEND
 """
 
 

@@ -13,16 +13,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from reference import restir_gi
-from reference.numerics.records import take
-from reference.numerics.schedule import Schedule
-from reference.options.weights import resample_weighted
-from reference.passes.spatial import spatial_resampling
-from reference.resampling.mis import one_over_z
-from reference.scene.animation import Animation
-from reference.scene.catalogue.registry import find_animation
-from reference.settings import Settings
-from reference.transport.world import build_world
+from restir_gi.reference import restir_gi
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.options.weights import resample_weighted
+from restir_gi.reference.passes.spatial import spatial_resampling
+from restir_gi.reference.resampling.mis import one_over_z
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.scene.catalogue.registry import find_animation
+from restir_gi.reference.settings import Settings
+from restir_gi.reference.transport.world import build_world
 from tests.exact import claims, pages
 from tests.exact.domain import PIXELS
 
@@ -83,7 +83,9 @@ def test_control_another_z_is_told(monkeypatch):
     def without_the_last(M_k, holds_k):
         return one_over_z(M_k[:-1], holds_k[:-1])
 
-    monkeypatch.setattr("reference.resampling.reuse.one_over_z", without_the_last)
+    monkeypatch.setattr(
+        "restir_gi.reference.resampling.reuse.one_over_z", without_the_last
+    )
     assert differ(law_of_both(0, "1/Z", then=False).outcomes)
 
 

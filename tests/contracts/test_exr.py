@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from reference.images.exr import read_exr, write_exr
-from reference.images.image import Image
+from restir_gi.reference.images.exr import read_exr, write_exr
+from restir_gi.reference.images.image import Image
 
 SCAN = {"type": OpenEXR.scanlineimage, "compression": OpenEXR.ZIP_COMPRESSION}
 SPECIAL = np.array(

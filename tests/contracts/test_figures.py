@@ -8,38 +8,43 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from docs.figures import contest, validation
-from docs.figures.contest import FRAMES, Contender, Contest, compete
-from docs.figures.gradient_domain import ablations, gradients, images, rounds
-from docs.figures.hashgrid import turns
-from docs.figures.paths import sized_world
-from docs.figures.regions import floor_points, zones
-from gradient_domain import least_absolute
-from reference.cli.main import main
-from reference.images.image import luminance
-from reference.methods import Progress
-from reference.methods.restir_gi import UNBIASED
-from reference.numerics.intervals import mean_interval, ratio_interval
-from reference.numerics.moments import Moments, add_samples, merge, no_samples
-from reference.numerics.schedule import Schedule
-from reference.reports import timing
-from reference.reports.demo.runs import CONVERGED
-from reference.reports.figures.canvas import Tile, blank, draw_tiles
-from reference.reports.figures.record import Deviation, Interval, PaperFigure, Work
-from reference.reports.figures.registry import (
+from restir_gi.figures import contest, validation
+from restir_gi.figures.contest import FRAMES, Contender, Contest, compete
+from restir_gi.figures.gradient_domain import ablations, gradients, images, rounds
+from restir_gi.figures.hashgrid import turns
+from restir_gi.figures.paths import sized_world
+from restir_gi.figures.regions import floor_points, zones
+from restir_gi.gradient_domain import least_absolute
+from restir_gi.reference.cli.main import main
+from restir_gi.reference.images.image import luminance
+from restir_gi.reference.methods import Progress
+from restir_gi.reference.methods.restir_gi import UNBIASED
+from restir_gi.reference.numerics.intervals import mean_interval, ratio_interval
+from restir_gi.reference.numerics.moments import Moments, add_samples, merge, no_samples
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports import timing
+from restir_gi.reference.reports.demo.runs import CONVERGED
+from restir_gi.reference.reports.figures.canvas import Tile, blank, draw_tiles
+from restir_gi.reference.reports.figures.record import (
+    Deviation,
+    Interval,
+    PaperFigure,
+    Work,
+)
+from restir_gi.reference.reports.figures.registry import (
     NUMBERS,
     FigureEntry,
     figure_names,
     find_figure,
 )
-from reference.reports.figures.spread import spreads
-from reference.reports.figures.table import as_plain, table, text
-from reference.reports.figures.tiles import (
+from restir_gi.reference.reports.figures.spread import spreads
+from restir_gi.reference.reports.figures.table import as_plain, table, text
+from restir_gi.reference.reports.figures.tiles import (
     largest_of_half,
     rms_without_noise,
     tile_luminance,
 )
-from reference.system import plugins
+from restir_gi.reference.system import plugins
 
 FALSE_ALARM = 1e-6
 SMALL = Work(16, 4, Schedule())

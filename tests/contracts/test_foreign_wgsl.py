@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from reference.oracle.backends.process import PythonBackend
-from reference.oracle.backends.running import Limits
-from reference.oracle.ladder import ladder
-from reference.oracle.parts import parts, whole_contract
-from reference.oracle.verdict import run_ladder
+from restir_gi.reference.oracle.backends.process import PythonBackend
+from restir_gi.reference.oracle.backends.running import Limits
+from restir_gi.reference.oracle.ladder import ladder
+from restir_gi.reference.oracle.parts import parts, whole_contract
+from restir_gi.reference.oracle.verdict import run_ladder
 from tests.contracts.foreign import NAMED, all_probes, assert_named, short_ladder
 
 CONTRACT = whole_contract()

@@ -4,9 +4,13 @@ from pathlib import Path
 
 import pytest
 
-from reference.scene.loaders.formats import TABLES, formats_page, words_of_format
-from reference.scene.loaders.load import LOADERS
-from reference.scene.loaders.words import Use
+from restir_gi.reference.scene.loaders.formats import (
+    TABLES,
+    formats_page,
+    words_of_format,
+)
+from restir_gi.reference.scene.loaders.load import LOADERS
+from restir_gi.reference.scene.loaders.words import Use
 
 PAGE = Path(__file__).parents[2] / "docs/reference/formats.md"
 

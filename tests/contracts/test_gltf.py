@@ -6,13 +6,18 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from reference.scene.camera import camera_rays
-from reference.scene.lights import ConstantEnvironment, PointLight, SpotLight
-from reference.scene.loaders.load import load_scene
-from reference.scene.loaders.pictures import decode_srgb
-from reference.scene.materials.kinds import Coated, Conductor, Dielectric, Lambertian
-from reference.scene.textures import Bitmap, read
-from reference.system.errors import UsageError
+from restir_gi.reference.scene.camera import camera_rays
+from restir_gi.reference.scene.lights import ConstantEnvironment, PointLight, SpotLight
+from restir_gi.reference.scene.loaders.load import load_scene
+from restir_gi.reference.scene.loaders.pictures import decode_srgb
+from restir_gi.reference.scene.materials.kinds import (
+    Coated,
+    Conductor,
+    Dielectric,
+    Lambertian,
+)
+from restir_gi.reference.scene.textures import Bitmap, read
+from restir_gi.reference.system.errors import UsageError
 from tests.analytic.rendering import path_traced, what_is_seen, world_of
 from tests.contracts.gltf_files import (
     TRIANGLE,

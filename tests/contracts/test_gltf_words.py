@@ -11,8 +11,8 @@ from dataclasses import fields, is_dataclass
 import numpy as np
 import pytest
 
-from reference.scene.loaders.gltf_check import TABLE
-from reference.scene.loaders.gltf_forms import (
+from restir_gi.reference.scene.loaders.gltf_check import TABLE
+from restir_gi.reference.scene.loaders.gltf_forms import (
     Flag,
     Index,
     Many,
@@ -20,10 +20,10 @@ from reference.scene.loaders.gltf_forms import (
     NumbersForm,
     One,
 )
-from reference.scene.loaders.gltf_words import WORDS
-from reference.scene.loaders.load import load_scene
-from reference.scene.loaders.words import Use
-from reference.system.errors import UsageError
+from restir_gi.reference.scene.loaders.gltf_words import WORDS
+from restir_gi.reference.scene.loaders.load import load_scene
+from restir_gi.reference.scene.loaders.words import Use
+from restir_gi.reference.system.errors import UsageError
 from tests.contracts.gltf_files import TRIANGLE, Gltf, png
 
 PICTURE = np.array(

@@ -7,15 +7,15 @@ from itertools import count
 import numpy as np
 import pytest
 
-from docs.figures.gradient_domain.gradients import times_smaller
-from docs.figures.gradient_domain.rounds import (
+from restir_gi.figures.gradient_domain.gradients import times_smaller
+from restir_gi.figures.gradient_domain.rounds import (
     FRAMES,
     Rounds,
     RoundScene,
     Variant,
     by_rounds,
 )
-from docs.figures.gradient_domain.scores import (
+from restir_gi.figures.gradient_domain.scores import (
     gradient_errors,
     gradient_flips,
     gradient_picture,
@@ -23,13 +23,13 @@ from docs.figures.gradient_domain.scores import (
     image_flips,
     relative_gradient_errors,
 )
-from docs.figures.gradient_domain.toy import VARIANTS, functions, toy
-from docs.figures.gradient_domain.variants import METHODS, PRIMAL, scene_of
-from gradient_domain.differences import differences
-from reference.numerics.moments import Moments
-from reference.numerics.schedule import Schedule
-from reference.reports import timing
-from reference.reports.figures.record import Work
+from restir_gi.figures.gradient_domain.toy import VARIANTS, functions, toy
+from restir_gi.figures.gradient_domain.variants import METHODS, PRIMAL, scene_of
+from restir_gi.gradient_domain.differences import differences
+from restir_gi.reference.numerics.moments import Moments
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports import timing
+from restir_gi.reference.reports.figures.record import Work
 
 SMALL = Work(16, 3, Schedule())
 

@@ -6,32 +6,32 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from gradient_domain.after_restir import render_after_frames
-from gradient_domain.differences import Differences, differences
-from gradient_domain.gradient_pt import render_gradient_paths
-from gradient_domain.gradient_restir import PLUS, render_gradient_frames
-from gradient_domain.method import (
+from restir_gi.gradient_domain.after_restir import render_after_frames
+from restir_gi.gradient_domain.differences import Differences, differences
+from restir_gi.gradient_domain.gradient_pt import render_gradient_paths
+from restir_gi.gradient_domain.gradient_restir import PLUS, render_gradient_frames
+from restir_gi.gradient_domain.method import (
     AFTER,
     METHOD,
     PATH_TRACED,
     RECONSTRUCT,
     developed,
 )
-from gradient_domain.settings import (
+from restir_gi.gradient_domain.settings import (
     AfterSettings,
     GradientPathSettings,
     GradientSettings,
 )
-from reference.cli.main import main
-from reference.images.exr import read_exr
-from reference.methods.discovery import method_named, method_names
-from reference.methods.method import Job, drive
-from reference.methods.setting_values import with_values
-from reference.numerics.schedule import Schedule
-from reference.scene.catalogue.registry import find_animation
-from reference.scene.validation import validate
-from reference.system.errors import UsageError
-from reference.transport.world import build_world
+from restir_gi.reference.cli.main import main
+from restir_gi.reference.images.exr import read_exr
+from restir_gi.reference.methods.discovery import method_named, method_names
+from restir_gi.reference.methods.method import Job, drive
+from restir_gi.reference.methods.setting_values import with_values
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.scene.catalogue.registry import find_animation
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.transport.world import build_world
 from tests.properties.path_scenes import world
 
 VARIANTS = [

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reference.images.image import (
+from restir_gi.reference.images.image import (
     Image,
     luminance,
     luminance_weights,

@@ -8,20 +8,20 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from reference.cli.main import main
-from reference.images.exr import read_exr, write_exr
-from reference.images.image import Image
-from reference.methods import Job, method_named
-from reference.methods.setting_values import with_values
-from reference.numerics.schedule import Schedule
-from reference.reports.inspector.candidates import NOT_ASKED
-from reference.reports.inspector.outcomes import Outcome
-from reference.reports.inspector.page import MOST, packed, page
-from reference.reports.inspector.recorded import plain_frame
-from reference.reports.inspector.recorder import recorded_frames
-from reference.reports.inspector.wireframe import MOST_EDGES, edges
-from reference.scene.catalogue.registry import find_animation, find_scene
-from reference.transport.world import build_world
+from restir_gi.reference.cli.main import main
+from restir_gi.reference.images.exr import read_exr, write_exr
+from restir_gi.reference.images.image import Image
+from restir_gi.reference.methods import Job, method_named
+from restir_gi.reference.methods.setting_values import with_values
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.inspector.candidates import NOT_ASKED
+from restir_gi.reference.reports.inspector.outcomes import Outcome
+from restir_gi.reference.reports.inspector.page import MOST, packed, page
+from restir_gi.reference.reports.inspector.recorded import plain_frame
+from restir_gi.reference.reports.inspector.recorder import recorded_frames
+from restir_gi.reference.reports.inspector.wireframe import MOST_EDGES, edges
+from restir_gi.reference.scene.catalogue.registry import find_animation, find_scene
+from restir_gi.reference.transport.world import build_world
 
 ROUNDING = 16 * np.finfo(float).eps
 """A sum of at most 11 terms in two orders, and three products: ½ ulp each."""

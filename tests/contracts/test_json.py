@@ -7,9 +7,9 @@ import re
 import numpy as np
 import pytest
 
-from reference.cli import console
-from reference.cli.main import build_parser, main
-from reference.reports.comparison.likeness import SAME
+from restir_gi.reference.cli import console
+from restir_gi.reference.cli.main import build_parser, main
+from restir_gi.reference.reports.comparison.likeness import SAME
 
 NUMBER = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*|nan|inf|-inf", re.I)
 OTHER = {"True", "False", "true", "false", "None", "null"}  # "none" is a word, too

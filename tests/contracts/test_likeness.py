@@ -7,11 +7,11 @@ import numpy as np
 import OpenEXR
 import pytest
 
-from reference.cli.main import main
-from reference.images.exr import read_exr, write_exr
-from reference.images.image import Image
-from reference.reports.comparison.likeness import SAME, differences
-from reference.system.errors import UsageError
+from restir_gi.reference.cli.main import main
+from restir_gi.reference.images.exr import read_exr, write_exr
+from restir_gi.reference.images.image import Image
+from restir_gi.reference.reports.comparison.likeness import SAME, differences
+from restir_gi.reference.system.errors import UsageError
 
 HEADER = {
     "scene": "kitchen",

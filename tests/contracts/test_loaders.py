@@ -13,20 +13,20 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from PIL import Image
 
-from reference.scene.camera import FOV_AXES
-from reference.scene.lights import (
+from restir_gi.reference.scene.camera import FOV_AXES
+from restir_gi.reference.scene.lights import (
     ConstantEnvironment,
     DirectionalLight,
     LatLongEnvironment,
     PointLight,
     SpotLight,
 )
-from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.load import load_scene
-from reference.scene.loaders.pictures import decode_srgb, read_picture
-from reference.scene.materials.kinds import Dielectric
-from reference.scene.textures import read
-from reference.system.errors import UsageError
+from restir_gi.reference.scene.loaders.ledger import Ledger
+from restir_gi.reference.scene.loaders.load import load_scene
+from restir_gi.reference.scene.loaders.pictures import decode_srgb, read_picture
+from restir_gi.reference.scene.materials.kinds import Dielectric
+from restir_gi.reference.scene.textures import read
+from restir_gi.reference.system.errors import UsageError
 
 EPS32 = np.finfo(np.float32).eps  # files hold float32
 TRIANGLE = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], np.float32)

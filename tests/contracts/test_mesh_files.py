@@ -7,13 +7,18 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from PIL import Image
 
-from reference.scene.checks.shapes import check_mesh
-from reference.scene.loaders.load import load_scene
-from reference.scene.loaders.pictures import decode_srgb
-from reference.scene.materials.kinds import Coated, Conductor, Dielectric, Lambertian
-from reference.scene.shapes import Mesh
-from reference.scene.textures import read
-from reference.system.errors import UsageError
+from restir_gi.reference.scene.checks.shapes import check_mesh
+from restir_gi.reference.scene.loaders.load import load_scene
+from restir_gi.reference.scene.loaders.pictures import decode_srgb
+from restir_gi.reference.scene.materials.kinds import (
+    Coated,
+    Conductor,
+    Dielectric,
+    Lambertian,
+)
+from restir_gi.reference.scene.shapes import Mesh
+from restir_gi.reference.scene.textures import read
+from restir_gi.reference.system.errors import UsageError
 
 SQUARE = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\n"
 CORNERS = [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]

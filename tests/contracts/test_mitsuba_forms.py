@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from reference.scene.loaders.load import load_scene
-from reference.scene.loaders.mitsuba_nodes import mitsuba_session
-from reference.scene.validation import validate
+from restir_gi.reference.scene.loaders.load import load_scene
+from restir_gi.reference.scene.loaders.mitsuba_nodes import mitsuba_session
+from restir_gi.reference.scene.validation import validate
 from tests.contracts.test_mitsuba_words import OBJ, PICTURE, PLY, serialized
 
 mi = pytest.importorskip("mitsuba", reason="reads Mitsuba XML by the package mitsuba")

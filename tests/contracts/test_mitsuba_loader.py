@@ -9,19 +9,24 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from PIL import Image
 
-from reference.scene.camera import camera_rays
-from reference.scene.lights import (
+from restir_gi.reference.scene.camera import camera_rays
+from restir_gi.reference.scene.lights import (
     ConstantEnvironment,
     DirectionalLight,
     LatLongEnvironment,
     PointLight,
 )
-from reference.scene.loaders import mitsuba_shapes
-from reference.scene.loaders.load import load_scene
-from reference.scene.loaders.mitsuba_nodes import mitsuba_session
-from reference.scene.materials.kinds import Coated, Conductor, Dielectric, Lambertian
-from reference.scene.textures import Bitmap, Checker, read
-from reference.system.errors import UsageError
+from restir_gi.reference.scene.loaders import mitsuba_shapes
+from restir_gi.reference.scene.loaders.load import load_scene
+from restir_gi.reference.scene.loaders.mitsuba_nodes import mitsuba_session
+from restir_gi.reference.scene.materials.kinds import (
+    Coated,
+    Conductor,
+    Dielectric,
+    Lambertian,
+)
+from restir_gi.reference.scene.textures import Bitmap, Checker, read
+from restir_gi.reference.system.errors import UsageError
 
 mi = pytest.importorskip("mitsuba", reason="reads Mitsuba XML by the package mitsuba")
 

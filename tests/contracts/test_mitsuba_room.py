@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from reference.passes.gbuffer import visible_points
-from reference.scene.camera import pixel_centers
-from reference.scene.loaders.load import load_scene
-from reference.scene.loaders.mitsuba_nodes import mitsuba_session
-from reference.scene.validation import validate
-from reference.transport.world import build_world
+from restir_gi.reference.passes.gbuffer import visible_points
+from restir_gi.reference.scene.camera import pixel_centers
+from restir_gi.reference.scene.loaders.load import load_scene
+from restir_gi.reference.scene.loaders.mitsuba_nodes import mitsuba_session
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.transport.world import build_world
 from tests.contracts.test_mitsuba_words import COLORED, OBJ
 
 mi = pytest.importorskip("mitsuba", reason="reads Mitsuba XML by the package mitsuba")

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from reference.scene.loaders.load import load_scene
-from reference.scene.loaders.mitsuba_nodes import mitsuba_session
-from reference.scene.loaders.mitsuba_words import ANY, WORDS, find
-from reference.scene.loaders.words import Use
-from reference.system.errors import UsageError
+from restir_gi.reference.scene.loaders.load import load_scene
+from restir_gi.reference.scene.loaders.mitsuba_nodes import mitsuba_session
+from restir_gi.reference.scene.loaders.mitsuba_words import ANY, WORDS, find
+from restir_gi.reference.scene.loaders.words import Use
+from restir_gi.reference.system.errors import UsageError
 
 pytest.importorskip("mitsuba", reason="reads Mitsuba XML by the package mitsuba")
 

@@ -11,7 +11,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from reference.numerics.arrays import (
+from restir_gi.reference.numerics.arrays import (
     cross,
     divide_or_zero,
     dot,
@@ -19,11 +19,14 @@ from reference.numerics.arrays import (
     normalize,
     sqrt,
 )
-from reference.numerics.frames import turn
-from reference.resampling.jacobian_limits import clamp_jacobian
-from reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
-from reference.resampling.pairwise import pairwise_canonical, pairwise_neighbor
-from reference.resampling.reservoir import (
+from restir_gi.reference.numerics.frames import turn
+from restir_gi.reference.resampling.jacobian_limits import clamp_jacobian
+from restir_gi.reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
+from restir_gi.reference.resampling.pairwise import (
+    pairwise_canonical,
+    pairwise_neighbor,
+)
+from restir_gi.reference.resampling.reservoir import (
     Candidates,
     Reservoirs,
     cap_confidence,
@@ -33,7 +36,7 @@ from reference.resampling.reservoir import (
     merge,
     reused_candidates,
 )
-from reference.resampling.shift import reconnection_jacobian
+from restir_gi.reference.resampling.shift import reconnection_jacobian
 
 FLOATS = [np.float16, np.float32, np.float64, np.longdouble]
 OBJECTS = [Fraction, mpmath.mpf]

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from reference.cli.main import main
+from restir_gi.reference.cli.main import main
 
 BACKENDS = Path(__file__).parent / "oracle_backends.py"
 

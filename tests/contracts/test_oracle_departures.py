@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from reference.oracle.cases import for_ever
-from reference.oracle.checking import judge
-from reference.oracle.parts import whole_contract
-from reference.oracle.verdict import departs
-from reference.reports.verdict.page import write_page
-from reference.reports.verdict.plain import as_plain
+from restir_gi.reference.oracle.cases import for_ever
+from restir_gi.reference.oracle.checking import judge
+from restir_gi.reference.oracle.parts import whole_contract
+from restir_gi.reference.oracle.verdict import departs
+from restir_gi.reference.reports.verdict.page import write_page
+from restir_gi.reference.reports.verdict.plain import as_plain
 from tests.mutants.catalogue import BY_NAME
 from tests.mutants.harness import Planted
 

@@ -5,18 +5,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reference.numerics.arrays import normalize
-from reference.oracle.builtin.backend import FLOAT32
-from reference.oracle.diagnosis.diagnose import HYPOTHESES, diagnose
-from reference.oracle.frames import frame_cases
-from reference.oracle.levels.kernels import kernel_probes
-from reference.oracle.levels.probe import Answer, Finding, examined
-from reference.oracle.levels.replayed import replayed
-from reference.oracle.parts import whole_contract
-from reference.oracle.prepared_frame import prepare_frame
-from reference.oracle.replay.bounded import exact, rounding_of
-from reference.oracle.replay.judges import JUDGES
-from reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.numerics.arrays import normalize
+from restir_gi.reference.oracle.builtin.backend import FLOAT32
+from restir_gi.reference.oracle.diagnosis.diagnose import HYPOTHESES, diagnose
+from restir_gi.reference.oracle.frames import frame_cases
+from restir_gi.reference.oracle.levels.kernels import kernel_probes
+from restir_gi.reference.oracle.levels.probe import Answer, Finding, examined
+from restir_gi.reference.oracle.levels.replayed import replayed
+from restir_gi.reference.oracle.parts import whole_contract
+from restir_gi.reference.oracle.prepared_frame import prepare_frame
+from restir_gi.reference.oracle.replay.bounded import exact, rounding_of
+from restir_gi.reference.oracle.replay.judges import JUDGES
+from restir_gi.reference.scene.catalogue.registry import find_scene
 
 CONTRACT = whole_contract()
 

@@ -6,24 +6,24 @@ from functools import cache
 import numpy as np
 import pytest
 
-from reference.numerics.rng import pcg4d, to_unit_interval
-from reference.oracle.builtin.further import FURTHER
-from reference.oracle.cases import refused
-from reference.oracle.contract.fields import dtype_of
-from reference.oracle.contract.further import FURTHER_PASSES
-from reference.oracle.diagnosis.diagnose import HYPOTHESES, diagnose
-from reference.oracle.diagnosis.further import FURTHER_MISTAKES
-from reference.oracle.levels.further import further_cases
-from reference.oracle.levels.probe import examined
-from reference.oracle.levels.replayed import replayed
-from reference.oracle.replay.further.judges import FURTHER_JUDGES
-from reference.oracle.replay.rules import CONTRACT_RULES
-from reference.passes.gbuffer import visible_points
-from reference.scene.camera import pixel_centers
-from reference.scene.catalogue.registry import find_scene
-from reference.scene.origins import contact
-from reference.scene.validation import validate
-from reference.transport.world import build_world
+from restir_gi.reference.numerics.rng import pcg4d, to_unit_interval
+from restir_gi.reference.oracle.builtin.further import FURTHER
+from restir_gi.reference.oracle.cases import refused
+from restir_gi.reference.oracle.contract.fields import dtype_of
+from restir_gi.reference.oracle.contract.further import FURTHER_PASSES
+from restir_gi.reference.oracle.diagnosis.diagnose import HYPOTHESES, diagnose
+from restir_gi.reference.oracle.diagnosis.further import FURTHER_MISTAKES
+from restir_gi.reference.oracle.levels.further import further_cases
+from restir_gi.reference.oracle.levels.probe import examined
+from restir_gi.reference.oracle.levels.replayed import replayed
+from restir_gi.reference.oracle.replay.further.judges import FURTHER_JUDGES
+from restir_gi.reference.oracle.replay.rules import CONTRACT_RULES
+from restir_gi.reference.passes.gbuffer import visible_points
+from restir_gi.reference.scene.camera import pixel_centers
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.scene.origins import contact
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.transport.world import build_world
 
 PASSES = {p.name: p for p in FURTHER_PASSES}
 WEIGHTS = np.array([0.2126, 0.7152, 0.0722])

@@ -13,21 +13,21 @@ import numpy as np
 import OpenEXR
 import pytest
 
-from reference.oracle.backends.files import FilesBackend
-from reference.oracle.exr_frames import write_frames
-from reference.oracle.frames import frame_cases
-from reference.oracle.golden import expected, read_golden, write_golden
-from reference.oracle.ladder import golden_levels
-from reference.oracle.levels.kernels import kernel_probes
-from reference.oracle.levels.lattice import lattice_probes
-from reference.oracle.levels.replayed import replayed
-from reference.oracle.parts import whole_contract
-from reference.oracle.prepared_frame import prepare_frame
-from reference.oracle.raw import read_cases
-from reference.oracle.verdict import run_ladder
-from reference.scene.catalogue.registry import find_scene
-from reference.system.errors import UsageError
-from reference.system.leftovers import sweep
+from restir_gi.reference.oracle.backends.files import FilesBackend
+from restir_gi.reference.oracle.exr_frames import write_frames
+from restir_gi.reference.oracle.frames import frame_cases
+from restir_gi.reference.oracle.golden import expected, read_golden, write_golden
+from restir_gi.reference.oracle.ladder import golden_levels
+from restir_gi.reference.oracle.levels.kernels import kernel_probes
+from restir_gi.reference.oracle.levels.lattice import lattice_probes
+from restir_gi.reference.oracle.levels.replayed import replayed
+from restir_gi.reference.oracle.parts import whole_contract
+from restir_gi.reference.oracle.prepared_frame import prepare_frame
+from restir_gi.reference.oracle.raw import read_cases
+from restir_gi.reference.oracle.verdict import run_ladder
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.leftovers import sweep
 
 CONTRACT = whole_contract()
 

@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
-from reference.oracle.contract.describe import describe as contract_page
-from reference.oracle.diagnosis.describe import describe as bugs_page
-from reference.oracle.diagnosis.diagnose import known_mistakes
-from reference.oracle.parts import whole_contract
+from restir_gi.reference.oracle.contract.describe import describe as contract_page
+from restir_gi.reference.oracle.diagnosis.describe import describe as bugs_page
+from restir_gi.reference.oracle.diagnosis.diagnose import known_mistakes
+from restir_gi.reference.oracle.parts import whole_contract
 
 CONTRACT = whole_contract()
 

@@ -6,21 +6,21 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reference.oracle import parts as module
-from reference.oracle import steps
-from reference.oracle.backends.inside import InsideBackend
-from reference.oracle.builtin.backend import FLOAT32
-from reference.oracle.cases import Case
-from reference.oracle.checking import judge
-from reference.oracle.contract.fields import Pass, real
-from reference.oracle.diagnosis.hypothesis import mistake
-from reference.oracle.golden import expected
-from reference.oracle.levels.kernels import kernel_probes
-from reference.oracle.levels.replayed import replayed
-from reference.oracle.parts import Part, parts, whole_contract
-from reference.oracle.replay.bounded import constant, exact, rounding_of
-from reference.oracle.replay.judgement import Judgement, beside
-from reference.system.errors import UsageError
+from restir_gi.reference.oracle import parts as module
+from restir_gi.reference.oracle import steps
+from restir_gi.reference.oracle.backends.inside import InsideBackend
+from restir_gi.reference.oracle.builtin.backend import FLOAT32
+from restir_gi.reference.oracle.cases import Case
+from restir_gi.reference.oracle.checking import judge
+from restir_gi.reference.oracle.contract.fields import Pass, real
+from restir_gi.reference.oracle.diagnosis.hypothesis import mistake
+from restir_gi.reference.oracle.golden import expected
+from restir_gi.reference.oracle.levels.kernels import kernel_probes
+from restir_gi.reference.oracle.levels.replayed import replayed
+from restir_gi.reference.oracle.parts import Part, parts, whole_contract
+from restir_gi.reference.oracle.replay.bounded import constant, exact, rounding_of
+from restir_gi.reference.oracle.replay.judgement import Judgement, beside
+from restir_gi.reference.system.errors import UsageError
 
 DOUBLED = Pass(
     name="doubled",

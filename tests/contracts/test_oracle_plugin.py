@@ -4,8 +4,8 @@ import sys
 
 import pytest
 
-from reference.oracle.builtin.backend import FLOAT32
-from reference.oracle.pytest_plugin import Oracle
+from restir_gi.reference.oracle.builtin.backend import FLOAT32
+from restir_gi.reference.oracle.pytest_plugin import Oracle
 from tests.contracts.oracle_backends import EMPTY, NAN, PARTIAL
 
 pytest_plugins = ["pytester"]

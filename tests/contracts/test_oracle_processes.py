@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from reference.oracle.backends.command import ProgramBackend
-from reference.oracle.backends.process import PythonBackend
-from reference.oracle.backends.running import Limits
-from reference.oracle.levels.kernels import kernel_probes
-from reference.oracle.parts import whole_contract
-from reference.oracle.steps import asked
-from reference.system.errors import UsageError
+from restir_gi.reference.oracle.backends.command import ProgramBackend
+from restir_gi.reference.oracle.backends.process import PythonBackend
+from restir_gi.reference.oracle.backends.running import Limits
+from restir_gi.reference.oracle.levels.kernels import kernel_probes
+from restir_gi.reference.oracle.parts import whole_contract
+from restir_gi.reference.oracle.steps import asked
+from restir_gi.reference.system.errors import UsageError
 
 CONTRACT = whole_contract()
 

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from reference.images.exr import write_exr
-from reference.images.image import Image
-from reference.oracle.backends.running import Limits
-from reference.oracle.blackbox.judge import renderer_levels
-from reference.oracle.blackbox.renderer import Renderer
-from reference.oracle.blackbox.truth import Truth, path_traced, statistics
-from reference.oracle.cases import Failure
-from reference.scene.catalogue.registry import find_scene
-from reference.system.errors import UsageError
+from restir_gi.reference.images.exr import write_exr
+from restir_gi.reference.images.image import Image
+from restir_gi.reference.oracle.backends.running import Limits
+from restir_gi.reference.oracle.blackbox.judge import renderer_levels
+from restir_gi.reference.oracle.blackbox.renderer import Renderer
+from restir_gi.reference.oracle.blackbox.truth import Truth, path_traced, statistics
+from restir_gi.reference.oracle.cases import Failure
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.system.errors import UsageError
 
 SIZE = 8
 

@@ -13,27 +13,36 @@ import pytest
 from PIL import Image as Pillow
 from rich.console import Console
 
-from reference.images.display import encode_png
-from reference.oracle.builtin.backend import FLOAT32
-from reference.oracle.cases import Failure
-from reference.oracle.diagnosis.diagnose import Diagnosis
-from reference.oracle.diagnosis.jacobians import JACOBIANS
-from reference.oracle.frames import frame_cases
-from reference.oracle.levels.kernels import kernel_probes
-from reference.oracle.levels.probe import Finding, examined
-from reference.oracle.levels.replayed import replayed
-from reference.oracle.parts import parts, whole_contract
-from reference.oracle.prepared_frame import prepare_frame
-from reference.oracle.replay.judgement import Compared, Decisions, Judgement, exactly
-from reference.oracle.steps import LevelStep
-from reference.oracle.verdict import Timed, Verdict, run_ladder
-from reference.reports.verdict.maps import error_maps, signed_map
-from reference.reports.verdict.page import pieces, write_page
-from reference.reports.verdict.plain import as_plain
-from reference.reports.verdict.table import table
-from reference.reports.verdict.worst import answers_of, worst_answer, worst_rows
-from reference.scene.catalogue.registry import find_scene
-from reference.system.errors import UsageError
+from restir_gi.reference.images.display import encode_png
+from restir_gi.reference.oracle.builtin.backend import FLOAT32
+from restir_gi.reference.oracle.cases import Failure
+from restir_gi.reference.oracle.diagnosis.diagnose import Diagnosis
+from restir_gi.reference.oracle.diagnosis.jacobians import JACOBIANS
+from restir_gi.reference.oracle.frames import frame_cases
+from restir_gi.reference.oracle.levels.kernels import kernel_probes
+from restir_gi.reference.oracle.levels.probe import Finding, examined
+from restir_gi.reference.oracle.levels.replayed import replayed
+from restir_gi.reference.oracle.parts import parts, whole_contract
+from restir_gi.reference.oracle.prepared_frame import prepare_frame
+from restir_gi.reference.oracle.replay.judgement import (
+    Compared,
+    Decisions,
+    Judgement,
+    exactly,
+)
+from restir_gi.reference.oracle.steps import LevelStep
+from restir_gi.reference.oracle.verdict import Timed, Verdict, run_ladder
+from restir_gi.reference.reports.verdict.maps import error_maps, signed_map
+from restir_gi.reference.reports.verdict.page import pieces, write_page
+from restir_gi.reference.reports.verdict.plain import as_plain
+from restir_gi.reference.reports.verdict.table import table
+from restir_gi.reference.reports.verdict.worst import (
+    answers_of,
+    worst_answer,
+    worst_rows,
+)
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.system.errors import UsageError
 from tests.contracts.elements import Page
 
 CONTRACT = whole_contract()

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from extensions.oracle.reuse.part import PART
-from extensions.oracle.reuse.rules import ReuseRules
-from reference.oracle.builtin.backend import BuiltIn
-from reference.oracle.contract.fields import dtype_of
-from reference.oracle.levels.probe import examined
-from reference.oracle.parts import parts
+from restir_gi.extensions.oracle.reuse.part import PART
+from restir_gi.extensions.oracle.reuse.rules import ReuseRules
+from restir_gi.reference.oracle.builtin.backend import BuiltIn
+from restir_gi.reference.oracle.contract.fields import dtype_of
+from restir_gi.reference.oracle.levels.probe import examined
+from restir_gi.reference.oracle.parts import parts
 
 PASSES = {p.name: p for p in PART.passes}
 both_precisions = pytest.mark.parametrize("precision", ["float32", "float64"])

@@ -9,19 +9,19 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from extensions.oracle.shifts import part as module
-from extensions.oracle.shifts.cases import PLACES, shift_case
-from extensions.oracle.shifts.part import PART
-from extensions.oracle.shifts.scenes import frame_of
-from reference.oracle.backends.inside import InsideBackend
-from reference.oracle.builtin.backend import BuiltIn
-from reference.oracle.cases import Failure, refused
-from reference.oracle.checking import judge
-from reference.oracle.contract.fields import dtype_of
-from reference.oracle.diagnosis.diagnose import diagnose
-from reference.oracle.levels.probe import examined
-from reference.oracle.parts import parts
-from reference.oracle.replay.rules import CONTRACT_RULES
+from restir_gi.extensions.oracle.shifts import part as module
+from restir_gi.extensions.oracle.shifts.cases import PLACES, shift_case
+from restir_gi.extensions.oracle.shifts.part import PART
+from restir_gi.extensions.oracle.shifts.scenes import frame_of
+from restir_gi.reference.oracle.backends.inside import InsideBackend
+from restir_gi.reference.oracle.builtin.backend import BuiltIn
+from restir_gi.reference.oracle.cases import Failure, refused
+from restir_gi.reference.oracle.checking import judge
+from restir_gi.reference.oracle.contract.fields import dtype_of
+from restir_gi.reference.oracle.diagnosis.diagnose import diagnose
+from restir_gi.reference.oracle.levels.probe import examined
+from restir_gi.reference.oracle.parts import parts
+from restir_gi.reference.oracle.replay.rules import CONTRACT_RULES
 from tests.contracts.path_shifts import OTHERS, PLANTED, length
 
 PASSES = {p.name: p for p in PART.passes}

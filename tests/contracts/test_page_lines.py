@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import pytest
 
-from reference.passes import spatial, temporal
-from reference.resampling import reuse
+from restir_gi.reference.passes import spatial, temporal
+from restir_gi.reference.resampling import reuse
 
 PAGES = {
     "3": {"temporal_resampling": temporal},

@@ -11,41 +11,41 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from reference.cli.main import main
-from reference.images.exr import read_exr
-from reference.methods import method_names
-from reference.numerics.schedule import Schedule
-from reference.reports.effects import (
+from restir_gi.reference.cli.main import main
+from restir_gi.reference.images.exr import read_exr
+from restir_gi.reference.methods import method_names
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.effects import (
     ALL,
     effects,
     left_out,
     planner_of,
     prepared_for_all,
 )
-from reference.restir_gi import render_frames
-from reference.scene.animation import still
-from reference.scene.camera import Camera
-from reference.scene.catalogue.registry import CATALOGUE, find_scene
-from reference.scene.catalogue.rooms import pose
-from reference.scene.lights import (
+from restir_gi.reference.restir_gi import render_frames
+from restir_gi.reference.scene.animation import still
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.catalogue.registry import CATALOGUE, find_scene
+from restir_gi.reference.scene.catalogue.rooms import pose
+from restir_gi.reference.scene.lights import (
     ConstantEnvironment,
     DirectionalLight,
     PointLight,
 )
-from reference.scene.materials.kinds import (
+from restir_gi.reference.scene.materials.kinds import (
     Coated,
     Conductor,
     Dielectric,
     Lambertian,
     mirror,
 )
-from reference.scene.named import Named, find_scene_or_file, frames_of
-from reference.scene.plan import EVERYTHING, parts, plan_of
-from reference.scene.scene import Scene
-from reference.scene.shapes import Sphere, box, quad
-from reference.scene.validation import validate
-from reference.settings import UNBIASED
-from reference.transport.world import build_world
+from restir_gi.reference.scene.named import Named, find_scene_or_file, frames_of
+from restir_gi.reference.scene.plan import EVERYTHING, parts, plan_of
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Sphere, box, quad
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.settings import UNBIASED
+from restir_gi.reference.transport.world import build_world
 
 
 def frames(named, bounces, plan, count=3):

@@ -14,12 +14,17 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from reference.reports.effects import effects
-from reference.scene.loaders.load import load_scene
-from reference.scene.materials.kinds import Coated, Conductor, Dielectric, Lambertian
-from reference.scene.named import Named, frames_of
-from reference.scene.textures import Bitmap, Checker
-from reference.system.errors import UsageError
+from restir_gi.reference.reports.effects import effects
+from restir_gi.reference.scene.loaders.load import load_scene
+from restir_gi.reference.scene.materials.kinds import (
+    Coated,
+    Conductor,
+    Dielectric,
+    Lambertian,
+)
+from restir_gi.reference.scene.named import Named, frames_of
+from restir_gi.reference.scene.textures import Bitmap, Checker
+from restir_gi.reference.system.errors import UsageError
 
 BESIDE = Path(__file__).parents[3] / "shared" / "scenes"
 SCENES = Path(os.environ.get("RESTIR_SCENES", BESIDE))

@@ -5,7 +5,7 @@ import re
 import pytest
 from jinja2 import UndefinedError
 
-from reference.reports.page import render_page
+from restir_gi.reference.reports.page import render_page
 from tests.contracts.elements import Page
 
 EVIL = "</script><script>alert(1)</script>\"'<img src=x>\udcff"
@@ -19,7 +19,7 @@ VALUES = {
 
 def demo(**changes):
     values = VALUES | changes
-    return render_page("reference.reports.demo", "demo.html", values)
+    return render_page("restir_gi.reference.reports.demo", "demo.html", values)
 
 
 def test_what_is_told_cannot_break_out_of_the_page():
@@ -41,7 +41,7 @@ def test_a_name_without_utf_8_is_written_as_an_escape():
 def test_a_value_that_is_forgotten_is_an_error():
     values = {name: value for name, value in VALUES.items() if name != "remarks"}
     with pytest.raises(UndefinedError, match="remarks"):
-        render_page("reference.reports.demo", "demo.html", values)
+        render_page("restir_gi.reference.reports.demo", "demo.html", values)
 
 
 def test_the_frame_names_its_maker_and_forbids_the_rest():

@@ -5,29 +5,29 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reference.numerics.records import take
-from reference.scene.camera import Camera
-from reference.scene.catalogue.registry import CATALOGUE, find_scene
-from reference.scene.catalogue.rooms import pose
-from reference.scene.convexity import MOST_TRIANGLES, first_obstacle
-from reference.scene.lights import (
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.catalogue.registry import CATALOGUE, find_scene
+from restir_gi.reference.scene.catalogue.rooms import pose
+from restir_gi.reference.scene.convexity import MOST_TRIANGLES, first_obstacle
+from restir_gi.reference.scene.lights import (
     ConstantEnvironment,
     DirectionalLight,
     LatLongEnvironment,
     PointLight,
     SpotLight,
 )
-from reference.scene.materials.kinds import (
+from restir_gi.reference.scene.materials.kinds import (
     Coated,
     Conductor,
     Dielectric,
     Lambertian,
     mirror,
 )
-from reference.scene.requirements import left_out, requirements, survey
-from reference.scene.scene import Scene
-from reference.scene.shapes import Sphere, box, quad
-from reference.scene.textures import Bitmap, Checker
+from restir_gi.reference.scene.requirements import left_out, requirements, survey
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Sphere, box, quad
+from restir_gi.reference.scene.textures import Bitmap, Checker
 from tests.analytic.rendering import moved, what_is_seen, world_of
 
 GREY = Lambertian((0.5, 0.5, 0.5))

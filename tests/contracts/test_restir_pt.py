@@ -5,16 +5,16 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from extensions.method import METHOD
-from extensions.pt_settings import PathSettings
-from extensions.restir_pt import render_path_frames
-from reference.cli.main import main
-from reference.images.exr import read_exr
-from reference.methods.discovery import method_named, method_names
-from reference.methods.method import Job
-from reference.methods.setting_values import with_values
-from reference.numerics.schedule import Schedule
-from reference.system.errors import UsageError
+from restir_gi.extensions.method import METHOD
+from restir_gi.extensions.pt_settings import PathSettings
+from restir_gi.extensions.restir_pt import render_path_frames
+from restir_gi.reference.cli.main import main
+from restir_gi.reference.images.exr import read_exr
+from restir_gi.reference.methods.discovery import method_named, method_names
+from restir_gi.reference.methods.method import Job
+from restir_gi.reference.methods.setting_values import with_values
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.system.errors import UsageError
 from tests.properties.path_scenes import world
 
 

@@ -14,19 +14,19 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-import reference
-from reference.numerics import arrays, frames, sampling, tables
-from reference.numerics.records import take
-from reference.numerics.rng import (
+from restir_gi import reference
+from restir_gi.reference.numerics import arrays, frames, sampling, tables
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.numerics.rng import (
     KeyedUniforms,
     Stream,
     TabledUniforms,
     pcg4d,
     to_unit_interval,
 )
-from reference.options import checkerboard, history_search, jacobian, roulette
-from reference.passes import gbuffer, initial, neighbors
-from reference.resampling import (
+from restir_gi.reference.options import checkerboard, history_search, jacobian, roulette
+from restir_gi.reference.passes import gbuffer, initial, neighbors
+from restir_gi.reference.resampling import (
     jacobian_limits,
     mis,
     pairwise,
@@ -36,7 +36,7 @@ from reference.resampling import (
     suffix,
     target,
 )
-from reference.resampling.packing import (
+from restir_gi.reference.resampling.packing import (
     log_luv,
     octahedral,
     paper,
@@ -44,7 +44,7 @@ from reference.resampling.packing import (
     rounding,
     rtxdi,
 )
-from reference.scene.materials import (
+from restir_gi.reference.scene.materials import (
     bsdf_sampling,
     coat,
     coated,
@@ -58,15 +58,15 @@ from reference.scene.materials import (
     rough_dielectric,
     table,
 )
-from reference.scene.materials.parameters import Kind
-from reference.scene.surface import (
+from restir_gi.reference.scene.materials.parameters import Kind
+from restir_gi.reference.scene.surface import (
     SurfacePoints,
     VisiblePoints,
     direction_and_distance,
 )
-from reference.settings import Settings
-from reference.strategies import EXAMPLES
-from reference.transport import not_reused
+from restir_gi.reference.settings import Settings
+from restir_gi.reference.strategies import EXAMPLES
+from restir_gi.reference.transport import not_reused
 
 WIDTH, HEIGHT = 15, 17
 N = WIDTH * HEIGHT

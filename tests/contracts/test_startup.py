@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from reference.cli.main import COMMANDS, build_parser
+from restir_gi.reference.cli.main import COMMANDS, build_parser
 
 ROOT = Path(__file__).parents[2]
 HEAVY = {"numpy", "embreex", "scipy", "OpenEXR", "PIL", "matplotlib", "rich", "trimesh"}
 SCRIPT = """
 import sys
-from reference.cli.main import main
+from restir_gi.reference.cli.main import main
 code = main(sys.argv[1:])
 sys.stdout.flush()
 print()
@@ -58,7 +58,7 @@ def test_control_a_command_imports_what_it_needs():
 @pytest.mark.parametrize("name", COMMANDS)
 def test_a_command_is_what_the_table_says(name):
     """The table is known before the module is: its first line says the same."""
-    module = import_module(f"reference.cli.{name}")
+    module = import_module(f"restir_gi.reference.cli.{name}")
     first = module.__doc__.partition("\n")[0]
     assert first == f"``restir {name}``: {COMMANDS[name]}"
 

@@ -4,9 +4,15 @@ from types import SimpleNamespace
 
 import pytest
 
-from reference.numerics.intervals import Interval
-from reference.reports import timing
-from reference.reports.timing import Lap, in_turns, seconds_in_turns, time_ratio, timed
+from restir_gi.reference.numerics.intervals import Interval
+from restir_gi.reference.reports import timing
+from restir_gi.reference.reports.timing import (
+    Lap,
+    in_turns,
+    seconds_in_turns,
+    time_ratio,
+    timed,
+)
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ from pkgutil import resolve_name
 
 import pytest
 
-from reference.reports.figures.registry import figure_names
+from restir_gi.reference.reports.figures.registry import figure_names
 from tests.contracts.traceability import PAGE, ROOT, entries, page, seen_link
 
 PAPERS, ROWS = entries()

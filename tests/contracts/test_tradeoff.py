@@ -10,29 +10,29 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reference.cli import tradeoff as command
-from reference.cli.main import main
-from reference.methods import Job, method_named, method_names
-from reference.methods.method import drive
-from reference.numerics import intervals
-from reference.numerics.moments import Moments
-from reference.numerics.records import fields_but, nbytes
-from reference.numerics.schedule import Schedule
-from reference.reports.tradeoff import knobs
-from reference.reports.tradeoff.change import recoveries
-from reference.reports.tradeoff.points import Design
-from reference.reports.tradeoff.store import open_store
-from reference.reports.tradeoff.sweep import Sweep, run_sweep
-from reference.reports.tradeoff.trials import BEFORE, Task, opened, run_trial
-from reference.scene.animation import still
-from reference.scene.brightness import brightened
-from reference.scene.catalogue.registry import find_scene
-from reference.scene.lights import LatLongEnvironment
-from reference.scene.named import Named
-from reference.scene.validation import validate
-from reference.system.errors import UsageError
-from reference.transport.accumulate import path_samples
-from reference.transport.world import build_world
+from restir_gi.reference.cli import tradeoff as command
+from restir_gi.reference.cli.main import main
+from restir_gi.reference.methods import Job, method_named, method_names
+from restir_gi.reference.methods.method import drive
+from restir_gi.reference.numerics import intervals
+from restir_gi.reference.numerics.moments import Moments
+from restir_gi.reference.numerics.records import fields_but, nbytes
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.tradeoff import knobs
+from restir_gi.reference.reports.tradeoff.change import recoveries
+from restir_gi.reference.reports.tradeoff.points import Design
+from restir_gi.reference.reports.tradeoff.store import open_store
+from restir_gi.reference.reports.tradeoff.sweep import Sweep, run_sweep
+from restir_gi.reference.reports.tradeoff.trials import BEFORE, Task, opened, run_trial
+from restir_gi.reference.scene.animation import still
+from restir_gi.reference.scene.brightness import brightened
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.scene.lights import LatLongEnvironment
+from restir_gi.reference.scene.named import Named
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.transport.accumulate import path_samples
+from restir_gi.reference.transport.world import build_world
 
 SMALL = Named("cornell-box", False, 16, 16)
 BASE = Design("restir-gi-unbiased", ())
@@ -324,7 +324,7 @@ def test_a_moving_scene_is_seen_in_its_last_frame(here, capsys, tmp_path):
     ],
 )
 def test_bad_input_is_one_line(capsys, tmp_path, monkeypatch, words, said):
-    monkeypatch.setattr("reference.system.workers.CONNECT", "1s")
+    monkeypatch.setattr("restir_gi.reference.system.workers.CONNECT", "1s")
     code, printed, told = restir(
         capsys, "cornell-box", "--out", tmp_path, *QUICK, "--design", "0", *words
     )

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reference.numerics.schedule import Schedule
-from reference.restir_gi import render_frames
-from reference.scene.catalogue.registry import find_scene
-from reference.scene.validation import validate
-from reference.settings import UNBIASED
-from reference.transport.world import build_world
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.restir_gi import render_frames
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.settings import UNBIASED
+from restir_gi.reference.transport.world import build_world
 
 PATH = Path(__file__).parents[2] / "docs/examples/restir_gi_60_lines.py"
 FRAMES = 12

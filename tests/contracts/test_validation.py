@@ -5,26 +5,31 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reference.scene.camera import Camera
-from reference.scene.catalogue.registry import CATALOGUE
-from reference.scene.catalogue.rooms import pose
-from reference.scene.checks.shapes import has_area
-from reference.scene.checks.shells import closed_shells
-from reference.scene.checks.space import crossings, distance_to_triangles
-from reference.scene.geometry import build_geometry, world_corners
-from reference.scene.lights import (
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.catalogue.registry import CATALOGUE
+from restir_gi.reference.scene.catalogue.rooms import pose
+from restir_gi.reference.scene.checks.shapes import has_area
+from restir_gi.reference.scene.checks.shells import closed_shells
+from restir_gi.reference.scene.checks.space import crossings, distance_to_triangles
+from restir_gi.reference.scene.geometry import build_geometry, world_corners
+from restir_gi.reference.scene.lights import (
     ConstantEnvironment,
     DirectionalLight,
     LatLongEnvironment,
     PointLight,
     SpotLight,
 )
-from reference.scene.materials.kinds import Coated, Conductor, Dielectric, Lambertian
-from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, Sphere, box, quad
-from reference.scene.textures import Bitmap, Checker
-from reference.scene.validation import validate
-from reference.system.errors import UsageError
+from restir_gi.reference.scene.materials.kinds import (
+    Coated,
+    Conductor,
+    Dielectric,
+    Lambertian,
+)
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Mesh, Sphere, box, quad
+from restir_gi.reference.scene.textures import Bitmap, Checker
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.system.errors import UsageError
 
 GREY = Lambertian((0.5, 0.5, 0.5))
 NAN, INF = float("nan"), float("inf")

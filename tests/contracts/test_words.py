@@ -225,7 +225,7 @@ def test_control_module_names_and_pages_are_read():
         "entry = 1",
         "moments = 1",
         "strung = lawful = blended = 1",
-        "from reference.passes import taps",
+        "from restir_gi.reference.passes import taps",
         '"""A bug that is named divided-by-the-donors-target."""',
         '"""At this moment the past stands beside it, free of law."""',
     ],

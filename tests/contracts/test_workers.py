@@ -13,26 +13,26 @@ from itertools import count, islice
 import numpy as np
 import pytest
 
-from reference.cli import reference as command
-from reference.cli.main import main
-from reference.images.exr import read_exr
-from reference.oracle.backends.inside import InsideBackend
-from reference.oracle.backends.running import Limits
-from reference.oracle.blackbox.renderer import Renderer
-from reference.oracle.builtin.backend import BuiltIn
-from reference.oracle.cases import for_ever
-from reference.oracle.distributed import Reached, distributed_levels
-from reference.oracle.ladder import statistical_levels
-from reference.oracle.levels.means import mean_over_runs, replicates
-from reference.oracle.parts import whole_contract
-from reference.oracle.steps import Asker
-from reference.reports.tradeoff.points import Design
-from reference.reports.tradeoff.store import open_store
-from reference.reports.tradeoff.sweep import Sweep, run_sweep
-from reference.reports.tradeoff.trials import run_trial
-from reference.scene.named import Named
-from reference.system.errors import UsageError
-from reference.system.workers import ahead, work, workers
+from restir_gi.reference.cli import reference as command
+from restir_gi.reference.cli.main import main
+from restir_gi.reference.images.exr import read_exr
+from restir_gi.reference.oracle.backends.inside import InsideBackend
+from restir_gi.reference.oracle.backends.running import Limits
+from restir_gi.reference.oracle.blackbox.renderer import Renderer
+from restir_gi.reference.oracle.builtin.backend import BuiltIn
+from restir_gi.reference.oracle.cases import for_ever
+from restir_gi.reference.oracle.distributed import Reached, distributed_levels
+from restir_gi.reference.oracle.ladder import statistical_levels
+from restir_gi.reference.oracle.levels.means import mean_over_runs, replicates
+from restir_gi.reference.oracle.parts import whole_contract
+from restir_gi.reference.oracle.steps import Asker
+from restir_gi.reference.reports.tradeoff.points import Design
+from restir_gi.reference.reports.tradeoff.store import open_store
+from restir_gi.reference.reports.tradeoff.sweep import Sweep, run_sweep
+from restir_gi.reference.reports.tradeoff.trials import run_trial
+from restir_gi.reference.scene.named import Named
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.workers import ahead, work, workers
 
 pytestmark = pytest.mark.slow
 
@@ -150,7 +150,7 @@ def test_a_cluster_accumulates_the_same_truth(tmp_path, capsys, monkeypatch):
 
 
 RENDER = (
-    f"{sys.executable} -m reference render {{scene}} --method path --spp 1"
+    f"{sys.executable} -m restir_gi.reference render {{scene}} --method path --spp 1"
     " --size {width}x{height} --seed {seed} --out {out}"
 )
 
@@ -227,7 +227,7 @@ def test_an_interrupted_sweep_goes_on(tmp_path, number):
     """What is done is kept, no process stays behind, and the end is the same."""
     about = ["cornell-box", "--size", "16x16", "--runs", "40", "--frames", "8"]
     about += ["--spp", "4", "--design", "0", "--sweep", "radius=0.1,0.2"]
-    command = [sys.executable, "-m", "reference", "tradeoff", *about]
+    command = [sys.executable, "-m", "restir_gi.reference", "tradeoff", *about]
     command += ["--processes", "2", "--out", str(tmp_path)]
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.PIPE, "text": True}
     run = subprocess.Popen(command, start_new_session=True, **quiet)

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from reference.resampling import reservoir
-from reference.settings import Settings
+from restir_gi.reference.resampling import reservoir
+from restir_gi.reference.settings import Settings
 from tests.exact import pages
 from tests.exact.domain import CELLS, HOLDS, MU, PIXELS
 from tests.exact.explore import ONE, Law, explore

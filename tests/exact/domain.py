@@ -29,7 +29,7 @@ from math import isqrt
 
 import numpy as np
 
-from reference.numerics.arrays import dot
+from restir_gi.reference.numerics.arrays import dot
 
 PIXELS, CELLS = range(3), range(6)
 NOTHING = len(CELLS)

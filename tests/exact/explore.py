@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.records import concatenate, map_rows, take
+from restir_gi.reference.numerics.records import concatenate, map_rows, take
 
 ZERO, ONE = Fraction(0), Fraction(1)
 

@@ -10,19 +10,19 @@ from dataclasses import dataclass
 from tests.exact import claims
 from tests.mutants.plant import planted
 
-RESERVOIR = "reference.resampling.reservoir"
-MIS = "reference.resampling.mis"
-PAIRWISE = "reference.resampling.pairwise"
-SHIFT = "reference.resampling.shift"
-REUSE = "reference.resampling.reuse"
-ENGINE = "reference.resampling.generalized"
-TEMPORAL = "reference.passes.temporal"
-SPATIAL = "reference.passes.spatial"
-PIXELS = "reference.passes.pixels"
-MOTION = "reference.options.motion"
-FUSED = "reference.options.fused"
-WEIGHTS = "reference.options.weights"
-LOOP = "reference.restir_gi"
+RESERVOIR = "restir_gi.reference.resampling.reservoir"
+MIS = "restir_gi.reference.resampling.mis"
+PAIRWISE = "restir_gi.reference.resampling.pairwise"
+SHIFT = "restir_gi.reference.resampling.shift"
+REUSE = "restir_gi.reference.resampling.reuse"
+ENGINE = "restir_gi.reference.resampling.generalized"
+TEMPORAL = "restir_gi.reference.passes.temporal"
+SPATIAL = "restir_gi.reference.passes.spatial"
+PIXELS = "restir_gi.reference.passes.pixels"
+MOTION = "restir_gi.reference.options.motion"
+FUSED = "restir_gi.reference.options.fused"
+WEIGHTS = "restir_gi.reference.options.weights"
+LOOP = "restir_gi.reference.restir_gi"
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,9 +1,10 @@
 """The passes of the renderer on the toy domain: the same functions, in fractions.
 
-:func:`reference.restir_gi.resampled` runs Algorithms 3 and 4, the fused pass and the
-general engine, on :class:`Pixels`, :class:`NeighborPixels` and :class:`History` as they
-are.  What stands in is the scene alone: a world whose targets and visibility are tables
-of fractions, points that are numbers of pixels, and samples that are numbers of cells.
+:func:`restir_gi.reference.restir_gi.resampled` runs Algorithms 3 and 4, the fused pass
+and the general engine, on :class:`Pixels`, :class:`NeighborPixels` and :class:`History`
+as they are.  What stands in is the scene alone: a world whose targets and visibility
+are tables of fractions, points that are numbers of pixels, and samples that are numbers
+of cells.
 
 A frame ago, as seen from pixel 0, some cells had turned and moved, others were hidden,
 and the light was another one:
@@ -30,17 +31,17 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from reference import restir_gi
-from reference.numerics.arrays import divide_or_zero
-from reference.options.motion import EarlierReservoirs
-from reference.passes import pixels as scene
-from reference.passes.history import History
-from reference.passes.initial import InitialSamples
-from reference.passes.pixels import FrameReservoirs, reconnection
-from reference.resampling import domain
-from reference.resampling.reservoir import Reservoirs
-from reference.restir_gi import PassInput
-from reference.settings import Settings
+from restir_gi.reference import restir_gi
+from restir_gi.reference.numerics.arrays import divide_or_zero
+from restir_gi.reference.options.motion import EarlierReservoirs
+from restir_gi.reference.passes import pixels as scene
+from restir_gi.reference.passes.history import History
+from restir_gi.reference.passes.initial import InitialSamples
+from restir_gi.reference.passes.pixels import FrameReservoirs, reconnection
+from restir_gi.reference.resampling import domain
+from restir_gi.reference.resampling.reservoir import Reservoirs
+from restir_gi.reference.restir_gi import PassInput
+from restir_gi.reference.settings import Settings
 from tests.exact.domain import (
     CELL,
     CELLS,

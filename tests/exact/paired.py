@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from gradient_domain.gradient_restir import (
+from restir_gi.gradient_domain.gradient_restir import (
     MINUS,
     PLUS,
     WHOLE,
@@ -33,9 +33,9 @@ from gradient_domain.gradient_restir import (
     inner_shift,
     paired,
 )
-from gradient_domain.pairs import Pairs
-from reference.resampling.generalized import resample
-from reference.resampling.reservoir import Reservoirs
+from restir_gi.gradient_domain.pairs import Pairs
+from restir_gi.reference.resampling.generalized import resample
+from restir_gi.reference.resampling.reservoir import Reservoirs
 from tests.exact.explore import draw
 
 CELLS = range(4)

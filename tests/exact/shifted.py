@@ -1,4 +1,4 @@
-"""The engine `reference.resampling.generalized` alone, on tables of fractions.
+"""The engine `restir_gi.reference.resampling.generalized` alone, on tables of fractions.
 
 Sources read shifts, targets and visibility from tables, those of the toy domain or any
 others; what becomes of their answers is the engine's, unchanged.
@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from reference.options.weights import resample_weighted
-from reference.resampling.generalized import resample
-from reference.resampling.reservoir import Reservoirs
-from reference.resampling.shift import reconnection_jacobian
+from restir_gi.reference.options.weights import resample_weighted
+from restir_gi.reference.resampling.generalized import resample
+from restir_gi.reference.resampling.reservoir import Reservoirs
+from restir_gi.reference.resampling.shift import reconnection_jacobian
 from tests.exact.domain import CELL, EYE, HOLDS, NORMAL, NOTHING
 from tests.exact.pages import NOW, Kept, with_nothing
 
@@ -109,6 +109,6 @@ def resampled(sources, uniform, mis, cap=9999):
 
 
 def by_the_engine(given, settings, cap):
-    """In place of `reference.restir_gi.resampled`: all weights by the engine."""
+    """In place of `restir_gi.reference.restir_gi.resampled`: all weights by the engine."""
     own = (given.past, given.u_own), (given.own, given.u_own)
     return resample_weighted(given.q, [*own, *given.neighbors], settings.mis, cap)

@@ -9,7 +9,7 @@ from fractions import Fraction
 
 import pytest
 
-from reference.oracle.diagnosis.diagnose import known_mistakes
+from restir_gi.reference.oracle.diagnosis.diagnose import known_mistakes
 from tests.exact import claims, pages
 from tests.exact.domain import TARGET
 from tests.exact.mutants import PAST, RESERVOIR, SPATIAL, TEMPORAL, ExactMutant

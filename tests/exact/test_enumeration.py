@@ -9,9 +9,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from reference.numerics.records import NONE
-from reference.resampling.shift import reconnection_jacobian
-from reference.settings import Settings
+from restir_gi.reference.numerics.records import NONE
+from restir_gi.reference.resampling.shift import reconnection_jacobian
+from restir_gi.reference.settings import Settings
 from tests.exact import claims, domain, pages
 from tests.exact.domain import (
     CELL,

@@ -9,7 +9,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from reference.resampling import reservoir
+from restir_gi.reference.resampling import reservoir
 from tests.exact import claims, pages
 from tests.exact.domain import CELLS, HOLDS, MU, PIXELS, SOURCE, TARGET
 from tests.exact.mutants import MUTANTS

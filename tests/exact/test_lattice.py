@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from reference.resampling import reservoir
-from reference.resampling.mis import one_over_z
-from reference.resampling.reservoir import (
+from restir_gi.reference.resampling import reservoir
+from restir_gi.reference.resampling.mis import one_over_z
+from restir_gi.reference.resampling.reservoir import (
     Candidates,
     Reservoirs,
     finalize,

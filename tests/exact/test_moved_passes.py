@@ -14,19 +14,23 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from reference.numerics.records import take
-from reference.options.motion import EarlierPixels, EarlierReservoirs, TemporalShift
-from reference.passes.history import History
-from reference.passes.initial import InitialSamples
-from reference.passes.pixels import FrameReservoirs, sees
-from reference.resampling.reservoir import Reservoirs, Samples
-from reference.resampling.suffix import Suffix
-from reference.resampling.target import target
-from reference.restir_gi import PassInput, resampled
-from reference.scene.catalogue.rooms import pose
-from reference.scene.motion import Motion
-from reference.scene.surface import SurfacePoints
-from reference.settings import Settings
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.options.motion import (
+    EarlierPixels,
+    EarlierReservoirs,
+    TemporalShift,
+)
+from restir_gi.reference.passes.history import History
+from restir_gi.reference.passes.initial import InitialSamples
+from restir_gi.reference.passes.pixels import FrameReservoirs, sees
+from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
+from restir_gi.reference.resampling.suffix import Suffix
+from restir_gi.reference.resampling.target import target
+from restir_gi.reference.restir_gi import PassInput, resampled
+from restir_gi.reference.scene.catalogue.rooms import pose
+from restir_gi.reference.scene.motion import Motion
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.settings import Settings
 from tests.exact.test_passes import (
     COLOR,
     NORMAL,

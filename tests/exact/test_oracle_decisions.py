@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from scipy.stats import poisson
 
-from reference.oracle.builtin.backend import FLOAT32
-from reference.oracle.cases import Case
-from reference.oracle.levels.patches import eye, patch_reservoirs
-from reference.oracle.replay.bounded import exact, rounding_of
-from reference.oracle.replay.formulas import preference
-from reference.oracle.replay.judgement import BUDGET_ALARM, Decisions
-from reference.oracle.replay.judges import JUDGES
-from reference.oracle.replay.rules import CONTRACT_RULES
+from restir_gi.reference.oracle.builtin.backend import FLOAT32
+from restir_gi.reference.oracle.cases import Case
+from restir_gi.reference.oracle.levels.patches import eye, patch_reservoirs
+from restir_gi.reference.oracle.replay.bounded import exact, rounding_of
+from restir_gi.reference.oracle.replay.formulas import preference
+from restir_gi.reference.oracle.replay.judgement import BUDGET_ALARM, Decisions
+from restir_gi.reference.oracle.replay.judges import JUDGES
+from restir_gi.reference.oracle.replay.rules import CONTRACT_RULES
 
 ROWS = 64
 ROUNDING = rounding_of("float32")

@@ -8,18 +8,18 @@ import mpmath
 import numpy as np
 import pytest
 
-from reference.oracle.builtin.backend import FLOAT32, FLOAT64
-from reference.oracle.cases import Case
-from reference.oracle.contract.registry import CONTRACT
-from reference.oracle.diagnosis.diagnose import diagnose
-from reference.oracle.exact.geometry import cosine_of_degrees
-from reference.oracle.levels.exact import exact_outputs, examined_exactly
-from reference.oracle.levels.kernels import kernel_probes
-from reference.oracle.levels.probe import examined
-from reference.oracle.replay import formulas, sources
-from reference.oracle.replay.bounded import Bounded
-from reference.oracle.replay.judges import JUDGES
-from reference.oracle.replay.rules import CONTRACT_RULES
+from restir_gi.reference.oracle.builtin.backend import FLOAT32, FLOAT64
+from restir_gi.reference.oracle.cases import Case
+from restir_gi.reference.oracle.contract.registry import CONTRACT
+from restir_gi.reference.oracle.diagnosis.diagnose import diagnose
+from restir_gi.reference.oracle.exact.geometry import cosine_of_degrees
+from restir_gi.reference.oracle.levels.exact import exact_outputs, examined_exactly
+from restir_gi.reference.oracle.levels.kernels import kernel_probes
+from restir_gi.reference.oracle.levels.probe import examined
+from restir_gi.reference.oracle.replay import formulas, sources
+from restir_gi.reference.oracle.replay.bounded import Bounded
+from restir_gi.reference.oracle.replay.judges import JUDGES
+from restir_gi.reference.oracle.replay.rules import CONTRACT_RULES
 
 BACKENDS = {"float32": FLOAT32, "float64": FLOAT64}
 CASES = {

@@ -6,15 +6,15 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from reference.oracle.builtin.backend import FLOAT32, FLOAT64
-from reference.oracle.frames import frame_cases
-from reference.oracle.levels.lattice import lattice_probes
-from reference.oracle.levels.patches import EYE, PLACE, UP, theory
-from reference.oracle.levels.relations import relations_of
-from reference.oracle.levels.spheres import furnace, half_lit
-from reference.oracle.prepared_frame import prepare_frame
-from reference.passes import pixels
-from reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.oracle.builtin.backend import FLOAT32, FLOAT64
+from restir_gi.reference.oracle.frames import frame_cases
+from restir_gi.reference.oracle.levels.lattice import lattice_probes
+from restir_gi.reference.oracle.levels.patches import EYE, PLACE, UP, theory
+from restir_gi.reference.oracle.levels.relations import relations_of
+from restir_gi.reference.oracle.levels.spheres import furnace, half_lit
+from restir_gi.reference.oracle.prepared_frame import prepare_frame
+from restir_gi.reference.passes import pixels
+from restir_gi.reference.scene.catalogue.registry import find_scene
 
 BACKENDS = {"float32": FLOAT32, "float64": FLOAT64}
 

@@ -12,16 +12,19 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from reference.resampling.packing import paper, restir_pt, rtxdi
-from reference.resampling.packing.log_luv import (
+from restir_gi.reference.resampling.packing import paper, restir_pt, rtxdi
+from restir_gi.reference.resampling.packing.log_luv import (
     RGB_TO_XYZ,
     XYZ_TO_RGB,
     decode_log_luv,
     encode_log_luv,
 )
-from reference.resampling.packing.octahedral import decode_normal, encode_normal
-from reference.resampling.packing.rounding import widened
-from reference.resampling.reservoir import Reservoirs
+from restir_gi.reference.resampling.packing.octahedral import (
+    decode_normal,
+    encode_normal,
+)
+from restir_gi.reference.resampling.packing.rounding import widened
+from restir_gi.reference.resampling.reservoir import Reservoirs
 from tests.words import (
     IN_GAMUT,
     PRIMARIES,

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gradient_domain.after_restir import one_sided
-from gradient_domain.gradient_restir import MINUS, PLUS, WHOLE, integrand
+from restir_gi.gradient_domain.after_restir import one_sided
+from restir_gi.gradient_domain.gradient_restir import MINUS, PLUS, WHOLE, integrand
 from tests.exact import paired as toy
 from tests.exact.claims import NOWHERE
 from tests.exact.explore import explore
@@ -96,7 +96,8 @@ def test_the_integrand_is_that_of_the_difference(p):
 def test_targets_in_place_of_densities_make_the_same_difference(p, monkeypatch):
     """Equation 13: any weights that sum to one over both ways do."""
     monkeypatch.setattr(
-        "gradient_domain.after_restir.luminance", lambda f: f[:, 0] + 2 * f[:, 1]
+        "restir_gi.gradient_domain.after_restir.luminance",
+        lambda f: f[:, 0] + 2 * f[:, 1],
     )
     assert integral(one_sided, p) == list(toy.difference(p))
 

@@ -16,28 +16,33 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from reference.numerics.records import NONE, take
-from reference.numerics.rng import TabledUniforms
-from reference.passes import pixels as pixels_module
-from reference.passes import temporal as temporal_module
-from reference.passes.gbuffer import visible_points
-from reference.passes.history import History
-from reference.passes.initial import InitialSamples
-from reference.passes.neighbors import neighbors_of
-from reference.passes.pixels import FrameReservoirs, NeighborPixels, Pixels, sees
-from reference.resampling import generalized as engine_module
-from reference.resampling import pairwise as production
-from reference.resampling import reuse as reuse_module
-from reference.resampling.reservoir import Reservoirs, Samples
-from reference.resampling.target import target
-from reference.restir_gi import OWN, PassInput, pixels_of, resampled
-from reference.scene.camera import Camera
-from reference.scene.materials.kinds import Conductor, Lambertian
-from reference.scene.scene import Scene
-from reference.scene.shapes import quad
-from reference.scene.surface import VisiblePoints
-from reference.settings import Settings
-from reference.transport.world import World, build_world
+from restir_gi.reference.numerics.records import NONE, take
+from restir_gi.reference.numerics.rng import TabledUniforms
+from restir_gi.reference.passes import pixels as pixels_module
+from restir_gi.reference.passes import temporal as temporal_module
+from restir_gi.reference.passes.gbuffer import visible_points
+from restir_gi.reference.passes.history import History
+from restir_gi.reference.passes.initial import InitialSamples
+from restir_gi.reference.passes.neighbors import neighbors_of
+from restir_gi.reference.passes.pixels import (
+    FrameReservoirs,
+    NeighborPixels,
+    Pixels,
+    sees,
+)
+from restir_gi.reference.resampling import generalized as engine_module
+from restir_gi.reference.resampling import pairwise as production
+from restir_gi.reference.resampling import reuse as reuse_module
+from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
+from restir_gi.reference.resampling.target import target
+from restir_gi.reference.restir_gi import OWN, PassInput, pixels_of, resampled
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.materials.kinds import Conductor, Lambertian
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import quad
+from restir_gi.reference.scene.surface import VisiblePoints
+from restir_gi.reference.settings import Settings
+from restir_gi.reference.transport.world import World, build_world
 
 PIXELS, NOTHING = 3, 6
 

@@ -1,4 +1,4 @@
-"""`reference.resampling.generalized` is unbiased: proved by enumeration.
+"""`restir_gi.reference.resampling.generalized` is unbiased: proved by enumeration.
 
 E[W 1{z = x}] is the measure of x for each weight but 1/M, one pass or two, supports
 that differ, confidences of any kind; and weights sum to one over those who could have
@@ -12,9 +12,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from reference import restir_gi
-from reference.numerics.records import NONE
-from reference.resampling.generalized import resample
+from restir_gi.reference import restir_gi
+from restir_gi.reference.numerics.records import NONE
+from restir_gi.reference.resampling.generalized import resample
 from tests.exact import claims, shifted
 from tests.exact.domain import CELLS, HOLDS, MU, NOTHING, PIXELS, SEES
 from tests.exact.explore import explore

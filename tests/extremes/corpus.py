@@ -15,12 +15,12 @@ import numpy as np
 import OpenEXR
 from PIL import Image as Pillow
 
-from reference.images.exr import write_exr
-from reference.images.exr_parts import MAGIC
-from reference.images.image import Image
-from reference.oracle.golden import write_golden
-from reference.oracle.levels.kernels import kernel_probes
-from reference.oracle.parts import whole_contract
+from restir_gi.reference.images.exr import write_exr
+from restir_gi.reference.images.exr_parts import MAGIC
+from restir_gi.reference.images.image import Image
+from restir_gi.reference.oracle.golden import write_golden
+from restir_gi.reference.oracle.levels.kernels import kernel_probes
+from restir_gi.reference.oracle.parts import whole_contract
 
 CORNERS = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 FACES = [(0, 1, 2), (0, 2, 3)]

@@ -23,8 +23,8 @@ from pathlib import Path
 
 import numpy as np
 
-from reference.images.exr import read_exr
-from reference.oracle.backends.descendants import end_marked, marked
+from restir_gi.reference.images.exr import read_exr
+from restir_gi.reference.oracle.backends.descendants import end_marked, marked
 
 ROOT = Path(__file__).parents[2]
 GRACE = 10.0  # seconds within which the processes of a killed command are gone
@@ -99,7 +99,7 @@ def started(
 ) -> Iterator[tuple[str, subprocess.Popen]]:
     """A run of a command, and the mark that all its processes bear."""
     mark = f"RESTIR_KILLS_{os.getpid()}_{time.monotonic_ns()}"
-    words = [sys.executable, "-m", "reference", command.name, *command.words]
+    words = [sys.executable, "-m", "restir_gi.reference", command.name, *command.words]
     words += ["--out", str(folder / command.out)]
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     environment = {**os.environ, mark: "1"}

@@ -31,9 +31,9 @@ from types import FrameType
 
 import numpy as np
 
-from reference.cli.main import COMMANDS, build_parser, main
-from reference.images.exr import read_exr
-from reference.methods import method_named, method_names
+from restir_gi.reference.cli.main import COMMANDS, build_parser, main
+from restir_gi.reference.images.exr import read_exr
+from restir_gi.reference.methods import method_named, method_names
 from tests.extremes.corpus import CorpusFile, spoiled, write_corpus
 
 LONGEST = 20.0  # s, of one mutant

@@ -10,11 +10,11 @@ import numpy as np
 from hypothesis import HealthCheck, Phase, given, settings, target
 from hypothesis import strategies as st
 
-from reference.oracle.exact.draws import Draws
-from reference.oracle.exact.extremes import EXTREMES
-from reference.oracle.exact.matrix import TYPES, judged_cell, reads
-from reference.oracle.exact.registry import kernels
-from reference.oracle.exact.worst import PATH, Worst, plain
+from restir_gi.reference.oracle.exact.draws import Draws
+from restir_gi.reference.oracle.exact.extremes import EXTREMES
+from restir_gi.reference.oracle.exact.matrix import TYPES, judged_cell, reads
+from restir_gi.reference.oracle.exact.registry import kernels
+from restir_gi.reference.oracle.exact.worst import PATH, Worst, plain
 
 STEPS = 24
 """Numbers of a row that are moved one by one; the others move with them."""

@@ -13,13 +13,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reference.cli import memory
-from reference.cli.main import main
-from reference.images.exr import read_exr, write_exr
-from reference.images.image import Image
-from reference.methods import Method, Progress, method_names
-from reference.settings import Settings
-from reference.system import plugins
+from restir_gi.reference.cli import memory
+from restir_gi.reference.cli.main import main
+from restir_gi.reference.images.exr import read_exr, write_exr
+from restir_gi.reference.images.image import Image
+from restir_gi.reference.methods import Method, Progress, method_names
+from restir_gi.reference.settings import Settings
+from restir_gi.reference.system import plugins
 
 ROOT = Path(__file__).parents[2]
 PLY = """ply
@@ -350,7 +350,7 @@ def test_a_folder_that_may_not_be_written(refused, tmp_path):
 
 LIMITED = """
 import resource, sys
-from reference.cli.main import main
+from restir_gi.reference.cli.main import main
 resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))
 sys.exit(main(sys.argv[1:]))
 """
@@ -390,7 +390,7 @@ def test_results_that_cannot_be_written(arguments):
     environment = os.environ | {"PYTHONUNBUFFERED": ""}
     with open("/dev/full", "w") as full:
         result = subprocess.run(
-            [sys.executable, "-m", "reference", *arguments],
+            [sys.executable, "-m", "restir_gi.reference", *arguments],
             cwd=ROOT,
             env=environment,
             stdout=full,
@@ -414,14 +414,14 @@ def test_ctrl_c(tmp_path, name, code):
     out.write_bytes(b"old")
     script = (
         "import sys\n"
-        "from reference.cli import main as cli\n"
-        "from reference.methods import method\n"
+        "from restir_gi.reference.cli import main as cli\n"
+        "from restir_gi.reference.methods import method\n"
         "Progress = method.Progress\n"
         "def told(*words):\n"
         "    sys.stderr.write('on\\n' if words[0] == 1 else '')\n"
         "    sys.stderr.flush()\n"
         "    return Progress(*words)\n"
-        "from reference.methods import path\n"
+        "from restir_gi.reference.methods import path\n"
         "path.Progress = told\n"
         "sys.exit(cli.main(sys.argv[1:]))\n"
     )
@@ -497,10 +497,13 @@ def register(monkeypatch):
             "cannot be loaded (ImportError: no mod",
         ),
         (ZeroDivisionError(), "cannot be loaded (ZeroDivisionError"),
-        (None, "is None, which is not a reference.methods.method.Method of that name"),
+        (
+            None,
+            "is None, which is not a restir_gi.reference.methods.method.Method of that name",
+        ),
         (
             a_method(nothing, "gray"),
-            "which is not a reference.methods.method.Method of that name",
+            "which is not a restir_gi.reference.methods.method.Method of that name",
         ),
         (a_method(nothing), "did not return a picture"),
         (a_method(too_few), "3 rows do not make a 4x4 frame"),

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from docs.figures import extremes
-from reference.numerics.schedule import Schedule
-from reference.reports.figures.record import Work
+from restir_gi.figures import extremes
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.figures.record import Work
 
 PLAN = Work(16, 4, Schedule())
 

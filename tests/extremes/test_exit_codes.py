@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from reference.cli import main as cli
-from reference.cli import scenes
-from reference.cli.main import main
-from reference.system.errors import UsageError
-from reference.system.trouble import LEAST, memory_limits, trouble
+from restir_gi.reference.cli import main as cli
+from restir_gi.reference.cli import scenes
+from restir_gi.reference.cli.main import main
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.trouble import LEAST, memory_limits, trouble
 
 ROOT = Path(__file__).parents[2]
 
@@ -105,10 +105,10 @@ def test_control_another_error_is_no_trouble_with_the_machine():
 def test_libraries_that_find_no_memory_under_a_limit(monkeypatch):
     """They raise what does not say so; without a limit it is a fault."""
     errors = (ImportError("failed to map segment"), SystemError("no exception set"))
-    monkeypatch.setattr("reference.system.trouble.memory_limits", dict)
+    monkeypatch.setattr("restir_gi.reference.system.trouble.memory_limits", dict)
     assert [trouble(error) for error in errors] == [None, None]
     monkeypatch.setattr(
-        "reference.system.trouble.memory_limits", lambda: {"v": 2 * LEAST}
+        "restir_gi.reference.system.trouble.memory_limits", lambda: {"v": 2 * LEAST}
     )
     assert all("ulimit -v" in trouble(error) for error in errors)
 
@@ -118,7 +118,7 @@ def test_a_limit_too_narrow_to_load_anything(tmp_path):
     script = (
         "import resource, sys\n"
         f"resource.setrlimit(resource.RLIMIT_AS, ({LEAST - 1}, {LEAST - 1}))\n"
-        "from reference.cli.main import main\n"
+        "from restir_gi.reference.cli.main import main\n"
         "sys.exit(main(['scenes']))\n"
     )
     result = subprocess.run(
@@ -143,8 +143,8 @@ def test_a_message_cannot_steer_the_terminal(fails):
 
 
 def test_every_entry_is_the_same():
-    """``restir``, ``python -m reference`` and ``python -m reference.cli.main``."""
-    for module in ("reference", "reference.cli.main"):
+    """``restir``, ``python -m restir_gi.reference`` and ``python -m restir_gi.reference.cli.main``."""
+    for module in ("reference", "restir_gi.reference.cli.main"):
         command = [sys.executable, "-m", module, "rendr"]
         result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
         assert result.returncode == 2
@@ -167,7 +167,7 @@ def refused(capsys, monkeypatch, tmp_path):
 
     def run(line, out):
         name = line.partition(" ")[0]
-        module = f"reference.cli.{name}"
+        module = f"restir_gi.reference.cli.{name}"
         monkeypatch.setattr(f"{module}.run", lambda arguments: pytest.fail("it ran"))
         assert main([*line.split(), "--out", out]) == 2
         written = capsys.readouterr()
@@ -214,7 +214,7 @@ def test_control_a_good_name_is_taken(monkeypatch, tmp_path):
     reached = []
     for line, out in [(FILES[1], "x.exr"), (DIRECTORIES[0], "a/b/c")]:
         name = line.partition(" ")[0]
-        monkeypatch.setattr(f"reference.cli.{name}.run", reached.append)
+        monkeypatch.setattr(f"restir_gi.reference.cli.{name}.run", reached.append)
         assert main([*line.split(), "--out", out]) == 0
     assert len(reached) == 2
     assert list(tmp_path.iterdir()) == []

@@ -9,9 +9,9 @@ import numpy as np
 import OpenEXR
 import pytest
 
-from reference.images.exr import read_exr, write_exr
-from reference.images.image import Image
-from reference.system.errors import UsageError
+from restir_gi.reference.images.exr import read_exr, write_exr
+from restir_gi.reference.images.image import Image
+from restir_gi.reference.system.errors import UsageError
 
 SCAN = {"type": OpenEXR.scanlineimage, "compression": OpenEXR.ZIP_COMPRESSION}
 RNG = np.random.default_rng(0)

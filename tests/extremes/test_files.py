@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reference.images.exr import write_exr
-from reference.images.image import Image
-from reference.system.errors import UsageError
-from reference.system.files import read_file, write_file
+from restir_gi.reference.images.exr import write_exr
+from restir_gi.reference.images.image import Image
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.files import read_file, write_file
 
 ROOT = Path(__file__).parents[2]
 GREY = Image({"color": np.full((4, 6, 3), 0.5, np.float32)})
@@ -130,8 +130,8 @@ def test_a_write_that_really_fails_half_way(tmp_path):
     script = f"""
 import resource
 from pathlib import Path
-from reference.system.errors import UsageError
-from reference.system.files import write_file
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.files import write_file
 resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
 try:
     write_file(Path({str(path)!r}), bytes(10**6))

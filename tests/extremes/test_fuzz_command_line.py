@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reference.cli.main import COMMANDS, main
-from reference.images.exr import write_exr
-from reference.images.image import Image
+from restir_gi.reference.cli.main import COMMANDS, main
+from restir_gi.reference.images.exr import write_exr
+from restir_gi.reference.images.image import Image
 from tests.extremes.mutants import (
     ROOM,
     SpoiledCommand,

@@ -7,11 +7,11 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from reference.scene.loaders import ledger
-from reference.scene.loaders.gltf_buffers import Document
-from reference.scene.loaders.load import load_scene
-from reference.scene.validation import validate
-from reference.system.errors import UsageError
+from restir_gi.reference.scene.loaders import ledger
+from restir_gi.reference.scene.loaders.gltf_buffers import Document
+from restir_gi.reference.scene.loaders.load import load_scene
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.system.errors import UsageError
 from tests.analytic.rendering import path_traced, world_of
 from tests.contracts.gltf_files import png
 from tests.contracts.test_gltf_words import whole_file

@@ -16,23 +16,29 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reference.cli import check
-from reference.cli.main import main
-from reference.oracle.backends.command import ProgramBackend
-from reference.oracle.backends.descendants import end_marked, marked
-from reference.oracle.backends.inside import InsideBackend
-from reference.oracle.backends.process import PythonBackend
-from reference.oracle.backends.running import LAST_BYTES, LastWords, Limits
-from reference.oracle.blackbox.renderer import Renderer
-from reference.oracle.blackbox.truth import LEAST_SAMPLES, path_traced
-from reference.oracle.builtin.backend import FLOAT32
-from reference.oracle.cases import NO_TIME, NOT_AGAIN, Failure, Unasked, UnaskedError
-from reference.oracle.checking import judge
-from reference.oracle.levels.kernels import kernel_probes
-from reference.oracle.parts import whole_contract
-from reference.oracle.verdict import Verdict
-from reference.scene.catalogue.registry import find_scene
-from reference.system.errors import UsageError
+from restir_gi.reference.cli import check
+from restir_gi.reference.cli.main import main
+from restir_gi.reference.oracle.backends.command import ProgramBackend
+from restir_gi.reference.oracle.backends.descendants import end_marked, marked
+from restir_gi.reference.oracle.backends.inside import InsideBackend
+from restir_gi.reference.oracle.backends.process import PythonBackend
+from restir_gi.reference.oracle.backends.running import LAST_BYTES, LastWords, Limits
+from restir_gi.reference.oracle.blackbox.renderer import Renderer
+from restir_gi.reference.oracle.blackbox.truth import LEAST_SAMPLES, path_traced
+from restir_gi.reference.oracle.builtin.backend import FLOAT32
+from restir_gi.reference.oracle.cases import (
+    NO_TIME,
+    NOT_AGAIN,
+    Failure,
+    Unasked,
+    UnaskedError,
+)
+from restir_gi.reference.oracle.checking import judge
+from restir_gi.reference.oracle.levels.kernels import kernel_probes
+from restir_gi.reference.oracle.parts import whole_contract
+from restir_gi.reference.oracle.verdict import Verdict
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.system.errors import UsageError
 
 pytestmark = pytest.mark.skipif(
     sys.platform != "linux", reason="processes are found in /proc"
@@ -273,7 +279,7 @@ BACKEND = Hangs()
         encoding="utf-8",
     )
     backends = {"python": "hangs.py", "program": "hangs.sh {directory}"}
-    command = [sys.executable, "-m", "reference", "check"]
+    command = [sys.executable, "-m", "restir_gi.reference", "check"]
     command += [str(tmp_path / backends[kind])]
     ready = (tmp_path / "ready").exists
     assert killed(command, ready, tmp_path) == ([], [])
@@ -372,7 +378,7 @@ def test_a_limit_in_which_nothing_can_start_is_refused(text, capsys):
 
 
 def run_check(arguments, **options):
-    command = [sys.executable, "-m", "reference", "check", *arguments]
+    command = [sys.executable, "-m", "restir_gi.reference", "check", *arguments]
     return subprocess.run(
         command, cwd=ROOT, capture_output=True, text=True, check=False, **options
     )

@@ -15,12 +15,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from reference.scene.loaders.ledger import MOST_EXPANSION, ROOM, Ledger
-from reference.scene.loaders.load import load_scene
-from reference.scene.loaders.pictures import read_picture
-from reference.scene.validation import validate
-from reference.system.errors import UsageError
-from reference.system.files import read_file
+from restir_gi.reference.scene.loaders.ledger import MOST_EXPANSION, ROOM, Ledger
+from restir_gi.reference.scene.loaders.load import load_scene
+from restir_gi.reference.scene.loaders.pictures import read_picture
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.files import read_file
 
 PYTHON = re.compile(
     r"Error\b|Exception|Traceback|object at 0x|NoneType|<class|\bNone\b|dtype|ndarray"
@@ -304,7 +304,7 @@ def test_light_that_no_picture_holds(tmp_path, light):
 )
 def test_every_command_that_reads_a_scene_can_be_told_how(command):
     parser = ArgumentParser()
-    import_module(f"reference.cli.{command}").add_arguments(parser)
+    import_module(f"restir_gi.reference.cli.{command}").add_arguments(parser)
     told = parser.format_help()
     assert "--lenient" in told
     assert "--allow-outside" in told

@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose, assert_array_equal
 
-from reference.numerics.arrays import dot, length
-from reference.numerics.records import take
-from reference.passes.gbuffer import similar
-from reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
-from reference.resampling.reservoir import (
+from restir_gi.reference.numerics.arrays import dot, length
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.passes.gbuffer import similar
+from restir_gi.reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
+from restir_gi.reference.resampling.reservoir import (
     Candidates,
     Reservoirs,
     Samples,
@@ -27,22 +27,25 @@ from reference.resampling.reservoir import (
     merge,
     reused_candidates,
 )
-from reference.resampling.shift import reconnection_jacobian
-from reference.resampling.source import sample_source, source_pdf
-from reference.resampling.target import reflected
-from reference.resampling.target import target as p_hat_of
-from reference.scene.materials import bsdf_sampling
-from reference.scene.materials.fresnel import fresnel_conductor, fresnel_dielectric
-from reference.scene.materials.kinds import Conductor
-from reference.scene.materials.microfacet import (
+from restir_gi.reference.resampling.shift import reconnection_jacobian
+from restir_gi.reference.resampling.source import sample_source, source_pdf
+from restir_gi.reference.resampling.target import reflected
+from restir_gi.reference.resampling.target import target as p_hat_of
+from restir_gi.reference.scene.materials import bsdf_sampling
+from restir_gi.reference.scene.materials.fresnel import (
+    fresnel_conductor,
+    fresnel_dielectric,
+)
+from restir_gi.reference.scene.materials.kinds import Conductor
+from restir_gi.reference.scene.materials.microfacet import (
     ggx_density,
     sample_visible_normal,
     smith_g1,
 )
-from reference.scene.materials.parameters import Kind, tabulate
-from reference.scene.materials.table import is_shared
-from reference.scene.surface import SurfacePoints
-from reference.strategies import EXAMPLES, scalars, unit_vectors
+from restir_gi.reference.scene.materials.parameters import Kind, tabulate
+from restir_gi.reference.scene.materials.table import is_shared
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.strategies import EXAMPLES, scalars, unit_vectors
 
 F32, F64 = np.finfo(np.float32), np.finfo(np.float64)
 

@@ -7,7 +7,7 @@ import time
 
 import pytest
 
-from reference.oracle.backends.descendants import end_marked, marked
+from restir_gi.reference.oracle.backends.descendants import end_marked, marked
 from tests.extremes import kills
 
 pytestmark = [

@@ -8,13 +8,18 @@ from pathlib import Path
 
 import pytest
 
-from reference.cli.main import main
-from reference.cli.targets import MADE_BY, new_folder
-from reference.oracle.verdict import Verdict
-from reference.reports.verdict.page import write_page
-from reference.reports.verdict.plain import as_plain
-from reference.system.files import write_file
-from reference.system.leftovers import LOCK, part_beside, scratch_folder, sweep
+from restir_gi.reference.cli.main import main
+from restir_gi.reference.cli.targets import MADE_BY, new_folder
+from restir_gi.reference.oracle.verdict import Verdict
+from restir_gi.reference.reports.verdict.page import write_page
+from restir_gi.reference.reports.verdict.plain import as_plain
+from restir_gi.reference.system.files import write_file
+from restir_gi.reference.system.leftovers import (
+    LOCK,
+    part_beside,
+    scratch_folder,
+    sweep,
+)
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no such locks there")
 
@@ -76,7 +81,7 @@ def test_what_is_held_is_left_alone(tmp_path):
 WRITER = """
 import sys, time
 from pathlib import Path
-from reference.system.leftovers import part_beside, scratch_folder
+from restir_gi.reference.system.leftovers import part_beside, scratch_folder
 place = Path(sys.argv[1])
 with part_beside(place / "a") as (part, file), scratch_folder("render", place):
     (place / "ready").touch()

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from reference.scene.loaders.ledger import MOST_TOLD
-from reference.scene.loaders.load import LOADERS, load_scene
-from reference.system.errors import UsageError
+from restir_gi.reference.scene.loaders.ledger import MOST_TOLD
+from restir_gi.reference.scene.loaders.load import LOADERS, load_scene
+from restir_gi.reference.system.errors import UsageError
 
 SUFFIXES = sorted(LOADERS)
 OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"

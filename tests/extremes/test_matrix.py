@@ -7,13 +7,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reference.oracle.exact.extremes import EXTREMES
-from reference.oracle.exact.judge import judge
-from reference.oracle.exact.matrix import TYPES, cell, judged_cell, reads
-from reference.oracle.exact.numbers import EXACT, UndecidedError, exact, type_of
-from reference.oracle.exact.registry import kernels, limits_of
-from reference.oracle.exact.worst import worst_rows
-from reference.oracle.parts import whole_contract
+from restir_gi.reference.oracle.exact.extremes import EXTREMES
+from restir_gi.reference.oracle.exact.judge import judge
+from restir_gi.reference.oracle.exact.matrix import TYPES, cell, judged_cell, reads
+from restir_gi.reference.oracle.exact.numbers import (
+    EXACT,
+    UndecidedError,
+    exact,
+    type_of,
+)
+from restir_gi.reference.oracle.exact.registry import kernels, limits_of
+from restir_gi.reference.oracle.exact.worst import worst_rows
+from restir_gi.reference.oracle.parts import whole_contract
 from tests.extremes.search import search
 
 BY_NAME = {kernel.name: kernel for kernel in kernels()}

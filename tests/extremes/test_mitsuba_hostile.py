@@ -6,10 +6,10 @@ import re
 import numpy as np
 import pytest
 
-from reference.scene.loaders.load import load_scene
-from reference.scene.loaders.mitsuba_nodes import mitsuba_session
-from reference.scene.validation import validate
-from reference.system.errors import UsageError
+from restir_gi.reference.scene.loaders.load import load_scene
+from restir_gi.reference.scene.loaders.mitsuba_nodes import mitsuba_session
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.system.errors import UsageError
 from tests.contracts.test_mitsuba_forms import FORMS
 from tests.contracts.test_mitsuba_room import furnish
 from tests.contracts.test_mitsuba_words import serialized
@@ -189,7 +189,7 @@ def test_many_mutants_load_or_are_refused_in_one_line(folder, seed):
 
 def test_large_meshes_are_weighed_against_their_own_bytes(folder, monkeypatch):
     """A file may take a multiple of its bytes, however often instances show it."""
-    from reference.scene.loaders import ledger, mitsuba_shapes
+    from restir_gi.reference.scene.loaders import ledger, mitsuba_shapes
 
     monkeypatch.setattr(ledger, "ROOM", 0)
     monkeypatch.setattr(mitsuba_shapes, "BYTES", 0)

@@ -11,17 +11,20 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from reference.numerics.arrays import length, normalize
-from reference.resampling.packing import paper, rtxdi
-from reference.resampling.packing.log_luv import decode_log_luv, encode_log_luv
-from reference.resampling.packing.octahedral import (
+from restir_gi.reference.numerics.arrays import length, normalize
+from restir_gi.reference.resampling.packing import paper, rtxdi
+from restir_gi.reference.resampling.packing.log_luv import (
+    decode_log_luv,
+    encode_log_luv,
+)
+from restir_gi.reference.resampling.packing.octahedral import (
     UNIT,
     WORST_ANGLE,
     decode_normal,
     encode_normal,
 )
-from reference.resampling.packing.rounding import nearest_count, nearest_float
-from reference.resampling.reservoir import Reservoirs, Samples
+from restir_gi.reference.resampling.packing.rounding import nearest_count, nearest_float
+from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
 from tests.words import direction
 
 F32 = np.finfo(np.float32)

@@ -17,19 +17,23 @@ import numpy as np
 import pytest
 import trimesh
 
-from reference.numerics.records import take
-from reference.scene.camera import Camera
-from reference.scene.catalogue.registry import find_scene
-from reference.scene.checks.space import distance_to_triangles
-from reference.scene.geometry import world_corners
-from reference.scene.hits import surface_points
-from reference.scene.lights import ConstantEnvironment, DirectionalLight, PointLight
-from reference.scene.materials.kinds import Lambertian
-from reference.scene.origins import STEP, contact
-from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, Sphere, box, quad
-from reference.transport.path_tracer import follow
-from reference.transport.world import build_world
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.scene.checks.space import distance_to_triangles
+from restir_gi.reference.scene.geometry import world_corners
+from restir_gi.reference.scene.hits import surface_points
+from restir_gi.reference.scene.lights import (
+    ConstantEnvironment,
+    DirectionalLight,
+    PointLight,
+)
+from restir_gi.reference.scene.materials.kinds import Lambertian
+from restir_gi.reference.scene.origins import STEP, contact
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Mesh, Sphere, box, quad
+from restir_gi.reference.transport.path_tracer import follow
+from restir_gi.reference.transport.world import build_world
 from tests.analytic.rendering import (
     frames_of,
     moved,

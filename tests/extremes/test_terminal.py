@@ -7,9 +7,9 @@ import sys
 import pytest
 from rich.table import Table
 
-from reference.cli import console
-from reference.cli.main import main
-from reference.system.terminal import visible
+from restir_gi.reference.cli import console
+from restir_gi.reference.cli.main import main
+from restir_gi.reference.system.terminal import visible
 
 EVIL = "\x1b[2J\x1b]0;title\x07kit\x9bchen\u202e\r\x00[red]x[/blue]"
 SCENE = {

@@ -10,15 +10,15 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from reference.methods import Job, method_named, method_names
-from reference.numerics.schedule import Schedule
-from reference.scene.brightness import brightened
-from reference.scene.catalogue.registry import find_scene
-from reference.scene.materials.kinds import Coated, Conductor, Lambertian
-from reference.scene.shapes import Mesh
-from reference.scene.validation import validate
-from reference.system.errors import UsageError
-from reference.transport.world import build_world
+from restir_gi.reference.methods import Job, method_named, method_names
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.scene.brightness import brightened
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.scene.materials.kinds import Coated, Conductor, Lambertian
+from restir_gi.reference.scene.shapes import Mesh
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.transport.world import build_world
 from tests.analytic.rendering import moved
 from tests.properties.path_scenes import lamps
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from reference.numerics.rng import (
+from restir_gi.reference.numerics.rng import (
     DIMENSIONS,
     KeyedUniforms,
     Stream,

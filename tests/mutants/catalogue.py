@@ -1,7 +1,8 @@
 """Mistakes that renderers made, as edits of the production code.
 
 ``ids`` are rows of the bug catalogue; ``expected`` names hypotheses of
-:mod:`reference.oracle.diagnosis` that would be right, none where there is none.
+:mod:`restir_gi.reference.oracle.diagnosis` that would be right, none where there is
+none.
 """
 
 from dataclasses import dataclass
@@ -9,23 +10,23 @@ from typing import Literal
 
 Class = Literal["bias", "variance", "equivalent", "robustness"]
 
-RESERVOIR = "reference.resampling.reservoir"
-TARGET = "reference.resampling.target"
-SHIFT = "reference.resampling.shift"
-MIS = "reference.resampling.mis"
-REUSED = "reference.resampling.reuse"
-PIXELS = "reference.passes.pixels"
-DOMAIN = "reference.resampling.domain"
-SPATIAL = "reference.passes.spatial"
-NEIGHBORS = "reference.passes.neighbors"
-SHADE = "reference.passes.shade"
-GBUFFER = "reference.passes.gbuffer"
-TEMPORAL = "reference.passes.temporal"
-SAMPLING = "reference.numerics.sampling"
-FRAMES = "reference.numerics.frames"
-RNG = "reference.numerics.rng"
-LAMBERTIAN = "reference.scene.materials.lambertian"
-COSINE = "reference.scene.materials.parameters"
+RESERVOIR = "restir_gi.reference.resampling.reservoir"
+TARGET = "restir_gi.reference.resampling.target"
+SHIFT = "restir_gi.reference.resampling.shift"
+MIS = "restir_gi.reference.resampling.mis"
+REUSED = "restir_gi.reference.resampling.reuse"
+PIXELS = "restir_gi.reference.passes.pixels"
+DOMAIN = "restir_gi.reference.resampling.domain"
+SPATIAL = "restir_gi.reference.passes.spatial"
+NEIGHBORS = "restir_gi.reference.passes.neighbors"
+SHADE = "restir_gi.reference.passes.shade"
+GBUFFER = "restir_gi.reference.passes.gbuffer"
+TEMPORAL = "restir_gi.reference.passes.temporal"
+SAMPLING = "restir_gi.reference.numerics.sampling"
+FRAMES = "restir_gi.reference.numerics.frames"
+RNG = "restir_gi.reference.numerics.rng"
+LAMBERTIAN = "restir_gi.reference.scene.materials.lambertian"
+COSINE = "restir_gi.reference.scene.materials.parameters"
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +120,7 @@ AT_NEIGHBOR = """replace(
         world=q_n.frame.world,
         points=take(q_n.frame.visible.surface, np.maximum(q_n.rows, 0)),
     ).target(R_n.y)"""
-TAKE = "from reference.numerics.records import take\n\n    "
+TAKE = "from restir_gi.reference.numerics.records import take\n\n    "
 REPLACE = "from dataclasses import replace\n\n    "
 MOVES = "not isinstance(past, Reservoirs)"
 ALIKE = "alike & (near > 0) & (far - near <= max_depth * far)"
@@ -1228,7 +1229,7 @@ SHADING = [
             ("IS-27", "PK-13"),
             SHADE,
             SHOWN,
-            "from reference.resampling.target import target\n"
+            "from restir_gi.reference.resampling.target import target\n"
             '    p = target("scattered", world.materials, points, reservoirs.y)\n'
             "    return (radiance * 0 + p[:, None]) * reservoirs.W[:, None]",
             ("shade-by-the-target",),

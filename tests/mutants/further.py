@@ -5,16 +5,16 @@ In the manner of :mod:`tests.mutants.catalogue`.
 
 from tests.mutants.catalogue import Mutant
 
-REPROJECT = "reference.options.reprojection"
-VALIDATION = "reference.options.validation"
-BOILING = "reference.options.boiling"
-CHECKERBOARD = "reference.options.checkerboard"
-ROULETTE = "reference.options.roulette"
-CAMERA = "reference.scene.camera"
-OWN = "reference.oracle.builtin.further"
-PAPER = "reference.resampling.packing.paper"
-OCTAHEDRAL = "reference.resampling.packing.octahedral"
-ROUNDING = "reference.resampling.packing.rounding"
+REPROJECT = "restir_gi.reference.options.reprojection"
+VALIDATION = "restir_gi.reference.options.validation"
+BOILING = "restir_gi.reference.options.boiling"
+CHECKERBOARD = "restir_gi.reference.options.checkerboard"
+ROULETTE = "restir_gi.reference.options.roulette"
+CAMERA = "restir_gi.reference.scene.camera"
+OWN = "restir_gi.reference.oracle.builtin.further"
+PAPER = "restir_gi.reference.resampling.packing.paper"
+OCTAHEDRAL = "restir_gi.reference.resampling.packing.octahedral"
+ROUNDING = "restir_gi.reference.resampling.packing.rounding"
 
 CENTER = "camera_rays(camera, column + 0.5, line + 0.5)"
 SIDE = "np.where(facing > 0, -1.0, 1.0)"

@@ -6,12 +6,14 @@ nothing is left uninitialised where no sample was chosen (GD-27).
 
 from tests.mutants.catalogue import Mutant
 
-PAGE, PAIRS = (f"gradient_domain.{name}" for name in ("gradient_restir", "pairs"))
+PAGE, PAIRS = (
+    f"restir_gi.gradient_domain.{name}" for name in ("gradient_restir", "pairs")
+)
 SOLVER, ROBUST, ADJOINT, METHOD = (
-    f"gradient_domain.{name}"
+    f"restir_gi.gradient_domain.{name}"
     for name in ("reconstruction", "least_absolute", "differences", "method")
 )
-WINDOWS = "extensions.windows"
+WINDOWS = "restir_gi.extensions.windows"
 
 SIGNED = "found: Vec3s = np.where((value.k == 0)[:, None], own, -own)"
 JACOBIAN = "return scatter(at, value, size), jacobian"

@@ -7,8 +7,12 @@ is quantised (HG-13); no emission is stored, and no short ray passed over (HG-23
 
 from tests.mutants.catalogue import Mutant
 
-GRID, LIGHTS, WORLD = "hashgrid.grid", "hashgrid.lights", "hashgrid.world_reservoirs"
-REGIR, SETTINGS = "hashgrid.regir_gi", "hashgrid.path_settings"
+GRID, LIGHTS, WORLD = (
+    "restir_gi.hashgrid.grid",
+    "restir_gi.hashgrid.lights",
+    "restir_gi.hashgrid.world_reservoirs",
+)
+REGIR, SETTINGS = "restir_gi.hashgrid.regir_gi", "restir_gi.hashgrid.path_settings"
 
 FOUND = "same = alike & take(grid.cells, here).same(take(keys, open_rows))"
 SORTED = 'order = np.argsort(hashes, kind="stable")'

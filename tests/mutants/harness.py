@@ -12,12 +12,12 @@ from itertools import chain
 from time import perf_counter
 from typing import Any
 
-from reference.oracle import ladder as oracle
-from reference.oracle.builtin.backend import BuiltIn
-from reference.oracle.cases import Case, Failure, Outcome, for_ever
-from reference.oracle.contract.fields import Passes, Precision
-from reference.oracle.parts import whole_contract
-from reference.oracle.verdict import Verdict, run_ladder
+from restir_gi.reference.oracle import ladder as oracle
+from restir_gi.reference.oracle.builtin.backend import BuiltIn
+from restir_gi.reference.oracle.cases import Case, Failure, Outcome, for_ever
+from restir_gi.reference.oracle.contract.fields import Passes, Precision
+from restir_gi.reference.oracle.parts import whole_contract
+from restir_gi.reference.oracle.verdict import Verdict, run_ladder
 from tests.mutants.catalogue import Mutant
 from tests.mutants.plant import planted
 

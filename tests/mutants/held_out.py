@@ -40,7 +40,7 @@ Z_TERMS = (
 
 WHOLE_GEOMETRY_TERM = """y, x_q = self.reservoirs.y, self.q.points
         n_from = take(self.frame.visible.surface.normal, np.maximum(self.rows, 0))
-        from reference.scene.surface import direction_and_distance
+        from restir_gi.reference.scene.surface import direction_and_distance
 
         u_from, _ = direction_and_distance(self.x.position, y.position)
         u_to, _ = direction_and_distance(x_q.position, y.position)
@@ -62,7 +62,7 @@ LESS_TRUST = f"""from numpy import where
 
 REC_601 = f"""from numpy import maximum
 
-    from reference.resampling.target import luminance
+    from restir_gi.reference.resampling.target import luminance
 
     {REPLACE}c = R.kept
     shown = q.points.color * c.y.radiance

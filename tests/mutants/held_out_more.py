@@ -26,10 +26,10 @@ from tests.mutants.catalogue import (
     Mutant,
 )
 
-INITIAL_PASS = "reference.passes.initial"
-LOOP_OF_FRAMES = "reference.restir_gi"
-MOTION = "reference.options.motion"
-HISTORY = "reference.options.history"
+INITIAL_PASS = "restir_gi.reference.passes.initial"
+LOOP_OF_FRAMES = "restir_gi.reference.restir_gi"
+MOTION = "restir_gi.reference.options.motion"
+HISTORY = "restir_gi.reference.options.history"
 
 PATH = "radiance = reflected_radiance(world, met, bounces - 1, paths, tail=tail)"
 SHINING = "shining = np.where(shared[:, None], radiance, 0.0)"
@@ -43,14 +43,14 @@ EARLIER = "return EarlierReservoirs(r.world, r.visible, reservoirs, shift)"
 SHOWN = "color, seen = shade(frame.world, q.points, kept), None"
 
 EMISSION_TOO = f"""{PATH}
-    from reference.scene.emitters import emitted
+    from restir_gi.reference.scene.emitters import emitted
 
     radiance = radiance + emitted(world.emitters, world.geometry, met)"""
 
 WITHOUT_ALBEDO = f"""{NEW}
     from numpy import maximum
 
-    from reference.resampling.target import luminance
+    from restir_gi.reference.resampling.target import luminance
 
     {REPLACE}shown = luminance(q.points.color * initial.y.radiance)
     more = luminance(initial.y.radiance) / maximum(shown, 1e-30)
@@ -67,7 +67,7 @@ CAMERA_RELATIVE = """from numpy import subtract
         step = subtract(self.after.camera.position, self.before.camera.position)
         return replace(y, position=y.position + step)"""
 
-GIVES_WAY = f"""from reference.numerics.records import where
+GIVES_WAY = f"""from restir_gi.reference.numerics.records import where
 
     {REPLACE}kept, c = finalize(R_s.kept, Z), R_s.candidates[1]
     hidden = (kept.W > 0) & ~q.sees(kept.y, kept.W > 0)
@@ -79,7 +79,7 @@ GIVES_WAY_IN_TIME = f"""if not ({MOVES}):
         {CLOSE}
     {GIVES_WAY.replace("R_s.", "R.")}"""
 
-TRUSTED = f"""from reference.options.visibility import trusting
+TRUSTED = f"""from restir_gi.reference.options.visibility import trusting
 
     R = begin(reused(trusting(q) if {MOVES} else q, past))"""
 
@@ -90,7 +90,7 @@ CLOSE_BY = """x_q = q.points.position
 
 TO_THE_LEFT = f"""from numpy import arange, maximum
 
-    from reference.numerics.records import take
+    from restir_gi.reference.numerics.records import take
 
     if not ({MOVES}):
         past = take(past, maximum(arange(len(past.M)) - 1, 0))
@@ -164,7 +164,7 @@ HELD_OUT_MORE: tuple[Mutant, ...] = (
         f"{OMEGA}\n    {DENSITY}",
         f"{OMEGA}\n    {DENSITY}\n"
         '    if source == "cosine":\n'
-        "        from reference.numerics.sampling import pdf_cosine_hemisphere\n\n"
+        "        from restir_gi.reference.numerics.sampling import pdf_cosine_hemisphere\n\n"
         "        density = pdf_cosine_hemisphere(-(met.normal * omega).sum(axis=1))",
     ),
     Mutant(

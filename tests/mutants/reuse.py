@@ -5,8 +5,8 @@ In the manner of :mod:`tests.mutants.catalogue`.
 
 from tests.mutants.catalogue import Mutant
 
-ENGINE = "reference.resampling.generalized"
-PAIRWISE = "reference.resampling.pairwise"
+ENGINE = "restir_gi.reference.resampling.generalized"
+PAIRWISE = "restir_gi.reference.resampling.pairwise"
 
 ARRIVING = "reused_candidates(here, target(value), jacobian)"
 COUNTED = "here = Reservoirs(np.full(size, slot, np.int8), W, M)"

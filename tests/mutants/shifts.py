@@ -5,7 +5,7 @@ In the manner of :mod:`tests.mutants.catalogue`.
 
 from tests.mutants.catalogue import Mutant
 
-SHIFTING = "extensions.shifting"
+SHIFTING = "restir_gi.extensions.shifting"
 
 ROUGH = "np.minimum(roughness(table, x_from), roughness(table, x_to))"
 SINGLE = "np.where(single, -1.0, np.sqrt(table.alpha))"

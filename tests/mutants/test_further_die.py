@@ -4,7 +4,7 @@ from functools import cache
 
 import pytest
 
-from reference.oracle.diagnosis.further import FURTHER_MISTAKES
+from restir_gi.reference.oracle.diagnosis.further import FURTHER_MISTAKES
 from tests.mutants.catalogue import BY_NAME
 from tests.mutants.further import FURTHER_MUTANTS
 from tests.mutants.harness import kill

@@ -4,9 +4,9 @@ from functools import partial
 
 import pytest
 
-from gradient_domain.gradient_restir import MINUS
-from gradient_domain.least_absolute import least_absolute
-from gradient_domain.reconstruction import least_squares
+from restir_gi.gradient_domain.gradient_restir import MINUS
+from restir_gi.gradient_domain.least_absolute import least_absolute
+from restir_gi.gradient_domain.reconstruction import least_squares
 from tests.analytic import test_reconstruction as images
 from tests.contracts import test_gradient_methods as methods
 from tests.exact import test_paired_domain as exact

@@ -6,11 +6,11 @@ from functools import partial
 import numpy as np
 import pytest
 
-import hashgrid.grid
-from hashgrid.grid import Keys
-from hashgrid.light_settings import LightSettings
-from hashgrid.path_settings import CellSettings
-from reference.numerics.schedule import Schedule
+import restir_gi.hashgrid.grid
+from restir_gi.hashgrid.grid import Keys
+from restir_gi.hashgrid.light_settings import LightSettings
+from restir_gi.hashgrid.path_settings import CellSettings
+from restir_gi.reference.numerics.schedule import Schedule
 from tests.mutants.grid import GRID_MUTANTS, LIGHT_MUTANTS, PATH_MUTANTS
 from tests.mutants.plant import is_refuted, planted
 from tests.properties import test_hash_grid as grids
@@ -31,14 +31,14 @@ def collisions():
 
 def lattices():
     """Frame by frame, the cells that are looked up are those of the grid."""
-    asked, keys_of = [], hashgrid.grid.keys_of
+    asked, keys_of = [], restir_gi.hashgrid.grid.keys_of
 
     def spied(lattice, *rest):
         asked.append(lattice)
         return keys_of(lattice, *rest)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(hashgrid.grid, "keys_of", spied)
+        patch.setattr(restir_gi.hashgrid.grid, "keys_of", spied)
         lights.colors("moving-camera", Schedule(), LightSettings(), frames=2)
     # The first frame's grid; look-ups at two vertices; the second frame's grid.
     first, *looked_up, second = asked

@@ -6,9 +6,9 @@ from functools import cache, cached_property
 
 import pytest
 
-from extensions.oracle.reuse.part import PART as REUSE
-from extensions.oracle.shifts.part import PART as SHIFTS
-from reference.oracle.parts import Part
+from restir_gi.extensions.oracle.reuse.part import PART as REUSE
+from restir_gi.extensions.oracle.shifts.part import PART as SHIFTS
+from restir_gi.reference.oracle.parts import Part
 from tests.mutants import reuse
 from tests.mutants.catalogue import BY_NAME
 from tests.mutants.further import FURTHER_MUTANTS

@@ -8,10 +8,10 @@ from functools import partial
 
 import numpy as np
 
-from reference.numerics.arrays import dot
-from reference.numerics.frames import normal_frames
-from reference.numerics.records import take
-from reference.scene.materials.bsdf_sampling import sample
+from restir_gi.reference.numerics.arrays import dot
+from restir_gi.reference.numerics.frames import normal_frames
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.scene.materials.bsdf_sampling import sample
 from tests.properties.path_scenes import UNIT
 
 SMALL = 64 * UNIT

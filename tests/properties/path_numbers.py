@@ -8,11 +8,11 @@ from functools import cache
 
 import numpy as np
 
-from extensions.shifting import Technique
-from reference.numerics.arrays import dot
-from reference.numerics.records import take
-from reference.scene.materials.parameters import Kind
-from reference.scene.origins import contact
+from restir_gi.extensions.shifting import Technique
+from restir_gi.reference.numerics.arrays import dot
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.scene.materials.parameters import Kind
+from restir_gi.reference.scene.origins import contact
 from tests.properties.path_inverses import directions, guessed, inverted
 from tests.properties.path_scenes import (
     SIZE,

@@ -5,23 +5,28 @@ from functools import cache
 
 import numpy as np
 
-from extensions.candidates import draw_paths
-from extensions.pt_settings import CRITERIA
-from extensions.shifting import Shift, Technique, advance, leave, start
-from reference.numerics.arrays import dot
-from reference.numerics.records import scatter, where
-from reference.numerics.rng import KeyedUniforms, Stream
-from reference.passes.gbuffer import visible_points
-from reference.scene.camera import pixel_centers
-from reference.scene.catalogue.registry import find_scene
-from reference.scene.lights import SpotLight
-from reference.scene.materials.kinds import Coated, Conductor, Dielectric, mirror
-from reference.scene.materials.parameters import Kind
-from reference.scene.origins import contact, step_before
-from reference.scene.surface import direction_and_distance
-from reference.scene.textures import Bitmap
-from reference.scene.validation import validate
-from reference.transport.world import build_world
+from restir_gi.extensions.candidates import draw_paths
+from restir_gi.extensions.pt_settings import CRITERIA
+from restir_gi.extensions.shifting import Shift, Technique, advance, leave, start
+from restir_gi.reference.numerics.arrays import dot
+from restir_gi.reference.numerics.records import scatter, where
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.passes.gbuffer import visible_points
+from restir_gi.reference.scene.camera import pixel_centers
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.scene.lights import SpotLight
+from restir_gi.reference.scene.materials.kinds import (
+    Coated,
+    Conductor,
+    Dielectric,
+    mirror,
+)
+from restir_gi.reference.scene.materials.parameters import Kind
+from restir_gi.reference.scene.origins import contact, step_before
+from restir_gi.reference.scene.surface import direction_and_distance
+from restir_gi.reference.scene.textures import Bitmap
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.transport.world import build_world
 
 FLOORS = {
     "paint": None,

@@ -11,15 +11,24 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from reference.scene.animation import Animation, still, with_camera, with_shape
-from reference.scene.catalogue.animations import CHANGE, FLIGHT, PERIOD
-from reference.scene.catalogue.registry import CATALOGUE, find_animation, find_scene
-from reference.scene.catalogue.rooms import pose
-from reference.scene.geometry import world_corners
-from reference.scene.motion import motion_between
-from reference.scene.shapes import Sphere
-from reference.scene.validation import validate, validate_frames
-from reference.system.errors import UsageError
+from restir_gi.reference.scene.animation import (
+    Animation,
+    still,
+    with_camera,
+    with_shape,
+)
+from restir_gi.reference.scene.catalogue.animations import CHANGE, FLIGHT, PERIOD
+from restir_gi.reference.scene.catalogue.registry import (
+    CATALOGUE,
+    find_animation,
+    find_scene,
+)
+from restir_gi.reference.scene.catalogue.rooms import pose
+from restir_gi.reference.scene.geometry import world_corners
+from restir_gi.reference.scene.motion import motion_between
+from restir_gi.reference.scene.shapes import Sphere
+from restir_gi.reference.scene.validation import validate, validate_frames
+from restir_gi.reference.system.errors import UsageError
 
 ROUNDING = 1e-13
 ANIMATED = [name for name, entry in CATALOGUE.items() if entry.animate]
@@ -280,7 +289,7 @@ def test_a_scene_that_stays_is_validated_once(monkeypatch):
         seen.append(scene)
         return validate(scene, may_be_dark)
 
-    monkeypatch.setattr("reference.scene.validation.validate", counted)
+    monkeypatch.setattr("restir_gi.reference.scene.validation.validate", counted)
     animation = changed_at(3, lambda scene: replace(scene, name="later"))
     valid = validate_frames(animation)
     for frame in range(6):

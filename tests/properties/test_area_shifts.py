@@ -7,20 +7,20 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from extensions.area_restir import render_area_frames
-from extensions.area_settings import AreaSettings
-from extensions.area_shift import AreaNeighbor, AreaShift, kept_in_place
-from extensions.frame_loop import path_shift
-from extensions.windows import windows
-from reference.frame import FrameContext
-from reference.numerics.records import NONE, take
-from reference.numerics.schedule import Schedule
-from reference.scene.animation import Animation
-from reference.scene.catalogue.registry import find_animation
-from reference.scene.origins import contact
-from reference.scene.validation import validate
-from reference.transport.path_tracer import first_hits
-from reference.transport.world import build_world
+from restir_gi.extensions.area_restir import render_area_frames
+from restir_gi.extensions.area_settings import AreaSettings
+from restir_gi.extensions.area_shift import AreaNeighbor, AreaShift, kept_in_place
+from restir_gi.extensions.frame_loop import path_shift
+from restir_gi.extensions.windows import windows
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.records import NONE, take
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.scene.catalogue.registry import find_animation
+from restir_gi.reference.scene.origins import contact
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.transport.path_tracer import first_hits
+from restir_gi.reference.transport.world import build_world
 
 SIZE = 48
 ROWS = np.arange(SIZE * SIZE)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_array_equal
 
-from reference.numerics.arrays import (
+from restir_gi.reference.numerics.arrays import (
     cross,
     divide_or_zero,
     dot,
@@ -18,8 +18,8 @@ from reference.numerics.arrays import (
     normalize,
     sqrt,
 )
-from reference.numerics.frames import normal_frames, to_world, turn
-from reference.strategies import ROWS, points, scalars, unit_vectors
+from restir_gi.reference.numerics.frames import normal_frames, to_world, turn
+from restir_gi.reference.strategies import ROWS, points, scalars, unit_vectors
 
 EPS = np.finfo(np.float64).eps
 

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
-from reference.options.boiling import TILE, boiling_filter
-from reference.resampling.reservoir import Reservoirs, Samples
+from restir_gi.reference.options.boiling import TILE, boiling_filter
+from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
 
 WIDTH, HEIGHT = 2 * TILE + 3, TILE + 5
 N = WIDTH * HEIGHT

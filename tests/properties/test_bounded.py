@@ -6,10 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from reference.oracle.replay.bounded import constant, exact, rounding_of
-from reference.oracle.replay.formulas import jacobian, target
-from reference.oracle.replay.points import ReceiverPoint, SamplePoint
-from reference.oracle.replay.verbs import inner, square_root, where_positive
+from restir_gi.reference.oracle.replay.bounded import constant, exact, rounding_of
+from restir_gi.reference.oracle.replay.formulas import jacobian, target
+from restir_gi.reference.oracle.replay.points import ReceiverPoint, SamplePoint
+from restir_gi.reference.oracle.replay.verbs import inner, square_root, where_positive
 
 ROUNDING = rounding_of("float32")
 SINGLE = np.float32

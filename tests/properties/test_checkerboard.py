@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_array_equal
 
-from reference.options.checkerboard import draws_new_sample
+from restir_gi.reference.options.checkerboard import draws_new_sample
 
 sizes = st.tuples(st.integers(1, 9), st.integers(1, 9))
 frames = st.integers(0, 2**27 - 1)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.integrate import quad
 
-from reference.scene.materials.coat import (
+from restir_gi.reference.scene.materials.coat import (
     NODES,
     base_scattering,
     directional_albedo,
@@ -20,9 +20,9 @@ from reference.scene.materials.coat import (
     transmittance,
     transmittance_table,
 )
-from reference.scene.materials.facets import Facets
-from reference.scene.materials.fresnel import fresnel_dielectric
-from reference.strategies import ROWS, colors, scalars
+from restir_gi.reference.scene.materials.facets import Facets
+from restir_gi.reference.scene.materials.fresnel import fresnel_dielectric
+from restir_gi.reference.strategies import ROWS, colors, scalars
 
 EPS = np.finfo(np.float64).eps
 

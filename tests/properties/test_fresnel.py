@@ -6,12 +6,12 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from reference.scene.materials.fresnel import (
+from restir_gi.reference.scene.materials.fresnel import (
     fresnel_conductor,
     fresnel_dielectric,
     fresnel_schlick,
 )
-from reference.strategies import ROWS, colors, scalars
+from restir_gi.reference.strategies import ROWS, colors, scalars
 
 EPS = np.finfo(np.float64).eps
 

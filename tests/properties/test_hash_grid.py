@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hashgrid.grid import (
+from restir_gi.hashgrid.grid import (
     BUCKET,
     NOWHERE,
     Keys,
@@ -23,10 +23,10 @@ from hashgrid.grid import (
     visits,
     xxhash,
 )
-from hashgrid.report import occupancy
-from reference.numerics.arrays import dot, normalize
-from reference.numerics.records import NONE, take
-from reference.scene.camera import Camera
+from restir_gi.hashgrid.report import occupancy
+from restir_gi.reference.numerics.arrays import dot, normalize
+from restir_gi.reference.numerics.records import NONE, take
+from restir_gi.reference.scene.camera import Camera
 
 LATTICE = Lattice((0.0, 0.0, 0.0), 0.05)
 UP = np.array([[0.0, 1.0, 0.0]])

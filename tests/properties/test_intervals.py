@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from reference.numerics.intervals import (
+from restir_gi.reference.numerics.intervals import (
     DRAWS,
     Interval,
     bootstrap_interval,

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
-from reference.resampling.jacobian_limits import clamp_jacobian, within_limit
-from reference.resampling.shift import reconnection_jacobian
-from reference.strategies import views_of_a_patch
+from restir_gi.reference.resampling.jacobian_limits import clamp_jacobian, within_limit
+from restir_gi.reference.resampling.shift import reconnection_jacobian
+from restir_gi.reference.strategies import views_of_a_patch
 
 ratios = st.lists(
     st.fractions(Fraction(1, 100), 100, max_denominator=100), min_size=1, max_size=5

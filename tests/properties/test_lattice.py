@@ -13,17 +13,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reference.methods import method_named
-from reference.methods.setting_values import with_values
-from reference.numerics.records import NONE
-from reference.numerics.schedule import Schedule
-from reference.options.reduced_resolution import corner, keeps_reservoir
-from reference.passes.neighbors import find_neighbors
-from reference.restir_gi import render_frames
-from reference.scene.catalogue.answers import sphere_furnace
-from reference.scene.named import Named, find_scene_or_file, frames_of
-from reference.settings import UNBIASED
-from reference.transport.world import build_world
+from restir_gi.reference.methods import method_named
+from restir_gi.reference.methods.setting_values import with_values
+from restir_gi.reference.numerics.records import NONE
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.options.reduced_resolution import corner, keeps_reservoir
+from restir_gi.reference.passes.neighbors import find_neighbors
+from restir_gi.reference.restir_gi import render_frames
+from restir_gi.reference.scene.catalogue.answers import sphere_furnace
+from restir_gi.reference.scene.named import Named, find_scene_or_file, frames_of
+from restir_gi.reference.settings import UNBIASED
+from restir_gi.reference.transport.world import build_world
 from tests.contracts.test_tradeoff import job
 from tests.properties.test_neighbors import FLAT, as_draws
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from hashgrid.grid import insert, lattice_of, look_up
-from hashgrid.light_settings import LightSettings
-from hashgrid.lights import (
+from restir_gi.hashgrid.grid import insert, lattice_of, look_up
+from restir_gi.hashgrid.light_settings import LightSettings
+from restir_gi.hashgrid.lights import (
     GONE,
     draw_lights,
     light_samples,
@@ -16,16 +16,16 @@ from hashgrid.lights import (
     renumbered,
     same_lights,
 )
-from hashgrid.world_reservoirs import carried, render_light_frames
-from reference.numerics.records import NONE, take
-from reference.numerics.rng import KeyedUniforms, Stream
-from reference.numerics.schedule import Schedule
-from reference.resampling.reservoir import Reservoirs
-from reference.scene.catalogue.registry import find_animation, find_scene
-from reference.scene.light_cells import LightCells
-from reference.scene.validation import validate
-from reference.transport.direct_light import choose_light, sees_light
-from reference.transport.world import build_world, next_world
+from restir_gi.hashgrid.world_reservoirs import carried, render_light_frames
+from restir_gi.reference.numerics.records import NONE, take
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.resampling.reservoir import Reservoirs
+from restir_gi.reference.scene.catalogue.registry import find_animation, find_scene
+from restir_gi.reference.scene.light_cells import LightCells
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.transport.direct_light import choose_light, sees_light
+from restir_gi.reference.transport.world import build_world, next_world
 from tests.properties.path_scenes import points, world
 
 SCENES = ["paint", "rough metal", "many-lights", "checker", "sunlit-wall", "lamps"]

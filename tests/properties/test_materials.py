@@ -10,18 +10,23 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from reference.numerics.arrays import cross, dot, length
-from reference.numerics.records import take
-from reference.numerics.rng import KeyedUniforms, Stream
-from reference.scene.materials import bsdf_sampling, conductor, lambertian, table
-from reference.scene.materials.coated import coat_probability, reflect_in_coat
-from reference.scene.materials.dielectric import relative_index
-from reference.scene.materials.fresnel import fresnel_dielectric
-from reference.scene.materials.kinds import Dielectric
-from reference.scene.materials.microfacet import reflect
-from reference.scene.materials.parameters import Kind, tabulate
-from reference.scene.surface import SurfacePoints
-from reference.strategies import (
+from restir_gi.reference.numerics.arrays import cross, dot, length
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.scene.materials import (
+    bsdf_sampling,
+    conductor,
+    lambertian,
+    table,
+)
+from restir_gi.reference.scene.materials.coated import coat_probability, reflect_in_coat
+from restir_gi.reference.scene.materials.dielectric import relative_index
+from restir_gi.reference.scene.materials.fresnel import fresnel_dielectric
+from restir_gi.reference.scene.materials.kinds import Dielectric
+from restir_gi.reference.scene.materials.microfacet import reflect
+from restir_gi.reference.scene.materials.parameters import Kind, tabulate
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.strategies import (
     EXAMPLES,
     directions_above,
     draws,

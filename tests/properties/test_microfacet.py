@@ -12,9 +12,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.integrate import quad
 from scipy.special import erf
 
-from reference.numerics.arrays import cross, dot, length
-from reference.numerics.sampling import left_of
-from reference.scene.materials.microfacet import (
+from restir_gi.reference.numerics.arrays import cross, dot, length
+from restir_gi.reference.numerics.sampling import left_of
+from restir_gi.reference.scene.materials.microfacet import (
     beckmann_density,
     beckmann_g1,
     facing_share,
@@ -24,7 +24,7 @@ from reference.scene.materials.microfacet import (
     sample_visible_normal,
     smith_g1,
 )
-from reference.strategies import scalars, uniforms, unit_vectors
+from restir_gi.reference.strategies import scalars, uniforms, unit_vectors
 
 EPS = np.finfo(np.float64).eps
 

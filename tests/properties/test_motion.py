@@ -13,16 +13,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from reference.numerics.records import NONE
-from reference.options.reprojection import motion_vectors, reproject
-from reference.passes.gbuffer import visible_points
-from reference.scene.animation import still, with_change, with_shape
-from reference.scene.camera import Camera, camera_rays, image_points, pixel_centers
-from reference.scene.catalogue.rooms import cornell_box, pose
-from reference.scene.motion import carry, motion_between, turn
-from reference.settings import UNBIASED
-from reference.system.errors import UsageError
-from reference.transport.world import build_world
+from restir_gi.reference.numerics.records import NONE
+from restir_gi.reference.options.reprojection import motion_vectors, reproject
+from restir_gi.reference.passes.gbuffer import visible_points
+from restir_gi.reference.scene.animation import still, with_change, with_shape
+from restir_gi.reference.scene.camera import (
+    Camera,
+    camera_rays,
+    image_points,
+    pixel_centers,
+)
+from restir_gi.reference.scene.catalogue.rooms import cornell_box, pose
+from restir_gi.reference.scene.motion import carry, motion_between, turn
+from restir_gi.reference.settings import UNBIASED
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.transport.world import build_world
 
 ROUNDING = 1e-13
 SIZE = 24

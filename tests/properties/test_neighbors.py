@@ -6,12 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
-from reference.numerics.arrays import dot
-from reference.numerics.records import NONE
-from reference.passes.neighbors import find_neighbors
-from reference.scene.surface import SurfacePoints, VisiblePoints
-from reference.settings import Settings
-from reference.strategies import uniforms, unit_vectors
+from restir_gi.reference.numerics.arrays import dot
+from restir_gi.reference.numerics.records import NONE
+from restir_gi.reference.passes.neighbors import find_neighbors
+from restir_gi.reference.scene.surface import SurfacePoints, VisiblePoints
+from restir_gi.reference.settings import Settings
+from restir_gi.reference.strategies import uniforms, unit_vectors
 
 WIDTH, HEIGHT = 9, 7
 N = WIDTH * HEIGHT

@@ -12,13 +12,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reference.numerics.arrays import length
-from reference.resampling.packing import paper, restir_pt, rtxdi
-from reference.resampling.packing.log_luv import RGB_TO_XYZ
-from reference.resampling.packing.octahedral import WORST_ANGLE, encode_normal
-from reference.resampling.packing.rounding import nearest_count, nearest_float
-from reference.resampling.reservoir import Reservoirs, Samples
-from reference.strategies import (
+from restir_gi.reference.numerics.arrays import length
+from restir_gi.reference.resampling.packing import paper, restir_pt, rtxdi
+from restir_gi.reference.resampling.packing.log_luv import RGB_TO_XYZ
+from restir_gi.reference.resampling.packing.octahedral import WORST_ANGLE, encode_normal
+from restir_gi.reference.resampling.packing.rounding import nearest_count, nearest_float
+from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
+from restir_gi.reference.strategies import (
     colors,
     points,
     reservoirs,

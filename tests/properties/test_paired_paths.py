@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
-from extensions.area_paths import PlacedValue
-from extensions.area_restir import area_drawn
-from extensions.area_shift import AreaShift
-from extensions.frame_loop import path_shift
-from gradient_domain.gradient_restir import (
+from restir_gi.extensions.area_paths import PlacedValue
+from restir_gi.extensions.area_restir import area_drawn
+from restir_gi.extensions.area_shift import AreaShift
+from restir_gi.extensions.frame_loop import path_shift
+from restir_gi.gradient_domain.gradient_restir import (
     MINUS,
     PLUS,
     WHOLE,
@@ -30,11 +30,11 @@ from gradient_domain.gradient_restir import (
     share_of_base,
     target,
 )
-from gradient_domain.pairs import pair_at, pair_windows, pivots, pixel_pairs
-from gradient_domain.settings import GradientSettings
-from reference.frame import FrameContext
-from reference.numerics.records import NONE, take
-from reference.numerics.schedule import Schedule
+from restir_gi.gradient_domain.pairs import pair_at, pair_windows, pivots, pixel_pairs
+from restir_gi.gradient_domain.settings import GradientSettings
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.records import NONE, take
+from restir_gi.reference.numerics.schedule import Schedule
 from tests.properties.path_scenes import world
 from tests.statistics.path_runs import SIZE, moving
 from tests.statistics.replicates import g_buffer

@@ -6,20 +6,20 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from gradient_domain.differences import differences
-from gradient_domain.gradient_restir import edge_neighbors, unlike
-from gradient_domain.pairs import (
+from restir_gi.gradient_domain.differences import differences
+from restir_gi.gradient_domain.gradient_restir import edge_neighbors, unlike
+from restir_gi.gradient_domain.pairs import (
     Axis,
     as_differences,
     draw_around,
     pair_at,
     pixel_pairs,
 )
-from gradient_domain.settings import GradientSettings
-from reference.frame import FrameContext
-from reference.numerics.records import NONE
-from reference.numerics.schedule import Schedule
-from reference.scene.surface import SurfacePoints, VisiblePoints
+from restir_gi.gradient_domain.settings import GradientSettings
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.records import NONE
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.scene.surface import SurfacePoints, VisiblePoints
 from tests.properties.path_scenes import world
 from tests.statistics.replicates import g_buffer
 

@@ -92,13 +92,13 @@ SPREAD = "divide_or_zero(cosine, distance**2)"
 def densities(base, offset):
     """Of both, so that such shifts would still lead home."""
     return [
-        ("extensions.candidates", BASE, base),
-        ("extensions.shifting", OFFSET, offset),
+        ("restir_gi.extensions.candidates", BASE, base),
+        ("restir_gi.extensions.shifting", OFFSET, offset),
     ]
 
 
 def spread(wrong):
-    return [("extensions.shifting", SPREAD, wrong)]
+    return [("restir_gi.extensions.shifting", SPREAD, wrong)]
 
 
 @pytest.mark.parametrize(
@@ -109,7 +109,16 @@ def spread(wrong):
         (densities("step.pdf * step.came.spread", "p_left * came.spread"), 0.1),
         (spread("divide_or_zero(np.ones_like(cosine), distance**2)"), 0.9),
         (spread("divide_or_zero(cosine, distance)"), 0.9),
-        ([("extensions.shifting", "zero(density, base)", "zero(base, density)")], 0.9),
+        (
+            [
+                (
+                    "restir_gi.extensions.shifting",
+                    "zero(density, base)",
+                    "zero(base, density)",
+                )
+            ],
+            0.9,
+        ),
     ],
     ids=[
         "without the first density",

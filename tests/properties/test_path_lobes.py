@@ -15,13 +15,13 @@ from functools import cache, partial
 import numpy as np
 import pytest
 
-from reference.numerics.arrays import normalize
-from reference.numerics.frames import normal_frames
-from reference.numerics.records import take
-from reference.scene.materials.bsdf_sampling import HAS_DELTA
-from reference.scene.materials.parameters import Kind
-from reference.scene.origins import contact
-from reference.scene.surface import direction_and_distance
+from restir_gi.reference.numerics.arrays import normalize
+from restir_gi.reference.numerics.frames import normal_frames
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.scene.materials.bsdf_sampling import HAS_DELTA
+from restir_gi.reference.scene.materials.parameters import Kind
+from restir_gi.reference.scene.origins import contact
+from restir_gi.reference.scene.surface import direction_and_distance
 from tests.properties.path_inverses import derivatives, directions, guessed, inverted
 from tests.properties.path_numbers import SOLVED, joined
 from tests.properties.path_scenes import SIZE, seen_from

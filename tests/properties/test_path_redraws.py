@@ -5,10 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from extensions.candidates import draw_paths
-from extensions.shifting import Technique
-from reference.numerics.records import take
-from reference.numerics.rng import TabledUniforms
+from restir_gi.extensions.candidates import draw_paths
+from restir_gi.extensions.shifting import Technique
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.numerics.rng import TabledUniforms
 from tests.mutants.plant import planted
 from tests.properties.path_numbers import BOUNCES, DIMENSIONS, SOLVED, solved
 from tests.properties.path_scenes import SIZE, UNIT, drawn, neighbors, shifted
@@ -119,7 +119,7 @@ def test_so_is_one_without_joint_where_others_are_joined(name):
     ids=["without weight of the light", "a tenth more", "one factor less", "hidden"],
 )
 def test_control_other_values_at_a_joint_are_refuted(change):
-    with planted(SimpleNamespace(edits=[("extensions.shifting", *change)])):
+    with planted(SimpleNamespace(edits=[("restir_gi.extensions.shifting", *change)])):
         # What is kept was found without the mistake.
         alike, error = compared("glossy metal", "hybrid", solved.__wrapped__)
     assert not alike.all() or np.mean(error > CLOSE) > 10 * FAR
@@ -135,6 +135,6 @@ def test_control_other_values_at_a_joint_are_refuted(change):
     ids=["light chosen", "light met", "on the way"],
 )
 def test_control_replay_past_what_can_be_joined_is_refuted(change):
-    with planted(SimpleNamespace(edits=[("extensions.shifting", *change)])):
+    with planted(SimpleNamespace(edits=[("restir_gi.extensions.shifting", *change)])):
         found = (replays("bright", "hybrid", frame)[:2] for frame in range(12))
         assert any((arrives != exists).any() for arrives, exists in found)

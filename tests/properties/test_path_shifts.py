@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from extensions.pt_settings import CRITERIA
-from extensions.shifting import Technique, advance, leave, start
-from reference.numerics.arrays import cross, dot, length
-from reference.numerics.records import take
-from reference.scene.materials.table import pdf
-from reference.scene.origins import contact
-from reference.scene.surface import direction_and_distance
+from restir_gi.extensions.pt_settings import CRITERIA
+from restir_gi.extensions.shifting import Technique, advance, leave, start
+from restir_gi.reference.numerics.arrays import cross, dot, length
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.scene.materials.table import pdf
+from restir_gi.reference.scene.origins import contact
+from restir_gi.reference.scene.surface import direction_and_distance
 from tests.properties.path_scenes import (
     FLOORS,
     SIZE,

@@ -10,8 +10,15 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_array_equal
 
-from reference.numerics.records import concatenate, keep, map_rows, scatter, take, where
-from reference.strategies import ROWS, cuts
+from restir_gi.reference.numerics.records import (
+    concatenate,
+    keep,
+    map_rows,
+    scatter,
+    take,
+    where,
+)
+from restir_gi.reference.strategies import ROWS, cuts
 
 
 @dataclass(frozen=True, slots=True)

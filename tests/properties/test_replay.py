@@ -9,22 +9,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from reference.frame import FrameContext
-from reference.numerics.records import take
-from reference.numerics.rng import KeyedUniforms, Stream
-from reference.numerics.schedule import Schedule
-from reference.options.replay import replay_of
-from reference.options.storage import stored, stored_bytes
-from reference.passes.gbuffer import visible_points
-from reference.passes.initial import initial_samples
-from reference.resampling.packing.paper import pack, unpack
-from reference.resampling.reservoir import Reservoirs
-from reference.resampling.suffix import age
-from reference.scene.camera import pixel_centers
-from reference.scene.catalogue.registry import find_scene
-from reference.settings import UNBIASED
-from reference.transport.path_tracer import reflected_radiance
-from reference.transport.world import build_world
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.options.replay import replay_of
+from restir_gi.reference.options.storage import stored, stored_bytes
+from restir_gi.reference.passes.gbuffer import visible_points
+from restir_gi.reference.passes.initial import initial_samples
+from restir_gi.reference.resampling.packing.paper import pack, unpack
+from restir_gi.reference.resampling.reservoir import Reservoirs
+from restir_gi.reference.resampling.suffix import age
+from restir_gi.reference.scene.camera import pixel_centers
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.settings import UNBIASED
+from restir_gi.reference.transport.path_tracer import reflected_radiance
+from restir_gi.reference.transport.world import build_world
 
 WIDTH, HEIGHT = 80, 40
 """Two tiles of the roulette, the second cut off."""

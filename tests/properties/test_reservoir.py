@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_array_equal
 
-from reference.numerics.arrays import divide_or_zero
-from reference.resampling.reservoir import (
+from restir_gi.reference.numerics.arrays import divide_or_zero
+from restir_gi.reference.resampling.reservoir import (
     Candidates,
     Reservoirs,
     cap_confidence,
@@ -22,7 +22,7 @@ from reference.resampling.reservoir import (
     merge,
     reused_candidates,
 )
-from reference.strategies import (
+from restir_gi.reference.strategies import (
     ROWS,
     candidates,
     reservoirs,

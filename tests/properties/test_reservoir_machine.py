@@ -21,7 +21,7 @@ from hypothesis.stateful import (
     run_state_machine_as_test,
 )
 
-from reference.resampling.reservoir import (
+from restir_gi.reference.resampling.reservoir import (
     Candidates,
     cap_confidence,
     finalize,

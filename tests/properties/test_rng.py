@@ -7,14 +7,14 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_array_equal
 
-from reference.numerics.rng import (
+from restir_gi.reference.numerics.rng import (
     KeyedUniforms,
     Stream,
     TabledUniforms,
     pcg4d,
     to_unit_interval,
 )
-from reference.strategies import ROWS, cuts, tabled_uniforms
+from restir_gi.reference.strategies import ROWS, cuts, tabled_uniforms
 
 words = arrays(np.uint32, ROWS, elements=st.integers(0, 2**32 - 1))
 word = st.integers(0, 2**32 - 1)

@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
-from reference.numerics.rng import DIMENSIONS, Stream, pcg4d
-from reference.options.roulette import TILE_HEIGHT, TILE_WIDTH, tail_weight
-from reference.strategies import cuts
+from restir_gi.reference.numerics.rng import DIMENSIONS, Stream, pcg4d
+from restir_gi.reference.options.roulette import TILE_HEIGHT, TILE_WIDTH, tail_weight
+from restir_gi.reference.strategies import cuts
 
 WIDTH, HEIGHT = 3 * TILE_WIDTH + 7, 2 * TILE_HEIGHT + 5
 N = WIDTH * HEIGHT

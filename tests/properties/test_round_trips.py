@@ -10,8 +10,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reference.numerics.records import scatter, take
-from reference.scene.origins import contact
+from restir_gi.reference.numerics.records import scatter, take
+from restir_gi.reference.scene.origins import contact
 from tests.mutants.plant import planted
 from tests.properties.path_scenes import (
     SIZE,
@@ -192,7 +192,7 @@ ONWARD = ("came.spread * p_onward, 0.0", "came.spread, 0.0")
     ],
 )
 def test_control_a_shift_without_its_domain_or_density_is_refuted(changes):
-    edits = [("extensions.shifting", *change) for change in changes]
+    edits = [("restir_gi.extensions.shifting", *change) for change in changes]
     with planted(SimpleNamespace(edits=edits)):
         trips = (round_trips("bright", "hybrid", frame, SIZE) for frame in range(12))
         assert any(trip.failed.any() for trip in trips)

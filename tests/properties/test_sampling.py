@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_allclose, assert_array_equal
 
-from reference.numerics.arrays import cross, dot, length
-from reference.numerics.sampling import (
+from restir_gi.reference.numerics.arrays import cross, dot, length
+from restir_gi.reference.numerics.sampling import (
     invert_cosine_hemisphere,
     invert_triangle,
     invert_uniform_hemisphere,
@@ -20,8 +20,13 @@ from reference.numerics.sampling import (
     sample_uniform_hemisphere,
     sample_uniform_sphere,
 )
-from reference.numerics.tables import cumulate, guide_of, index_in_table, sample_table
-from reference.strategies import ROWS, uniforms
+from restir_gi.reference.numerics.tables import (
+    cumulate,
+    guide_of,
+    index_in_table,
+    sample_table,
+)
+from restir_gi.reference.strategies import ROWS, uniforms
 
 EPS = np.finfo(np.float64).eps
 

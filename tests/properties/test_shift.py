@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from reference.numerics.arrays import divide_or_zero, dot, length
-from reference.resampling.shift import reconnection_jacobian
-from reference.strategies import views_of_a_patch
+from restir_gi.reference.numerics.arrays import divide_or_zero, dot, length
+from restir_gi.reference.resampling.shift import reconnection_jacobian
+from restir_gi.reference.strategies import views_of_a_patch
 
 EPS = np.finfo(np.float64).eps
 

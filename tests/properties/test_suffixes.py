@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-import hashgrid.regir_gi
-from extensions.pt_settings import CRITERIA
-from extensions.shifting import Shift
-from hashgrid.path_settings import CellSettings
-from hashgrid.regir_gi import render_cell_frames
-from reference.numerics.schedule import Schedule
-from reference.scene.animation import Animation
-from reference.scene.catalogue.registry import find_animation
-from reference.scene.validation import validate
-from reference.transport.world import build_world
+import restir_gi.hashgrid.regir_gi
+from restir_gi.extensions.pt_settings import CRITERIA
+from restir_gi.extensions.shifting import Shift
+from restir_gi.hashgrid.path_settings import CellSettings
+from restir_gi.hashgrid.regir_gi import render_cell_frames
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.scene.catalogue.registry import find_animation
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.transport.world import build_world
 from tests.properties.path_scenes import points, uniforms, world
 
 CELLS_ALONE = CellSettings(temporal=False, spatial=False, cells=2)
@@ -71,13 +71,15 @@ def test_a_path_that_a_cell_has_ended_is_shifted_to_itself(scene, bounces, query
 
 def test_control_numbers_of_the_neighbour_lead_elsewhere(monkeypatch):
     """What is replayed before the joint is this path's own prefix."""
-    resample_bounce = hashgrid.regir_gi.resample_bounce
+    resample_bounce = restir_gi.hashgrid.regir_gi.resample_bounce
 
     def of_the_neighbour(frame, lookup, number, **rest):
         kept = resample_bounce(frame, lookup, number=number, **rest)
         return replace(kept, y=replace(kept.y, number=np.roll(number, 1)))
 
-    monkeypatch.setattr(hashgrid.regir_gi, "resample_bounce", of_the_neighbour)
+    monkeypatch.setattr(
+        restir_gi.hashgrid.regir_gi, "resample_bounce", of_the_neighbour
+    )
     _, _, _, jacobian = shifted_to_itself("glass", 4, 0)
     assert not (jacobian > 0).all()
 

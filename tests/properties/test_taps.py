@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
-from reference.numerics.records import NONE
-from reference.options.history_search import nearby, permuted
-from reference.strategies import draws, scalars
+from restir_gi.reference.numerics.records import NONE
+from restir_gi.reference.options.history_search import nearby, permuted
+from restir_gi.reference.strategies import draws, scalars
 
 sizes = st.tuples(st.integers(1, 13), st.integers(1, 13))
 frames = st.integers(0, 2**27 - 1)

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from reference.images.image import luminance_weights
-from reference.scene.texel_sums import TexelSums
-from reference.scene.textures import Bitmap, Checker, read
+from restir_gi.reference.images.image import luminance_weights
+from restir_gi.reference.scene.texel_sums import TexelSums
+from restir_gi.reference.scene.textures import Bitmap, Checker, read
 
 INSIDE = 12
 """Points looked at in each rectangle, along each side."""

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from reference.scene.textures import Bitmap, read
+from restir_gi.reference.scene.textures import Bitmap, read
 
 PIXELS = np.random.default_rng(3).random((3, 4, 3))
 TILED = {

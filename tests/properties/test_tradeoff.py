@@ -13,14 +13,23 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 from scipy.stats.qmc import LatinHypercube
 
-from reference.methods import method_named
-from reference.methods.setting_values import with_values
-from reference.numerics.intervals import Interval
-from reference.numerics.moments import Moments
-from reference.reports.figures.record import Deviation
-from reference.reports.tradeoff.design import at_random, methods_beside, one_at_a_time
-from reference.reports.tradeoff.front import advice, best_within, fastest_for, on_front
-from reference.reports.tradeoff.knobs import (
+from restir_gi.reference.methods import method_named
+from restir_gi.reference.methods.setting_values import with_values
+from restir_gi.reference.numerics.intervals import Interval
+from restir_gi.reference.numerics.moments import Moments
+from restir_gi.reference.reports.figures.record import Deviation
+from restir_gi.reference.reports.tradeoff.design import (
+    at_random,
+    methods_beside,
+    one_at_a_time,
+)
+from restir_gi.reference.reports.tradeoff.front import (
+    advice,
+    best_within,
+    fastest_for,
+    on_front,
+)
+from restir_gi.reference.reports.tradeoff.knobs import (
     IN_MOTION,
     KNOBS,
     LONG,
@@ -30,13 +39,13 @@ from reference.reports.tradeoff.knobs import (
     knobs_of,
     usable,
 )
-from reference.reports.tradeoff.maps import deviations
-from reference.reports.tradeoff.points import Design, can_run, settings_of
-from reference.reports.tradeoff.scores import DesignScore, score
-from reference.reports.tradeoff.split import Split, products, split_error
-from reference.reports.tradeoff.trials import Trial
-from reference.settings import Settings
-from reference.system.errors import UsageError
+from restir_gi.reference.reports.tradeoff.maps import deviations
+from restir_gi.reference.reports.tradeoff.points import Design, can_run, settings_of
+from restir_gi.reference.reports.tradeoff.scores import DesignScore, score
+from restir_gi.reference.reports.tradeoff.split import Split, products, split_error
+from restir_gi.reference.reports.tradeoff.trials import Trial
+from restir_gi.reference.settings import Settings
+from restir_gi.reference.system.errors import UsageError
 
 BASE = Design("restir-gi-unbiased", ())
 
@@ -58,7 +67,7 @@ def all_outcomes(values, runs):
 @pytest.mark.parametrize("runs", [3, 4])
 def test_the_split_is_unbiased(runs, monkeypatch):
     """Over all outcomes of a pixel that is 1, 2 or 6 where the truth is 2."""
-    monkeypatch.setattr("reference.numerics.intervals.DRAWS", 2)
+    monkeypatch.setattr("restir_gi.reference.numerics.intervals.DRAWS", 2)
     values, true = np.array([1.0, 2.0, 6.0]), known([[2.0] * 3])
     found = [split_error(x, true) for x in all_outcomes(values, runs)]
     bias2 = (values.mean() - 2.0) ** 2
@@ -74,7 +83,7 @@ def test_the_split_is_unbiased(runs, monkeypatch):
 
 def test_the_noise_of_the_truth_is_no_bias(monkeypatch):
     """Over all outcomes of two runs of a truth of two samples, which are 1 or 3."""
-    monkeypatch.setattr("reference.numerics.intervals.DRAWS", 2)
+    monkeypatch.setattr("restir_gi.reference.numerics.intervals.DRAWS", 2)
     image = np.repeat([2.0, 2.5, 3.0], 3).reshape(3, 1, 3)
     found = []
     for a, b in product((1.0, 3.0), repeat=2):

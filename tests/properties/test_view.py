@@ -13,19 +13,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from reference.cli.opening import size_in_shape
-from reference.oracle.blackbox.truth import TILES, path_traced
-from reference.passes.gbuffer import visible_points
-from reference.scene.camera import (
+from restir_gi.reference.cli.opening import size_in_shape
+from restir_gi.reference.oracle.blackbox.truth import TILES, path_traced
+from restir_gi.reference.passes.gbuffer import visible_points
+from restir_gi.reference.scene.camera import (
     FOV_AXES,
     Camera,
     camera_rays,
     image_points,
     pixel_centers,
 )
-from reference.scene.loaders.load import load_scene
-from reference.scene.named import Named, frames_of
-from reference.transport.world import build_world
+from restir_gi.reference.scene.loaders.load import load_scene
+from restir_gi.reference.scene.named import Named, frames_of
+from restir_gi.reference.transport.world import build_world
 
 # Directions are unit vectors after some 40 roundings, and the smallest component that
 # is divided by is cos 89.5 degrees = 0.0087: 40 · 2⁻⁵³ / 0.0087 < 1e-12.

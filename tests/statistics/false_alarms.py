@@ -15,17 +15,17 @@ from collections.abc import Iterator
 from pathlib import Path
 from time import perf_counter
 
-from reference.oracle.backends.inside import InsideBackend
-from reference.oracle.builtin.backend import BuiltIn
-from reference.oracle.cases import Buffers, Case
-from reference.oracle.ladder import ladder, scene_probes
-from reference.oracle.levels.distribution import SCENES as DISTRIBUTION_SCENES
-from reference.oracle.levels.distribution import same_distribution
-from reference.oracle.levels.kernels import kernel_probes
-from reference.oracle.levels.means import mean_over_runs
-from reference.oracle.parts import whole_contract
-from reference.oracle.prepared_frame import SCENES
-from reference.oracle.steps import asked
+from restir_gi.reference.oracle.backends.inside import InsideBackend
+from restir_gi.reference.oracle.builtin.backend import BuiltIn
+from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.ladder import ladder, scene_probes
+from restir_gi.reference.oracle.levels.distribution import SCENES as DISTRIBUTION_SCENES
+from restir_gi.reference.oracle.levels.distribution import same_distribution
+from restir_gi.reference.oracle.levels.kernels import kernel_probes
+from restir_gi.reference.oracle.levels.means import mean_over_runs
+from restir_gi.reference.oracle.parts import whole_contract
+from restir_gi.reference.oracle.prepared_frame import SCENES
+from restir_gi.reference.oracle.steps import asked
 
 CONTRACT = whole_contract()
 

@@ -12,12 +12,12 @@ from itertools import islice
 
 import numpy as np
 
-from gradient_domain.differences import Differences, differences
-from gradient_domain.gradient_pt import render_gradient_paths
-from gradient_domain.reconstruction import least_squares
-from gradient_domain.settings import GradientPathSettings
-from reference.numerics.rng import Stream
-from reference.transport.accumulate import path_samples
+from restir_gi.gradient_domain.differences import Differences, differences
+from restir_gi.gradient_domain.gradient_pt import render_gradient_paths
+from restir_gi.gradient_domain.reconstruction import least_squares
+from restir_gi.gradient_domain.settings import GradientPathSettings
+from restir_gi.reference.numerics.rng import Stream
+from restir_gi.reference.transport.accumulate import path_samples
 from tests.properties.path_scenes import world
 from tests.statistics.path_runs import FAMILY, FRAMES, SIZE, moving
 from tests.statistics.replicates import (

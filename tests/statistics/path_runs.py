@@ -12,12 +12,12 @@ from itertools import islice
 import numpy as np
 from scipy import stats
 
-from extensions.restir_pt import render_path_frames
-from extensions.shifting import Shift
-from reference.scene.animation import Animation
-from reference.scene.catalogue.registry import find_animation
-from reference.scene.validation import validate
-from reference.transport.world import build_world
+from restir_gi.extensions.restir_pt import render_path_frames
+from restir_gi.extensions.shifting import Shift
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.scene.catalogue.registry import find_animation
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.transport.world import build_world
 from tests.properties.path_scenes import world
 from tests.statistics.replicates import (
     BATCHES,

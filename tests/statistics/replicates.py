@@ -16,24 +16,24 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from reference.frame import FrameContext
-from reference.numerics.records import concatenate, take
-from reference.numerics.rng import KeyedUniforms, Stream, UInts
-from reference.numerics.schedule import Schedule
-from reference.passes.gbuffer import visible_points
-from reference.passes.initial import initial_samples
-from reference.passes.pixels import Pixels
-from reference.passes.shade import shade
-from reference.passes.temporal import temporal_resampling
-from reference.resampling.reservoir import Reservoirs
-from reference.restir_gi import next_frame
-from reference.scene.camera import pixel_centers
-from reference.scene.scene import Scene
-from reference.scene.surface import SurfacePoints, VisiblePoints
-from reference.scene.validation import validate
-from reference.settings import Settings
-from reference.transport.path_tracer import camera_radiance
-from reference.transport.world import World, build_world
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.numerics.records import concatenate, take
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream, UInts
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.passes.gbuffer import visible_points
+from restir_gi.reference.passes.initial import initial_samples
+from restir_gi.reference.passes.pixels import Pixels
+from restir_gi.reference.passes.shade import shade
+from restir_gi.reference.passes.temporal import temporal_resampling
+from restir_gi.reference.resampling.reservoir import Reservoirs
+from restir_gi.reference.restir_gi import next_frame
+from restir_gi.reference.scene.camera import pixel_centers
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.surface import SurfacePoints, VisiblePoints
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.settings import Settings
+from restir_gi.reference.transport.path_tracer import camera_radiance
+from restir_gi.reference.transport.world import World, build_world
 
 Array = NDArray[np.float64]
 

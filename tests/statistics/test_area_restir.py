@@ -7,9 +7,9 @@ kept without its Jacobian.
 import numpy as np
 import pytest
 
-import extensions.area_shift
-from extensions.area_restir import render_area_frames
-from extensions.area_settings import AreaSettings
+import restir_gi.extensions.area_shift
+from restir_gi.extensions.area_restir import render_area_frames
+from restir_gi.extensions.area_settings import AreaSettings
 from tests.properties.path_scenes import world
 from tests.statistics.path_runs import (
     BOUND,
@@ -69,7 +69,7 @@ def test_a_few_runs_show_no_bias():
 @pytest.mark.slow
 def test_control_what_falls_out_of_the_pixel_is_not_refused(monkeypatch):
     """Samples of its neighbours' areas make a pixel brighter."""
-    monkeypatch.setattr(extensions.area_shift, "row_at", Everywhere())
+    monkeypatch.setattr(restir_gi.extensions.area_shift, "row_at", Everywhere())
     assert not moving(PAST_ALONE["move"], PAST_RUNS)
 
 
@@ -89,13 +89,13 @@ class Everywhere:
 
 @pytest.mark.slow
 def test_control_a_primary_hit_kept_without_its_jacobian_is_refuted(monkeypatch):
-    kept = extensions.area_shift.kept_in_place
+    kept = restir_gi.extensions.area_shift.kept_in_place
 
     def flat(*seen):
         x, y, jacobian = kept(*seen)
         return x, y, (jacobian > 0).astype(float)
 
-    monkeypatch.setattr(extensions.area_shift, "kept_in_place", flat)
+    monkeypatch.setattr(restir_gi.extensions.area_shift, "kept_in_place", flat)
     assert not moving(PAST_ALONE["keep"], PAST_RUNS)
 
 

@@ -21,16 +21,24 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.stats import binom
 
-from reference.oracle.statistics.betting import e_value, interval_bets, open_bets, place
-from reference.oracle.statistics.certificate import (
+from restir_gi.reference.oracle.statistics.betting import (
+    e_value,
+    interval_bets,
+    open_bets,
+    place,
+)
+from restir_gi.reference.oracle.statistics.certificate import (
     bias_grid,
     certified_bias,
     certified_interval,
     extend,
     open_certificate,
 )
-from reference.oracle.statistics.families import rejects
-from reference.oracle.statistics.intervals import outside_probability, truth_interval
+from restir_gi.reference.oracle.statistics.families import rejects
+from restir_gi.reference.oracle.statistics.intervals import (
+    outside_probability,
+    truth_interval,
+)
 
 ROUNDING = 1e-12
 BOUND, CV = 3.7, 0.63

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.stats import binom, mannwhitneyu
 
-from reference.oracle.statistics.distribution import (
+from restir_gi.reference.oracle.statistics.distribution import (
     distribution_p_values,
     location_p_values,
     permutation_p_values,
@@ -25,19 +25,19 @@ from reference.oracle.statistics.distribution import (
     resolution,
     spread_p_values,
 )
-from reference.oracle.statistics.families import (
+from restir_gi.reference.oracle.statistics.families import (
     average_e,
     bonferroni,
     e_benjamini_hochberg,
     p_to_e,
     rejects,
 )
-from reference.oracle.statistics.power import (
+from restir_gi.reference.oracle.statistics.power import (
     bets_needed,
     replicates_needed,
     smallest_detectable,
 )
-from reference.oracle.statistics.ranks import count_sums
+from restir_gi.reference.oracle.statistics.ranks import count_sums
 
 COLUMNS, ALPHA = 4000, 1e-2
 MOST = binom.isf(1e-9, COLUMNS, ALPHA)

@@ -12,13 +12,13 @@ What least absolute values do to the mean is measured, and must be seen.
 import numpy as np
 import pytest
 
-import extensions.area_shift
-from gradient_domain.after_restir import render_after_frames
-from gradient_domain.differences import Differences
-from gradient_domain.gradient_pt import render_gradient_paths
-from gradient_domain.gradient_restir import render_gradient_frames
-from gradient_domain.method import RECONSTRUCT
-from gradient_domain.settings import (
+import restir_gi.extensions.area_shift
+from restir_gi.gradient_domain.after_restir import render_after_frames
+from restir_gi.gradient_domain.differences import Differences
+from restir_gi.gradient_domain.gradient_pt import render_gradient_paths
+from restir_gi.gradient_domain.gradient_restir import render_gradient_frames
+from restir_gi.gradient_domain.method import RECONSTRUCT
+from restir_gi.gradient_domain.settings import (
     AfterSettings,
     GradientPathSettings,
     GradientSettings,
@@ -133,7 +133,7 @@ def test_control_base_paths_alone_are_needed():
 @pytest.mark.slow
 def test_control_what_falls_out_of_the_pair_is_not_refused(monkeypatch):
     """Where the camera moves, samples of all four windows are of the whole area."""
-    monkeypatch.setattr(extensions.area_shift, "row_at", Everywhere())
+    monkeypatch.setattr(restir_gi.extensions.area_shift, "row_at", Everywhere())
     past = GradientSettings(spatial=False)
     assert not judged(MOVING, of_reuse(MOVING, WITH, past, 50))
 

@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from reference.methods import Job, method_named
-from reference.numerics.schedule import Schedule
-from reference.scene.validation import validate
-from reference.transport.world import build_world
+from restir_gi.reference.methods import Job, method_named
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.transport.world import build_world
 from tests.properties.path_scenes import lamps
 
 UNBIASED = ("restir-gi-unbiased", "restir-pt", "world-reservoirs")

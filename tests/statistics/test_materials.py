@@ -14,13 +14,18 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from reference.numerics.records import take
-from reference.numerics.rng import KeyedUniforms, Stream
-from reference.scene.materials import bsdf_sampling, table
-from reference.scene.materials.coated import coat_probability
-from reference.scene.materials.kinds import Coated, Conductor, Dielectric, Lambertian
-from reference.scene.materials.parameters import tabulate
-from reference.scene.surface import SurfacePoints
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.scene.materials import bsdf_sampling, table
+from restir_gi.reference.scene.materials.coated import coat_probability
+from restir_gi.reference.scene.materials.kinds import (
+    Coated,
+    Conductor,
+    Dielectric,
+    Lambertian,
+)
+from restir_gi.reference.scene.materials.parameters import tabulate
+from restir_gi.reference.scene.surface import SurfacePoints
 
 DRAWS = 2**17
 HEIGHTS, AZIMUTHS, ORDER = 40, 24, 20

@@ -22,16 +22,16 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from reference.images.exr import write_exr
-from reference.images.image import Image
-from reference.numerics.rng import KeyedUniforms, Stream
-from reference.numerics.schedule import Schedule
-from reference.scene.loaders.load import load_scene
-from reference.scene.textures import mean_color
-from reference.settings import UNBIASED
-from reference.transport.accumulate import path_samples
-from reference.transport.path_tracer import camera_radiance, first_hits
-from reference.transport.world import World
+from restir_gi.reference.images.exr import write_exr
+from restir_gi.reference.images.image import Image
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.scene.loaders.load import load_scene
+from restir_gi.reference.scene.textures import mean_color
+from restir_gi.reference.settings import UNBIASED
+from restir_gi.reference.transport.accumulate import path_samples
+from restir_gi.reference.transport.path_tracer import camera_radiance, first_hits
+from restir_gi.reference.transport.world import World
 from tests.statistics.replicates import (
     Means,
     g_buffer,

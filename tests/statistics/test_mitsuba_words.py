@@ -15,9 +15,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from reference.numerics.rng import KeyedUniforms, Stream
-from reference.scene.loaders.load import load_scene
-from reference.transport.path_tracer import camera_radiance
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.scene.loaders.load import load_scene
+from restir_gi.reference.transport.path_tracer import camera_radiance
 from tests.contracts.test_mitsuba_room import (
     HEIGHT,
     OTHERWISE,

@@ -20,12 +20,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from reference.restir_gi import render_frames
-from reference.scene.animation import Animation
-from reference.scene.catalogue.registry import find_animation
-from reference.scene.validation import validate
-from reference.settings import UNBIASED, Settings
-from reference.transport.world import World, build_world
+from restir_gi.reference.restir_gi import render_frames
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.scene.catalogue.registry import find_animation
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.settings import UNBIASED, Settings
+from restir_gi.reference.transport.world import World, build_world
 from tests.statistics.replicates import (
     ONE_BAND,
     Means,

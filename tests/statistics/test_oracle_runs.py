@@ -8,10 +8,10 @@ the truth is the truth and that the bound is one.
 import numpy as np
 import pytest
 
-from reference.oracle.builtin.backend import FLOAT32, FLOAT64
-from reference.oracle.levels.distribution import SCENES, same_distribution
-from reference.oracle.levels.means import mean_over_runs, replicates, truth
-from reference.oracle.levels.spheres import room
+from restir_gi.reference.oracle.builtin.backend import FLOAT32, FLOAT64
+from restir_gi.reference.oracle.levels.distribution import SCENES, same_distribution
+from restir_gi.reference.oracle.levels.means import mean_over_runs, replicates, truth
+from restir_gi.reference.oracle.levels.spheres import room
 
 
 def ask_right(case):

@@ -13,9 +13,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import hashgrid.regir_gi
-from hashgrid.path_settings import CellSettings
-from hashgrid.regir_gi import render_cell_frames
+import restir_gi.hashgrid.regir_gi
+from restir_gi.hashgrid.path_settings import CellSettings
+from restir_gi.hashgrid.regir_gi import render_cell_frames
 from tests.properties.path_scenes import world
 from tests.statistics.path_runs import (
     BOUND,
@@ -82,13 +82,13 @@ def test_control_forgetting_nulls_is_refuted():
 
 @pytest.mark.slow
 def test_control_without_a_jacobian_cells_are_biased(monkeypatch):
-    path_shift = hashgrid.regir_gi.path_shift
+    path_shift = restir_gi.hashgrid.regir_gi.path_shift
 
     def flat(frame):
         shift = path_shift(frame)
         return Flat(shift.criterion, shift.uniforms)
 
-    monkeypatch.setattr(hashgrid.regir_gi, "path_shift", flat)
+    monkeypatch.setattr(restir_gi.hashgrid.regir_gi, "path_shift", flat)
     assert not still("paint", replace(CELLS_ALONE, cells=4), 2, 250)
 
 
@@ -120,10 +120,10 @@ def test_paths_from_the_end_are_those_of_the_path_tracer(scene):
 @pytest.mark.slow
 def test_control_suffixes_without_the_weight_of_their_prefix(monkeypatch):
     """The way to x_v scatters light, too."""
-    prepend = hashgrid.regir_gi.prepend
+    prepend = restir_gi.hashgrid.regir_gi.prepend
 
     def unweighted(step, suffix, first):
         return prepend(replace(step, weight=np.ones_like(step.weight)), suffix, first)
 
-    monkeypatch.setattr(hashgrid.regir_gi, "prepend", unweighted)
+    monkeypatch.setattr(restir_gi.hashgrid.regir_gi, "prepend", unweighted)
     assert candidates("mirror") > BOUND

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-import extensions.frame_loop
-from extensions.candidates import draw_paths
-from extensions.pt_settings import CRITERIA, PathSettings
-from reference.numerics.rng import KeyedUniforms, Stream
+import restir_gi.extensions.frame_loop
+from restir_gi.extensions.candidates import draw_paths
+from restir_gi.extensions.pt_settings import CRITERIA, PathSettings
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
 from tests.properties.path_scenes import world
 from tests.statistics.path_runs import (
     COLUMNS,
@@ -106,7 +106,7 @@ def test_a_camera_that_moves_brings_no_bias(plan):
 
 @pytest.mark.slow
 def test_control_the_past_without_jacobian_is_refuted(monkeypatch):
-    monkeypatch.setattr(extensions.frame_loop, "Shift", Flat)
+    monkeypatch.setattr(restir_gi.extensions.frame_loop, "Shift", Flat)
     assert not judged(*of_a_camera_that_moves(*PAST_ALONE))
 
 
@@ -125,7 +125,7 @@ def test_control_one_over_m_is_refuted():
 
 @pytest.mark.slow
 def test_control_a_shift_without_jacobian_is_refuted(monkeypatch):
-    monkeypatch.setattr(extensions.frame_loop, "Shift", Flat)
+    monkeypatch.setattr(restir_gi.extensions.frame_loop, "Shift", Flat)
     plan = PathPlan("paint", 1)
     assert not judged_plan(plan)
 

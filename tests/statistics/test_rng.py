@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
 
 COUNT = 2**20
 CELLS = 64

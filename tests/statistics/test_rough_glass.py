@@ -11,12 +11,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import reference.passes.initial
-import reference.resampling.target
-from reference.scene.catalogue.speculars import glass_floor
-from reference.scene.materials.kinds import Dielectric
-from reference.scene.validation import validate
-from reference.settings import UNBIASED
+import restir_gi.reference.passes.initial
+import restir_gi.reference.resampling.target
+from restir_gi.reference.scene.catalogue.speculars import glass_floor
+from restir_gi.reference.scene.materials.kinds import Dielectric
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.settings import UNBIASED
 from tests.statistics.replicates import (
     BATCHES,
     g_buffer,
@@ -73,7 +73,10 @@ def test_control_what_is_reused_and_traced_apart_counts_twice(monkeypatch):
     def everyone(table, points):
         return np.ones(len(points), bool)
 
-    for module in (reference.resampling.target, reference.passes.initial):
+    for module in (
+        restir_gi.reference.resampling.target,
+        restir_gi.reference.passes.initial,
+    ):
         monkeypatch.setattr(module, "is_shared", everyone)
     t, limit = off("cosine")
     assert t > limit

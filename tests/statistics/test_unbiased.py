@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 from scipy import stats
 
-import reference.passes.pixels
-from reference.resampling.shift import reconnection_jacobian
-from reference.scene.catalogue.registry import find_scene
-from reference.settings import BIASED, UNBIASED, Settings
+import restir_gi.reference.passes.pixels
+from restir_gi.reference.resampling.shift import reconnection_jacobian
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.settings import BIASED, UNBIASED, Settings
 from tests.statistics.replicates import (
     BATCHES,
     GAP,
@@ -143,7 +143,9 @@ def test_the_same_test_rejects_a_planted_bias(plan, monkeypatch):
     }
     if plan.control in planted:
         wrong = planted[plan.control]
-        monkeypatch.setattr(reference.passes.pixels, "reconnection_jacobian", wrong)
+        monkeypatch.setattr(
+            restir_gi.reference.passes.pixels, "reconnection_jacobian", wrong
+        )
         settings = UNBIASED
     reuse = what_reuse_changes(plan, settings, runs)
     bound = threshold(len(reuse.mean) - 1, FAMILY, runs)

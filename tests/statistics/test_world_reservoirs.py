@@ -12,11 +12,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import hashgrid.world_reservoirs
-from hashgrid.light_settings import LightSettings
-from hashgrid.lights import draw_lights, reflected
-from hashgrid.world_reservoirs import LightNeighbor, render_light_frames
-from reference.numerics.records import take
+import restir_gi.hashgrid.world_reservoirs
+from restir_gi.hashgrid.light_settings import LightSettings
+from restir_gi.hashgrid.lights import draw_lights, reflected
+from restir_gi.hashgrid.world_reservoirs import LightNeighbor, render_light_frames
+from restir_gi.reference.numerics.records import take
 from tests.properties.path_scenes import world
 from tests.statistics.path_runs import (
     BOUND,
@@ -125,5 +125,5 @@ def test_control_the_density_of_a_light_is_forgotten(monkeypatch):
         lights, density = draw_lights(emitters, u)
         return lights, np.full_like(density, 1.0 / len(emitters.probability))
 
-    monkeypatch.setattr(hashgrid.world_reservoirs, "draw_lights", even)
+    monkeypatch.setattr(restir_gi.hashgrid.world_reservoirs, "draw_lights", even)
     assert candidates("many-lights") > BOUND

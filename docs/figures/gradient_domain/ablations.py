@@ -5,21 +5,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from docs.figures.gradient_domain.gradients import difference_tile, times_smaller
-from docs.figures.gradient_domain.rounds import FRAMES, Rounds, Variant, by_rounds
-from docs.figures.gradient_domain.scores import gradient_errors
-from docs.figures.gradient_domain.variants import scene_of, with_restir
-from gradient_domain.gradient_restir import unlike
-from gradient_domain.pairs import pixel_pairs
-from gradient_domain.settings import GradientSettings
-from reference.numerics.arrays import Masks
-from reference.numerics.intervals import mean_interval
-from reference.passes.gbuffer import visible_points
-from reference.reports.figures.canvas import BIG, Tile, blank, draw_tiles
-from reference.reports.figures.record import PaperFigure, Row, Work
-from reference.reports.figures.registry import FigureEntry
-from reference.scene.camera import pixel_centers
-from reference.transport.world import World
+from restir_gi.figures.gradient_domain.gradients import difference_tile, times_smaller
+from restir_gi.figures.gradient_domain.rounds import FRAMES, Rounds, Variant, by_rounds
+from restir_gi.figures.gradient_domain.scores import gradient_errors
+from restir_gi.figures.gradient_domain.variants import scene_of, with_restir
+from restir_gi.gradient_domain.gradient_restir import unlike
+from restir_gi.gradient_domain.pairs import pixel_pairs
+from restir_gi.gradient_domain.settings import GradientSettings
+from restir_gi.reference.numerics.arrays import Masks
+from restir_gi.reference.numerics.intervals import mean_interval
+from restir_gi.reference.passes.gbuffer import visible_points
+from restir_gi.reference.reports.figures.canvas import BIG, Tile, blank, draw_tiles
+from restir_gi.reference.reports.figures.record import PaperFigure, Row, Work
+from restir_gi.reference.reports.figures.registry import FigureEntry
+from restir_gi.reference.scene.camera import pixel_centers
+from restir_gi.reference.transport.world import World
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.figure import Figure

@@ -2,26 +2,35 @@
 
 from typing import TYPE_CHECKING
 
-from docs.figures.gradient_domain.rounds import FRAMES, Rounds, RoundScene, by_rounds
-from docs.figures.gradient_domain.scores import (
+from restir_gi.figures.gradient_domain.rounds import (
+    FRAMES,
+    Rounds,
+    RoundScene,
+    by_rounds,
+)
+from restir_gi.figures.gradient_domain.scores import (
     gradient_errors,
     gradient_flips,
     gradient_picture,
     relative_gradient_errors,
 )
-from docs.figures.gradient_domain.variants import (
+from restir_gi.figures.gradient_domain.variants import (
     AFTER,
     ALONE,
     BY_ITSELF,
     METHODS,
     scene_of,
 )
-from gradient_domain.differences import Differences
-from reference.numerics.arrays import Scalars
-from reference.numerics.intervals import Interval, mean_interval, ratio_interval
-from reference.reports.figures.canvas import BIG, Tile, blank, draw_tiles
-from reference.reports.figures.record import PaperFigure, Row, Work
-from reference.reports.figures.registry import FigureEntry
+from restir_gi.gradient_domain.differences import Differences
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.numerics.intervals import (
+    Interval,
+    mean_interval,
+    ratio_interval,
+)
+from restir_gi.reference.reports.figures.canvas import BIG, Tile, blank, draw_tiles
+from restir_gi.reference.reports.figures.record import PaperFigure, Row, Work
+from restir_gi.reference.reports.figures.registry import FigureEntry
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.figure import Figure

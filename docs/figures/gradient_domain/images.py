@@ -4,9 +4,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from docs.figures.gradient_domain.rounds import FRAMES, Rounds, RoundScene, by_rounds
-from docs.figures.gradient_domain.scores import image_errors, image_flips
-from docs.figures.gradient_domain.variants import (
+from restir_gi.figures.gradient_domain.rounds import (
+    FRAMES,
+    Rounds,
+    RoundScene,
+    by_rounds,
+)
+from restir_gi.figures.gradient_domain.scores import image_errors, image_flips
+from restir_gi.figures.gradient_domain.variants import (
     AFTER,
     ALONE,
     AREA,
@@ -17,12 +22,16 @@ from docs.figures.gradient_domain.variants import (
     WITH,
     scene_of,
 )
-from gradient_domain.differences import Differences
-from gradient_domain.method import RECONSTRUCT
-from gradient_domain.settings import Reconstruction
-from reference.numerics.arrays import Scalars, Vec3s
-from reference.numerics.intervals import Numbers, mean_interval, ratio_interval
-from reference.reports.figures.canvas import (
+from restir_gi.gradient_domain.differences import Differences
+from restir_gi.gradient_domain.method import RECONSTRUCT
+from restir_gi.gradient_domain.settings import Reconstruction
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.numerics.intervals import (
+    Numbers,
+    mean_interval,
+    ratio_interval,
+)
+from restir_gi.reference.reports.figures.canvas import (
     BIG,
     Tile,
     blank,
@@ -30,8 +39,8 @@ from reference.reports.figures.canvas import (
     exposure_of,
     shown,
 )
-from reference.reports.figures.record import PaperFigure, Row, Work
-from reference.reports.figures.registry import FigureEntry
+from restir_gi.reference.reports.figures.record import PaperFigure, Row, Work
+from restir_gi.reference.reports.figures.registry import FigureEntry
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.figure import Figure

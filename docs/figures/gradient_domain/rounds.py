@@ -6,15 +6,15 @@ from typing import Protocol
 
 import numpy as np
 
-from docs.figures.contest import PATH_SEED
-from reference.numerics.arrays import Scalars
-from reference.numerics.moments import Moments
-from reference.numerics.schedule import Schedule
-from reference.reports.figures.record import Work
-from reference.reports.timing import in_turns, seconds_in_turns
-from reference.scene.animation import Animation
-from reference.transport.accumulate import ever_more, path_samples
-from reference.transport.world import World, next_world
+from restir_gi.figures.contest import PATH_SEED
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.numerics.moments import Moments
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.figures.record import Work
+from restir_gi.reference.reports.timing import in_turns, seconds_in_turns
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.transport.accumulate import ever_more, path_samples
+from restir_gi.reference.transport.world import World, next_world
 
 FRAMES, COUNTED = 16, 4
 """Frames of a run, of which the last is looked at; and those whose time counts."""

@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from gradient_domain.differences import Differences, differences
-from reference.images import metrics
-from reference.images.display import Bytes
-from reference.images.flip import flip_hdr, flip_ldr
-from reference.images.image import to_image
-from reference.numerics.arrays import Scalars, Vec3s
-from reference.numerics.intervals import Numbers
-from reference.numerics.moments import Moments
-from reference.reports.figures.spread import spreads
+from restir_gi.gradient_domain.differences import Differences, differences
+from restir_gi.reference.images import metrics
+from restir_gi.reference.images.display import Bytes
+from restir_gi.reference.images.flip import flip_hdr, flip_ldr
+from restir_gi.reference.images.image import to_image
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.numerics.intervals import Numbers
+from restir_gi.reference.numerics.moments import Moments
+from restir_gi.reference.reports.figures.spread import spreads
 
 QUANTILE = 0.99
 """Of true differences, by magnitude, that is drawn as black or white."""

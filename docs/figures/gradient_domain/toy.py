@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from extensions.area_paths import PlacedValue
-from gradient_domain.after_restir import one_sided
-from gradient_domain.gradient_restir import (
+from restir_gi.extensions.area_paths import PlacedValue
+from restir_gi.gradient_domain.after_restir import one_sided
+from restir_gi.gradient_domain.gradient_restir import (
     MINUS,
     PLUS,
     WHOLE,
@@ -16,18 +16,22 @@ from gradient_domain.gradient_restir import (
     contribution,
     target,
 )
-from reference.numerics.arrays import Scalars
-from reference.numerics.intervals import Numbers, mean_interval, ratio_interval
-from reference.reports.figures.canvas import COLORS, SIDE, blank, tidy
-from reference.reports.figures.record import Deviation, PaperFigure, Row, Work
-from reference.reports.figures.registry import FigureEntry
-from reference.resampling.reservoir import (
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.numerics.intervals import (
+    Numbers,
+    mean_interval,
+    ratio_interval,
+)
+from restir_gi.reference.reports.figures.canvas import COLORS, SIDE, blank, tidy
+from restir_gi.reference.reports.figures.record import Deviation, PaperFigure, Row, Work
+from restir_gi.reference.reports.figures.registry import FigureEntry
+from restir_gi.reference.resampling.reservoir import (
     Candidates,
     finalize,
     initial_candidates,
     merge,
 )
-from reference.resampling.target import luminance
+from restir_gi.reference.resampling.target import luminance
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.figure import Figure

@@ -6,22 +6,22 @@ from typing import Any
 
 import numpy as np
 
-from docs.figures.gradient_domain.rounds import FRAMES, RoundScene, Variant
-from docs.figures.paths import sized_world
-from extensions.area_restir import render_area_frames
-from extensions.area_settings import AreaSettings
-from gradient_domain.after_restir import render_after_frames
-from gradient_domain.gradient_pt import render_gradient_paths
-from gradient_domain.gradient_restir import render_gradient_frames
-from gradient_domain.settings import (
+from restir_gi.extensions.area_restir import render_area_frames
+from restir_gi.extensions.area_settings import AreaSettings
+from restir_gi.figures.gradient_domain.rounds import FRAMES, RoundScene, Variant
+from restir_gi.figures.paths import sized_world
+from restir_gi.gradient_domain.after_restir import render_after_frames
+from restir_gi.gradient_domain.gradient_pt import render_gradient_paths
+from restir_gi.gradient_domain.gradient_restir import render_gradient_frames
+from restir_gi.gradient_domain.settings import (
     AfterSettings,
     GradientPathSettings,
     GradientSettings,
 )
-from reference.numerics.arrays import Scalars
-from reference.scene.animation import Animation
-from reference.scene.catalogue.registry import find_animation
-from reference.scene.validation import validate
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.scene.catalogue.registry import find_animation
+from restir_gi.reference.scene.validation import validate
 
 BOUNCES = 2
 PATHS, AFTER, WITH = "Gradient-PT", "after ReSTIR", "with ReSTIR"

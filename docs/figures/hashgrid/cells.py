@@ -4,16 +4,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from docs.figures.paths import sized_world
-from hashgrid.grid import BUCKET, Grid, edges, jittered, keys_of, levels
-from hashgrid.light_method import METHOD
-from hashgrid.report import occupancy
-from hashgrid.world_reservoirs import LightFrame, render_light_frames
-from reference.images.display import Bytes
-from reference.images.image import to_image
-from reference.numerics.arrays import Indices, Masks, Vec3s
-from reference.numerics.rng import KeyedUniforms, Stream, pcg4d, to_unit_interval
-from reference.reports.figures.canvas import (
+from restir_gi.figures.paths import sized_world
+from restir_gi.hashgrid.grid import BUCKET, Grid, edges, jittered, keys_of, levels
+from restir_gi.hashgrid.light_method import METHOD
+from restir_gi.hashgrid.report import occupancy
+from restir_gi.hashgrid.world_reservoirs import LightFrame, render_light_frames
+from restir_gi.reference.images.display import Bytes
+from restir_gi.reference.images.image import to_image
+from restir_gi.reference.numerics.arrays import Indices, Masks, Vec3s
+from restir_gi.reference.numerics.rng import (
+    KeyedUniforms,
+    Stream,
+    pcg4d,
+    to_unit_interval,
+)
+from restir_gi.reference.reports.figures.canvas import (
     BIG,
     COLORS,
     Tile,
@@ -22,8 +27,8 @@ from reference.reports.figures.canvas import (
     split,
     tidy,
 )
-from reference.reports.figures.record import PaperFigure, Row, Work
-from reference.reports.figures.registry import FigureEntry
+from restir_gi.reference.reports.figures.record import PaperFigure, Row, Work
+from restir_gi.reference.reports.figures.registry import FigureEntry
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.axes import Axes

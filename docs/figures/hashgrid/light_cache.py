@@ -7,15 +7,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from docs.figures.hashgrid.turns import COUNTED, WARM, Turns, by_turns
-from docs.figures.paths import sized_world
-from hashgrid.light_method import METHOD
-from hashgrid.light_settings import LightSettings
-from hashgrid.world_reservoirs import render_light_frames
-from reference.numerics.arrays import Vec3s
-from reference.numerics.intervals import Interval, mean_interval, ratio_interval
-from reference.numerics.schedule import Schedule
-from reference.reports.figures.canvas import (
+from restir_gi.figures.hashgrid.turns import COUNTED, WARM, Turns, by_turns
+from restir_gi.figures.paths import sized_world
+from restir_gi.hashgrid.light_method import METHOD
+from restir_gi.hashgrid.light_settings import LightSettings
+from restir_gi.hashgrid.world_reservoirs import render_light_frames
+from restir_gi.reference.numerics.arrays import Vec3s
+from restir_gi.reference.numerics.intervals import (
+    Interval,
+    mean_interval,
+    ratio_interval,
+)
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.figures.canvas import (
     BIG,
     Tile,
     blank,
@@ -23,9 +27,9 @@ from reference.reports.figures.canvas import (
     exposure_of,
     shown,
 )
-from reference.reports.figures.record import Deviation, PaperFigure, Row, Work
-from reference.reports.figures.registry import FigureEntry
-from reference.transport.world import World
+from restir_gi.reference.reports.figures.record import Deviation, PaperFigure, Row, Work
+from restir_gi.reference.reports.figures.registry import FigureEntry
+from restir_gi.reference.transport.world import World
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.figure import Figure

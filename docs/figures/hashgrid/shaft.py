@@ -3,15 +3,19 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import extensions.method
-from docs.figures.contest import FRAMES, Contender, Contest, compete
-from docs.figures.paths import sized_world
-from hashgrid.regir_method import METHOD
-from reference.methods.method import Method
-from reference.methods.restir_gi import UNBIASED
-from reference.numerics.intervals import Interval, mean_interval, ratio_interval
-from reference.reports.demo.score import relative_bias
-from reference.reports.figures.canvas import (
+import restir_gi.extensions.method
+from restir_gi.figures.contest import FRAMES, Contender, Contest, compete
+from restir_gi.figures.paths import sized_world
+from restir_gi.hashgrid.regir_method import METHOD
+from restir_gi.reference.methods.method import Method
+from restir_gi.reference.methods.restir_gi import UNBIASED
+from restir_gi.reference.numerics.intervals import (
+    Interval,
+    mean_interval,
+    ratio_interval,
+)
+from restir_gi.reference.reports.demo.score import relative_bias
+from restir_gi.reference.reports.figures.canvas import (
     BIG,
     Tile,
     blank,
@@ -19,9 +23,9 @@ from reference.reports.figures.canvas import (
     exposure_of,
     shown,
 )
-from reference.reports.figures.record import Deviation, PaperFigure, Row, Work
-from reference.reports.figures.registry import FigureEntry
-from reference.reports.figures.spread import spreads
+from restir_gi.reference.reports.figures.record import Deviation, PaperFigure, Row, Work
+from restir_gi.reference.reports.figures.registry import FigureEntry
+from restir_gi.reference.reports.figures.spread import spreads
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.figure import Figure
@@ -31,7 +35,7 @@ SCENES = ("shaft", "specular-floor")
 BOUNCES = 2
 PATHS = 16  # path-traced samples beside each frame
 SCREEN = "ReSTIR GI"
-WHOLE_PATHS = extensions.method.METHOD
+WHOLE_PATHS = restir_gi.extensions.method.METHOD
 ARTICLE = replace(
     METHOD.settings, cell_mis="1/M", nulls="dropped", writers="every-bounce"
 )

@@ -8,15 +8,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from docs.figures.contest import paths_beside
-from reference.numerics.arrays import Vec3s
-from reference.numerics.intervals import Numbers
-from reference.numerics.moments import Moments, merge
-from reference.reports.demo.score import relative_bias
-from reference.reports.figures.record import Work
-from reference.reports.figures.spread import spreads
-from reference.reports.timing import in_turns, timed
-from reference.transport.world import World
+from restir_gi.figures.contest import paths_beside
+from restir_gi.reference.numerics.arrays import Vec3s
+from restir_gi.reference.numerics.intervals import Numbers
+from restir_gi.reference.numerics.moments import Moments, merge
+from restir_gi.reference.reports.demo.score import relative_bias
+from restir_gi.reference.reports.figures.record import Work
+from restir_gi.reference.reports.figures.spread import spreads
+from restir_gi.reference.reports.timing import in_turns, timed
+from restir_gi.reference.transport.world import World
 
 WARM, COUNTED = 8, 8
 """Frames of a run before those that count, and these."""

@@ -11,12 +11,12 @@ from itertools import product
 
 import numpy as np
 
-from extensions.oracle.reuse.cases import WEIGHTS
-from reference.numerics.arrays import Indices, Scalars
-from reference.oracle.buffers import given
-from reference.oracle.cases import Buffers, Case
-from reference.oracle.contract.fields import Precision, Value
-from reference.oracle.levels.probe import Examine, Finding, Probe
+from restir_gi.extensions.oracle.reuse.cases import WEIGHTS
+from restir_gi.reference.numerics.arrays import Indices, Scalars
+from restir_gi.reference.oracle.buffers import given
+from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.contract.fields import Precision, Value
+from restir_gi.reference.oracle.levels.probe import Examine, Finding, Probe
 
 PIXELS, CELLS = 3, 4
 NOTHING = CELLS

@@ -2,8 +2,12 @@
 
 from typing import Any
 
-from extensions.oracle.reuse.rules import ReuseRules
-from reference.oracle.diagnosis.hypothesis import Departure, Hypothesis, mistake
+from restir_gi.extensions.oracle.reuse.rules import ReuseRules
+from restir_gi.reference.oracle.diagnosis.hypothesis import (
+    Departure,
+    Hypothesis,
+    mistake,
+)
 
 PASSES = ("path_reuse",)
 

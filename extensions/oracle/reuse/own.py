@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Scalars, Vec3s
-from reference.numerics.records import NONE
-from reference.oracle.builtin.buffers import Array, as_real
-from reference.oracle.contract.fields import Precision
-from reference.resampling.generalized import resample
-from reference.resampling.reservoir import Reservoirs
+from restir_gi.reference.numerics.arrays import Indices, Scalars, Vec3s
+from restir_gi.reference.numerics.records import NONE
+from restir_gi.reference.oracle.builtin.buffers import Array, as_real
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.resampling.generalized import resample
+from restir_gi.reference.resampling.reservoir import Reservoirs
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,15 +1,15 @@
 """Reuse of whole samples as a part of the contract."""
 
-from extensions.oracle.reuse.cases import table_cases
-from extensions.oracle.reuse.lattice import lattice_probes
-from extensions.oracle.reuse.mistakes import REUSE_MISTAKES
-from extensions.oracle.reuse.own import OWN
-from extensions.oracle.reuse.passes import PATH_REUSE
-from extensions.oracle.reuse.replay import judge_path_reuse
-from reference.oracle.contract.fields import Precision
-from reference.oracle.levels.probe import Probe
-from reference.oracle.levels.replayed import replayed
-from reference.oracle.parts import Part
+from restir_gi.extensions.oracle.reuse.cases import table_cases
+from restir_gi.extensions.oracle.reuse.lattice import lattice_probes
+from restir_gi.extensions.oracle.reuse.mistakes import REUSE_MISTAKES
+from restir_gi.extensions.oracle.reuse.own import OWN
+from restir_gi.extensions.oracle.reuse.passes import PATH_REUSE
+from restir_gi.extensions.oracle.reuse.replay import judge_path_reuse
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.levels.probe import Probe
+from restir_gi.reference.oracle.levels.replayed import replayed
+from restir_gi.reference.oracle.parts import Part
 
 
 def _probes(precision: Precision) -> list[Probe]:

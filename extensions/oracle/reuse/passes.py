@@ -1,6 +1,6 @@
 """The pass of the contract about generalized resampling."""
 
-from reference.oracle.contract.fields import Pass, Setting, bits, index, real
+from restir_gi.reference.oracle.contract.fields import Pass, Setting, bits, index, real
 
 PATH_REUSE = Pass(
     name="path_reuse",

@@ -4,18 +4,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from extensions.oracle.reuse.rules import reusing
-from extensions.oracle.reuse.tables import tables_of
-from extensions.oracle.reuse.weights import arriving, divisor, of_kept, total
-from reference.numerics.arrays import Indices, Masks
-from reference.oracle.cases import Buffers, Case
-from reference.oracle.contract.fields import Precision
-from reference.oracle.replay.bounded import Bounded, exact, rounding_of
-from reference.oracle.replay.formulas import capped
-from reference.oracle.replay.judgement import Compared, Decisions, Judgement, beside
-from reference.oracle.replay.rules import Rules
-from reference.oracle.replay.stream import choices_of, left_open, sums_of
-from reference.oracle.replay.verbs import choose
+from restir_gi.extensions.oracle.reuse.rules import reusing
+from restir_gi.extensions.oracle.reuse.tables import tables_of
+from restir_gi.extensions.oracle.reuse.weights import arriving, divisor, of_kept, total
+from restir_gi.reference.numerics.arrays import Indices, Masks
+from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.replay.bounded import Bounded, exact, rounding_of
+from restir_gi.reference.oracle.replay.formulas import capped
+from restir_gi.reference.oracle.replay.judgement import (
+    Compared,
+    Decisions,
+    Judgement,
+    beside,
+)
+from restir_gi.reference.oracle.replay.rules import Rules
+from restir_gi.reference.oracle.replay.stream import choices_of, left_open, sums_of
+from restir_gi.reference.oracle.replay.verbs import choose
 
 
 @dataclass(frozen=True, slots=True, eq=False)

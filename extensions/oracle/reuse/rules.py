@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from reference.oracle.replay.rules import Rules
+from restir_gi.reference.oracle.replay.rules import Rules
 
 
 @dataclass(frozen=True, slots=True)

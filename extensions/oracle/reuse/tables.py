@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from extensions.oracle.reuse.rules import ReuseRules
-from reference.oracle.cases import Case
-from reference.oracle.replay.bounded import Bounded, Rounding, constant, exact
-from reference.oracle.replay.formulas import capped
-from reference.oracle.replay.verbs import choose
+from restir_gi.extensions.oracle.reuse.rules import ReuseRules
+from restir_gi.reference.oracle.cases import Case
+from restir_gi.reference.oracle.replay.bounded import Bounded, Rounding, constant, exact
+from restir_gi.reference.oracle.replay.formulas import capped
+from restir_gi.reference.oracle.replay.verbs import choose
 
 PAIRS = ("pairwise", "defensive")
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from extensions.oracle.reuse.rules import ReuseRules
-from extensions.oracle.reuse.tables import PAIRS, ReuseTables
-from reference.numerics.arrays import Indices
-from reference.oracle.replay.bounded import Bounded, exact
-from reference.oracle.replay.formulas import capped
-from reference.oracle.replay.verbs import choose
+from restir_gi.extensions.oracle.reuse.rules import ReuseRules
+from restir_gi.extensions.oracle.reuse.tables import PAIRS, ReuseTables
+from restir_gi.reference.numerics.arrays import Indices
+from restir_gi.reference.oracle.replay.bounded import Bounded, exact
+from restir_gi.reference.oracle.replay.formulas import capped
+from restir_gi.reference.oracle.replay.verbs import choose
 
 
 def total(terms: list[Bounded]) -> Bounded:

@@ -5,14 +5,14 @@ from functools import cache
 
 import numpy as np
 
-from extensions.oracle.shifts.passes import SHIFT
-from extensions.oracle.shifts.rows import buffers, eventful
-from extensions.oracle.shifts.scenes import frame_of
-from extensions.pt_settings import CRITERIA
-from extensions.shifting import Criterion
-from reference.oracle.buffers import given
-from reference.oracle.cases import Case
-from reference.oracle.contract.fields import Precision, Value, dtype_of
+from restir_gi.extensions.oracle.shifts.passes import SHIFT
+from restir_gi.extensions.oracle.shifts.rows import buffers, eventful
+from restir_gi.extensions.oracle.shifts.scenes import frame_of
+from restir_gi.extensions.pt_settings import CRITERIA
+from restir_gi.extensions.shifting import Criterion
+from restir_gi.reference.oracle.buffers import given
+from restir_gi.reference.oracle.cases import Case
+from restir_gi.reference.oracle.contract.fields import Precision, Value, dtype_of
 
 SIZE, SEED, BOUNCES = 24, 3, 4
 NEVER = 2.0
@@ -35,7 +35,8 @@ class RowOrigin:
 
     Attributes
     ----------
-    scene, kind : str; of `extensions.oracle.shifts.scenes.BLOCKS`, and of `KINDS`
+    scene, kind : str; of `restir_gi.extensions.oracle.shifts.scenes.BLOCKS`, and of
+    `KINDS`
     frame : int; of the random numbers
     right, down : int, pixels; to which pixels paths are shifted
     """

@@ -6,26 +6,31 @@ from typing import Any
 
 import numpy as np
 
-from extensions.oracle.shifts.formulas import (
+from restir_gi.extensions.oracle.shifts.formulas import (
     all_of,
     certainly,
     negated,
     told,
     where_positive,
 )
-from extensions.oracle.shifts.rules import ShiftRules, shifting
-from reference.numerics.arrays import Masks
-from reference.oracle.cases import Buffers, Case
-from reference.oracle.contract.fields import Precision, Value
-from reference.oracle.replay.bounded import Bounded, Rounding, exact, rounding_of
-from reference.oracle.replay.further.numbers import (
+from restir_gi.extensions.oracle.shifts.rules import ShiftRules, shifting
+from restir_gi.reference.numerics.arrays import Masks
+from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.contract.fields import Precision, Value
+from restir_gi.reference.oracle.replay.bounded import (
+    Bounded,
+    Rounding,
+    exact,
+    rounding_of,
+)
+from restir_gi.reference.oracle.replay.further.numbers import (
     Choice,
     setting,
     where_not_negative,
 )
-from reference.oracle.replay.judgement import Judgement, exactly
-from reference.oracle.replay.rules import Rules
-from reference.oracle.replay.verbs import inner, square_root
+from restir_gi.reference.oracle.replay.judgement import Judgement, exactly
+from restir_gi.reference.oracle.replay.rules import Rules
+from restir_gi.reference.oracle.replay.verbs import inner, square_root
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
-from reference.oracle.buffers import given
-from reference.oracle.cases import Case
-from reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.buffers import given
+from restir_gi.reference.oracle.cases import Case
+from restir_gi.reference.oracle.contract.fields import Precision
 
 ROWS = 256
 NEAR = 2.0**-16

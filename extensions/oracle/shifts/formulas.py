@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Masks
-from reference.oracle.replay.bounded import Bounded, Rounding, constant
-from reference.oracle.replay.further.numbers import Choice
-from reference.oracle.replay.verbs import choose, inner, square_root
+from restir_gi.reference.numerics.arrays import Masks
+from restir_gi.reference.oracle.replay.bounded import Bounded, Rounding, constant
+from restir_gi.reference.oracle.replay.further.numbers import Choice
+from restir_gi.reference.oracle.replay.verbs import choose, inner, square_root
 
 
 def told(array: NDArray[Any], rounding: Rounding) -> Bounded:

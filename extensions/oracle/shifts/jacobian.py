@@ -1,13 +1,13 @@
 """Replay of the Jacobian of a shift that joins a path."""
 
-from extensions.oracle.shifts.formulas import spread_between
-from extensions.oracle.shifts.rules import ShiftRules, shifting
-from reference.oracle.cases import Buffers, Case
-from reference.oracle.contract.fields import Precision
-from reference.oracle.replay.bounded import Bounded, exact, rounding_of
-from reference.oracle.replay.further.numbers import bounded_somehow
-from reference.oracle.replay.judgement import Judgement, beside
-from reference.oracle.replay.rules import Rules
+from restir_gi.extensions.oracle.shifts.formulas import spread_between
+from restir_gi.extensions.oracle.shifts.rules import ShiftRules, shifting
+from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.replay.bounded import Bounded, exact, rounding_of
+from restir_gi.reference.oracle.replay.further.numbers import bounded_somehow
+from restir_gi.reference.oracle.replay.judgement import Judgement, beside
+from restir_gi.reference.oracle.replay.rules import Rules
 
 
 def jacobian_of(

@@ -1,11 +1,11 @@
 """Known mistakes with shifts of whole paths."""
 
-from extensions.oracle.shifts.mistakes_domain import DOMAINS
-from extensions.oracle.shifts.mistakes_jacobian import JACOBIANS
-from extensions.oracle.shifts.mistakes_value import VALUES
-from extensions.oracle.shifts.rules import ShiftRules
-from reference.oracle.diagnosis.hypothesis import Hypothesis, mistake
-from reference.oracle.replay.bounded import Bounded
+from restir_gi.extensions.oracle.shifts.mistakes_domain import DOMAINS
+from restir_gi.extensions.oracle.shifts.mistakes_jacobian import JACOBIANS
+from restir_gi.extensions.oracle.shifts.mistakes_value import VALUES
+from restir_gi.extensions.oracle.shifts.rules import ShiftRules
+from restir_gi.reference.oracle.diagnosis.hypothesis import Hypothesis, mistake
+from restir_gi.reference.oracle.replay.bounded import Bounded
 
 JOINABLE = ("joinable",)
 CRITERIA = (*JOINABLE, "shift")

@@ -1,7 +1,7 @@
 """Known mistakes with the domain of shifts of paths."""
 
-from extensions.oracle.shifts.rules import ShiftRules
-from reference.oracle.diagnosis.hypothesis import mistake
+from restir_gi.extensions.oracle.shifts.rules import ShiftRules
+from restir_gi.reference.oracle.diagnosis.hypothesis import mistake
 
 SHIFT = ("shift",)
 BOTH_WAYS = "refused where the offset path could be joined before x_c"

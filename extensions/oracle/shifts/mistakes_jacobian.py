@@ -1,10 +1,10 @@
 """Known mistakes with the Jacobian of shifts of paths."""
 
-from extensions.oracle.shifts.formulas import spread
-from extensions.oracle.shifts.rules import ShiftRules
-from reference.oracle.diagnosis.hypothesis import mistake
-from reference.oracle.replay.bounded import Bounded, constant
-from reference.oracle.replay.verbs import square_root
+from restir_gi.extensions.oracle.shifts.formulas import spread
+from restir_gi.extensions.oracle.shifts.rules import ShiftRules
+from restir_gi.reference.oracle.diagnosis.hypothesis import mistake
+from restir_gi.reference.oracle.replay.bounded import Bounded, constant
+from restir_gi.reference.oracle.replay.verbs import square_root
 
 SHIFT = ("shift",)
 DENSITIES = ("path_jacobian", *SHIFT)

@@ -1,7 +1,7 @@
 """Known mistakes with the value of shifted paths."""
 
-from extensions.oracle.shifts.rules import ShiftRules
-from reference.oracle.diagnosis.hypothesis import mistake
+from restir_gi.extensions.oracle.shifts.rules import ShiftRules
+from restir_gi.reference.oracle.diagnosis.hypothesis import mistake
 
 SHIFT = ("shift",)
 SHARE_RIGHT = "the share of the technique, with the offset path's density at x_c"

@@ -6,18 +6,18 @@ from typing import Any, cast
 
 import numpy as np
 
-from extensions.oracle.shifts.scenes import frame_of
-from extensions.shifting import Criterion, PathNeighbor, Paths, Shift, segment
-from reference.numerics.arrays import Indices, Scalars, Vec3s, divide_or_zero
-from reference.numerics.records import take
-from reference.oracle.builtin.buffers import Array, as_real
-from reference.oracle.builtin.world import surface_of
-from reference.oracle.contract.fields import Precision
-from reference.resampling.reservoir import Reservoirs
-from reference.scene.geometry import Geometry
-from reference.scene.materials.parameters import Kind
-from reference.scene.surface import SurfacePoints
-from reference.transport.world import World
+from restir_gi.extensions.oracle.shifts.scenes import frame_of
+from restir_gi.extensions.shifting import Criterion, PathNeighbor, Paths, Shift, segment
+from restir_gi.reference.numerics.arrays import Indices, Scalars, Vec3s, divide_or_zero
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.oracle.builtin.buffers import Array, as_real
+from restir_gi.reference.oracle.builtin.world import surface_of
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.resampling.reservoir import Reservoirs
+from restir_gi.reference.scene.geometry import Geometry
+from restir_gi.reference.scene.materials.parameters import Kind
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.transport.world import World
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,17 +1,17 @@
 """Shifts of whole paths as a part of the contract."""
 
-from extensions.oracle.shifts.cases import PLACES, null_case, shift_case
-from extensions.oracle.shifts.criterion import judge_joinable
-from extensions.oracle.shifts.exact_cases import exact_cases
-from extensions.oracle.shifts.jacobian import judge_jacobian
-from extensions.oracle.shifts.mistakes import SHIFT_MISTAKES
-from extensions.oracle.shifts.own import OWN
-from extensions.oracle.shifts.passes import SHIFT_PASSES
-from extensions.oracle.shifts.replay import judge_shift
-from reference.oracle.contract.fields import Precision
-from reference.oracle.levels.probe import Probe
-from reference.oracle.levels.replayed import replayed
-from reference.oracle.parts import Part
+from restir_gi.extensions.oracle.shifts.cases import PLACES, null_case, shift_case
+from restir_gi.extensions.oracle.shifts.criterion import judge_joinable
+from restir_gi.extensions.oracle.shifts.exact_cases import exact_cases
+from restir_gi.extensions.oracle.shifts.jacobian import judge_jacobian
+from restir_gi.extensions.oracle.shifts.mistakes import SHIFT_MISTAKES
+from restir_gi.extensions.oracle.shifts.own import OWN
+from restir_gi.extensions.oracle.shifts.passes import SHIFT_PASSES
+from restir_gi.extensions.oracle.shifts.replay import judge_shift
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.levels.probe import Probe
+from restir_gi.reference.oracle.levels.replayed import replayed
+from restir_gi.reference.oracle.parts import Part
 
 
 def _probes(precision: Precision) -> list[Probe]:

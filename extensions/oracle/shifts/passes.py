@@ -1,6 +1,6 @@
 """Passes of the contract about shifts of whole paths."""
 
-from reference.oracle.contract.fields import (
+from restir_gi.reference.oracle.contract.fields import (
     Pass,
     Setting,
     bits,

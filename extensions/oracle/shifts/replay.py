@@ -4,28 +4,33 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from extensions.oracle.shifts.criterion import Ends, came, joined, way
-from extensions.oracle.shifts.formulas import (
+from restir_gi.extensions.oracle.shifts.criterion import Ends, came, joined, way
+from restir_gi.extensions.oracle.shifts.formulas import (
     all_of,
     certainly,
     negated,
     told,
     where_positive,
 )
-from extensions.oracle.shifts.rules import ShiftRules, shifting
-from extensions.oracle.shifts.shifted_path import (
+from restir_gi.extensions.oracle.shifts.rules import ShiftRules, shifting
+from restir_gi.extensions.oracle.shifts.shifted_path import (
     ShiftedPath,
     shifted_by_joining,
     shifted_by_replay,
 )
-from reference.numerics.arrays import Indices, Masks
-from reference.oracle.cases import Buffers, Case
-from reference.oracle.contract.fields import Precision
-from reference.oracle.replay.bounded import Bounded, Rounding, constant, rounding_of
-from reference.oracle.replay.further.numbers import Choice, bounded_somehow
-from reference.oracle.replay.judgement import Judgement, beside
-from reference.oracle.replay.rules import Rules
-from reference.oracle.replay.verbs import choose, inner
+from restir_gi.reference.numerics.arrays import Indices, Masks
+from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.replay.bounded import (
+    Bounded,
+    Rounding,
+    constant,
+    rounding_of,
+)
+from restir_gi.reference.oracle.replay.further.numbers import Choice, bounded_somehow
+from restir_gi.reference.oracle.replay.judgement import Judgement, beside
+from restir_gi.reference.oracle.replay.rules import Rules
+from restir_gi.reference.oracle.replay.verbs import choose, inner
 
 
 @dataclass(frozen=True, slots=True, eq=False)

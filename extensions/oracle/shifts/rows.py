@@ -5,20 +5,20 @@ from typing import Any
 
 import numpy as np
 
-from extensions.oracle.shifts.scenes import DrawnPaths
-from extensions.oracle.shifts.tables import (
+from restir_gi.extensions.oracle.shifts.scenes import DrawnPaths
+from restir_gi.extensions.oracle.shifts.tables import (
     columns,
     connection,
     filled,
     joints,
     lights,
 )
-from extensions.oracle.shifts.walks import at_slot, walked
-from extensions.shifting import Criterion, Paths, Shift
-from reference.numerics.arrays import Indices, Masks
-from reference.numerics.records import take
-from reference.oracle.cases import Buffers
-from reference.scene.surface import SurfacePoints
+from restir_gi.extensions.oracle.shifts.walks import at_slot, walked
+from restir_gi.extensions.shifting import Criterion, Paths, Shift
+from restir_gi.reference.numerics.arrays import Indices, Masks
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.oracle.cases import Buffers
+from restir_gi.reference.scene.surface import SurfacePoints
 
 ROWS = 6
 """Of each kind of event."""

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from extensions.oracle.shifts.formulas import perceptual, spread
-from reference.oracle.replay.bounded import Bounded
-from reference.oracle.replay.rules import Rules
+from restir_gi.extensions.oracle.shifts.formulas import perceptual, spread
+from restir_gi.reference.oracle.replay.bounded import Bounded
+from restir_gi.reference.oracle.replay.rules import Rules
 
 
 @dataclass(frozen=True, slots=True)

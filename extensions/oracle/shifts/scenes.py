@@ -5,24 +5,24 @@ from functools import cache
 
 import numpy as np
 
-from extensions.candidates import draw_paths
-from extensions.shifting import Criterion, Paths
-from reference.numerics.arrays import Indices
-from reference.numerics.rng import KeyedUniforms, Stream, Uniforms
-from reference.passes.gbuffer import visible_points
-from reference.scene.camera import pixel_centers
-from reference.scene.catalogue.registry import find_scene
-from reference.scene.materials.kinds import (
+from restir_gi.extensions.candidates import draw_paths
+from restir_gi.extensions.shifting import Criterion, Paths
+from restir_gi.reference.numerics.arrays import Indices
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream, Uniforms
+from restir_gi.reference.passes.gbuffer import visible_points
+from restir_gi.reference.scene.camera import pixel_centers
+from restir_gi.reference.scene.catalogue.registry import find_scene
+from restir_gi.reference.scene.materials.kinds import (
     Coated,
     Conductor,
     Dielectric,
     Material,
     mirror,
 )
-from reference.scene.shapes import Mesh
-from reference.scene.surface import SurfacePoints
-from reference.scene.validation import validate
-from reference.transport.world import World, build_world
+from restir_gi.reference.scene.shapes import Mesh
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.transport.world import World, build_world
 
 BLOCKS: dict[str, Material | None] = {
     "paint": None,

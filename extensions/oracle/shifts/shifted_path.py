@@ -4,13 +4,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from extensions.oracle.shifts.formulas import share, spread, spread_between, told
-from extensions.oracle.shifts.jacobian import jacobian_of
-from extensions.oracle.shifts.rules import ShiftRules
-from reference.numerics.arrays import Indices
-from reference.oracle.cases import Case
-from reference.oracle.replay.bounded import Bounded, Rounding, constant
-from reference.oracle.replay.verbs import choose, times
+from restir_gi.extensions.oracle.shifts.formulas import (
+    share,
+    spread,
+    spread_between,
+    told,
+)
+from restir_gi.extensions.oracle.shifts.jacobian import jacobian_of
+from restir_gi.extensions.oracle.shifts.rules import ShiftRules
+from restir_gi.reference.numerics.arrays import Indices
+from restir_gi.reference.oracle.cases import Case
+from restir_gi.reference.oracle.replay.bounded import Bounded, Rounding, constant
+from restir_gi.reference.oracle.replay.verbs import choose, times
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,20 +5,26 @@ from typing import Any
 
 import numpy as np
 
-from extensions.oracle.shifts.scenes import DrawnPaths
-from extensions.oracle.shifts.walks import ReplayedWalk
-from extensions.shifting import NEVER_JOINED, Criterion, Paths, Technique, segment
-from reference.numerics.arrays import Masks, Scalars, Vec3s, dot
-from reference.numerics.records import scatter, take
-from reference.numerics.rng import Uniforms
-from reference.oracle.cases import Buffers
-from reference.scene.materials.parameters import Kind, MaterialTable
-from reference.scene.materials.table import pdf, scattering
-from reference.scene.origins import contact
-from reference.scene.surface import SurfacePoints
-from reference.transport.direct_light import choose_light, emitter_hits
-from reference.transport.light_mis import bsdf_sampling_weight
-from reference.transport.world import World
+from restir_gi.extensions.oracle.shifts.scenes import DrawnPaths
+from restir_gi.extensions.oracle.shifts.walks import ReplayedWalk
+from restir_gi.extensions.shifting import (
+    NEVER_JOINED,
+    Criterion,
+    Paths,
+    Technique,
+    segment,
+)
+from restir_gi.reference.numerics.arrays import Masks, Scalars, Vec3s, dot
+from restir_gi.reference.numerics.records import scatter, take
+from restir_gi.reference.numerics.rng import Uniforms
+from restir_gi.reference.oracle.cases import Buffers
+from restir_gi.reference.scene.materials.parameters import Kind, MaterialTable
+from restir_gi.reference.scene.materials.table import pdf, scattering
+from restir_gi.reference.scene.origins import contact
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.transport.direct_light import choose_light, emitter_hits
+from restir_gi.reference.transport.light_mis import bsdf_sampling_weight
+from restir_gi.reference.transport.world import World
 
 
 def columns(world: World, walk: ReplayedWalk) -> dict[str, Any]:

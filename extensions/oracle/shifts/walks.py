@@ -2,12 +2,19 @@
 
 from dataclasses import dataclass
 
-from extensions.shifting import Criterion, Leaving, Step, advance, leave, start
-from reference.numerics.arrays import Indices, Vec3s
-from reference.numerics.records import where
-from reference.numerics.rng import Uniforms
-from reference.scene.surface import SurfacePoints
-from reference.transport.world import World
+from restir_gi.extensions.shifting import (
+    Criterion,
+    Leaving,
+    Step,
+    advance,
+    leave,
+    start,
+)
+from restir_gi.reference.numerics.arrays import Indices, Vec3s
+from restir_gi.reference.numerics.records import where
+from restir_gi.reference.numerics.rng import Uniforms
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.transport.world import World
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,8 +2,8 @@
 
 from typing import Protocol
 
-from reference.oracle.cases import Case, Outcome
-from reference.oracle.contract.fields import Passes, Precision
+from restir_gi.reference.oracle.cases import Case, Outcome
+from restir_gi.reference.oracle.contract.fields import Passes, Precision
 
 
 class Backend(Protocol):

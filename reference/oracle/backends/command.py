@@ -3,10 +3,10 @@
 import shlex
 from dataclasses import replace
 
-from reference.oracle.backends.files import FilesBackend
-from reference.oracle.backends.running import Limits, run_program
-from reference.oracle.backends.workspace import Workspace
-from reference.oracle.cases import (
+from restir_gi.reference.oracle.backends.files import FilesBackend
+from restir_gi.reference.oracle.backends.running import Limits, run_program
+from restir_gi.reference.oracle.backends.workspace import Workspace
+from restir_gi.reference.oracle.cases import (
     NO_TIME,
     NOT_AGAIN,
     Case,
@@ -16,9 +16,9 @@ from reference.oracle.cases import (
     Unasked,
     for_ever,
 )
-from reference.oracle.contract.fields import Passes, Precision
-from reference.oracle.raw import outputs_size, write_cases
-from reference.system.errors import UsageError
+from restir_gi.reference.oracle.contract.fields import Passes, Precision
+from restir_gi.reference.oracle.raw import outputs_size, write_cases
+from restir_gi.reference.system.errors import UsageError
 
 PLACE = "{directory}"
 

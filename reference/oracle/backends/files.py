@@ -3,10 +3,10 @@
 import os
 from pathlib import Path
 
-from reference.oracle.cases import Case, Outcome, for_ever
-from reference.oracle.contract.fields import Passes, Precision
-from reference.oracle.exr_frames import read_frames
-from reference.oracle.raw import read_outputs
+from restir_gi.reference.oracle.cases import Case, Outcome, for_ever
+from restir_gi.reference.oracle.contract.fields import Passes, Precision
+from restir_gi.reference.oracle.exr_frames import read_frames
+from restir_gi.reference.oracle.raw import read_outputs
 
 
 class FilesBackend:

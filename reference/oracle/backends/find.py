@@ -7,7 +7,7 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
-from reference.system.errors import UsageError
+from restir_gi.reference.system.errors import UsageError
 
 GROUP = "restir.backends"
 BUILT_IN = ("float32", "float64")
@@ -45,7 +45,7 @@ def find_object(spec: str) -> Any:
         attribute is ``BACKEND`` where it is not given.
     """
     if spec in BUILT_IN:
-        from reference.oracle.builtin.backend import FLOAT32, FLOAT64
+        from restir_gi.reference.oracle.builtin.backend import FLOAT32, FLOAT64
 
         return FLOAT32 if spec == "float32" else FLOAT64
     for point in entry_points(group=GROUP, name=spec):

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.oracle.cases import (
+from restir_gi.reference.oracle.cases import (
     NO_TIME,
     Case,
     Failure,
@@ -12,7 +12,7 @@ from reference.oracle.cases import (
     Remaining,
     for_ever,
 )
-from reference.oracle.contract.fields import Passes, Precision
+from restir_gi.reference.oracle.contract.fields import Passes, Precision
 
 
 class InsideBackend:

@@ -2,16 +2,16 @@
 
 from typing import Any
 
-from reference.oracle.backends.backend import Backend
-from reference.oracle.backends.command import PLACE, ProgramBackend
-from reference.oracle.backends.find import backend_names, is_python
-from reference.oracle.backends.inside import InsideBackend
-from reference.oracle.backends.process import PythonBackend
-from reference.oracle.backends.running import Limits
-from reference.oracle.cases import Remaining, for_ever
-from reference.oracle.contract.fields import Precision
-from reference.system.errors import UsageError
-from reference.system.suggestions import unknown
+from restir_gi.reference.oracle.backends.backend import Backend
+from restir_gi.reference.oracle.backends.command import PLACE, ProgramBackend
+from restir_gi.reference.oracle.backends.find import backend_names, is_python
+from restir_gi.reference.oracle.backends.inside import InsideBackend
+from restir_gi.reference.oracle.backends.process import PythonBackend
+from restir_gi.reference.oracle.backends.running import Limits
+from restir_gi.reference.oracle.cases import Remaining, for_ever
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.suggestions import unknown
 
 
 def open_backend(

@@ -11,15 +11,15 @@ from dataclasses import replace
 from itertools import takewhile
 from typing import IO
 
-from reference.oracle.backends.running import (
+from restir_gi.reference.oracle.backends.running import (
     LastWords,
     Limits,
     how_it_ended,
     started,
     stop,
 )
-from reference.oracle.backends.workspace import Workspace
-from reference.oracle.cases import (
+from restir_gi.reference.oracle.backends.workspace import Workspace
+from restir_gi.reference.oracle.cases import (
     NO_TIME,
     NOT_AGAIN,
     Case,
@@ -30,9 +30,9 @@ from reference.oracle.cases import (
     UnaskedError,
     for_ever,
 )
-from reference.oracle.contract.fields import Passes, Precision
-from reference.oracle.raw import outputs_size, read_outputs, write_cases
-from reference.system.errors import UsageError
+from restir_gi.reference.oracle.contract.fields import Passes, Precision
+from restir_gi.reference.oracle.raw import outputs_size, read_outputs, write_cases
+from restir_gi.reference.system.errors import UsageError
 
 LOADING = 60.0
 """Seconds at least for a backend to load: libraries may take long on a busy machine."""
@@ -46,7 +46,7 @@ class PythonBackend:
 
     Parameters
     ----------
-    spec : str; as :func:`reference.oracle.backends.find.find_object` takes it
+    spec : str; as :func:`restir_gi.reference.oracle.backends.find.find_object` takes it
     remaining : callable; seconds that are left: no call lasts longer
 
     Raises
@@ -146,7 +146,7 @@ class PythonBackend:
             self._process.stdin.flush()
 
     def _start(self) -> Precision:
-        worker = "reference.oracle.backends.worker"
+        worker = "restir_gi.reference.oracle.backends.worker"
         self._process = started(
             [sys.executable, "-m", worker, self._spec, str(self._limits.memory)],
             stdin=subprocess.PIPE,

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from errno import EAGAIN, EMFILE, ENFILE, ENOMEM
 from typing import IO, Any
 
-from reference.oracle.cases import NO_TIME, Failure, Unasked
-from reference.system.errors import UsageError
+from restir_gi.reference.oracle.cases import NO_TIME, Failure, Unasked
+from restir_gi.reference.system.errors import UsageError
 
 try:
     import resource

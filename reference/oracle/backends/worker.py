@@ -1,9 +1,9 @@
 """The other side of a process boundary: runs a Python backend on folders of cases.
 
-Started by :mod:`reference.oracle.backends.process`.  On stdin comes the path of a
-folder a line; on the real stdout go ``ready PRECISION``, then for each case ``begin``,
-and ``end``, ``absent`` or ``failed`` with a reason, then ``done``.  What the backend
-prints itself goes to stderr.
+Started by :mod:`restir_gi.reference.oracle.backends.process`.  On stdin comes the path
+of a folder a line; on the real stdout go ``ready PRECISION``, then for each case
+``begin``, and ``end``, ``absent`` or ``failed`` with a reason, then ``done``.  What the
+backend prints itself goes to stderr.
 """
 
 import os
@@ -13,10 +13,10 @@ from typing import Any, TextIO
 
 import numpy as np
 
-from reference.oracle.backends.find import find_object
-from reference.oracle.backends.running import bind
-from reference.oracle.cases import Case
-from reference.oracle.raw import read_cases
+from restir_gi.reference.oracle.backends.find import find_object
+from restir_gi.reference.oracle.backends.running import bind
+from restir_gi.reference.oracle.cases import Case
+from restir_gi.reference.oracle.raw import read_cases
 
 
 def main(spec: str, memory: int) -> None:

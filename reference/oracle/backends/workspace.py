@@ -9,11 +9,11 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from secrets import token_hex
 
-from reference.oracle.backends import descendants
-from reference.oracle.backends.descendants import end_marked, marked
-from reference.oracle.backends.running import started
-from reference.system.errors import UsageError
-from reference.system.leftovers import scratch_folder
+from restir_gi.reference.oracle.backends import descendants
+from restir_gi.reference.oracle.backends.descendants import end_marked, marked
+from restir_gi.reference.oracle.backends.running import started
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.leftovers import scratch_folder
 
 MOST_LEFT, EVERY = 16, 16
 """Processes that a backend may leave running until it is closed; and how many batches

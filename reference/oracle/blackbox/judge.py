@@ -9,19 +9,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Scalars
-from reference.oracle.blackbox.renderer import Renderer
-from reference.oracle.blackbox.truth import TILES, Truth, statistics
-from reference.oracle.cases import NO_TIME, Failure, UnaskedError
-from reference.oracle.levels.probe import Finding
-from reference.oracle.statistics.betting import Bets, e_value, interval_bets, place
-from reference.oracle.statistics.families import average_e
-from reference.oracle.statistics.intervals import (
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.oracle.blackbox.renderer import Renderer
+from restir_gi.reference.oracle.blackbox.truth import TILES, Truth, statistics
+from restir_gi.reference.oracle.cases import NO_TIME, Failure, UnaskedError
+from restir_gi.reference.oracle.levels.probe import Finding
+from restir_gi.reference.oracle.statistics.betting import (
+    Bets,
+    e_value,
+    interval_bets,
+    place,
+)
+from restir_gi.reference.oracle.statistics.families import average_e
+from restir_gi.reference.oracle.statistics.intervals import (
     outside_probability,
     student_deviations,
     truth_interval,
 )
-from reference.oracle.steps import Level, LevelStep
+from restir_gi.reference.oracle.steps import Level, LevelStep
 
 ALPHA = 5e-7
 DEVIATIONS = 6.0

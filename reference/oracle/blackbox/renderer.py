@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.images.exr import read_exr
-from reference.images.exr_parts import decode
-from reference.oracle.backends.running import Limits, run_program
-from reference.oracle.backends.workspace import Workspace
-from reference.oracle.cases import (
+from restir_gi.reference.images.exr import read_exr
+from restir_gi.reference.images.exr_parts import decode
+from restir_gi.reference.oracle.backends.running import Limits, run_program
+from restir_gi.reference.oracle.backends.workspace import Workspace
+from restir_gi.reference.oracle.cases import (
     NO_TIME,
     Failure,
     Remaining,
@@ -20,9 +20,9 @@ from reference.oracle.cases import (
     UnaskedError,
     for_ever,
 )
-from reference.oracle.raw import MOST_TIMES
-from reference.system.errors import UsageError
-from reference.system.files import read_file
+from restir_gi.reference.oracle.raw import MOST_TIMES
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.files import read_file
 
 SIDES = ("{width}", "{height}", "{size}")
 PLACES = ("{scene}", "{seed}", "{frames}", *SIDES, "{out}")

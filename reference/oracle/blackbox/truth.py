@@ -6,14 +6,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Scalars
-from reference.numerics.rng import KeyedUniforms, Stream
-from reference.oracle.cases import UnaskedError, for_ever
-from reference.scene.camera import pixel_centers
-from reference.scene.scene import Scene
-from reference.scene.validation import validate
-from reference.transport.path_tracer import camera_radiance, first_hits
-from reference.transport.world import build_world
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.oracle.cases import UnaskedError, for_ever
+from restir_gi.reference.scene.camera import pixel_centers
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.validation import validate
+from restir_gi.reference.transport.path_tracer import camera_radiance, first_hits
+from restir_gi.reference.transport.world import build_world
 
 TILES = 4
 """On a side of the picture."""

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any
 
-from reference.oracle.builtin.kernels import KERNELS
-from reference.oracle.builtin.passes import PASSES
-from reference.oracle.contract.fields import Precision
-from reference.oracle.parts import PassFunction, parts
+from restir_gi.reference.oracle.builtin.kernels import KERNELS
+from restir_gi.reference.oracle.builtin.passes import PASSES
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.parts import PassFunction, parts
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Masks, Scalars
-from reference.oracle.builtin.world import Known, surface_of, world_of
-from reference.oracle.contract.fields import Precision, dtype_of
-from reference.passes.pixels import Pixels
-from reference.resampling.reservoir import Reservoirs, Samples
-from reference.settings import UNBIASED
+from restir_gi.reference.numerics.arrays import Masks, Scalars
+from restir_gi.reference.oracle.builtin.world import Known, surface_of, world_of
+from restir_gi.reference.oracle.contract.fields import Precision, dtype_of
+from restir_gi.reference.passes.pixels import Pixels
+from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
+from restir_gi.reference.settings import UNBIASED
 
 Array = NDArray[Any]
 Arrays = Mapping[str, Array]

@@ -6,7 +6,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from reference.numerics.arrays import (
+from restir_gi.reference.numerics.arrays import (
     Indices,
     Masks,
     Scalars,
@@ -15,30 +15,30 @@ from reference.numerics.arrays import (
     dot,
     normalize,
 )
-from reference.options.boiling import boiling_filter
-from reference.options.checkerboard import draws_new_sample
-from reference.options.replay import Replay
-from reference.options.reprojection import reproject
-from reference.options.roulette import tail_weight
-from reference.options.validation import validated
-from reference.oracle.builtin.buffers import (
+from restir_gi.reference.options.boiling import boiling_filter
+from restir_gi.reference.options.checkerboard import draws_new_sample
+from restir_gi.reference.options.replay import Replay
+from restir_gi.reference.options.reprojection import reproject
+from restir_gi.reference.options.roulette import tail_weight
+from restir_gi.reference.options.validation import validated
+from restir_gi.reference.oracle.builtin.buffers import (
     Array,
     as_real,
     reservoirs_out,
     samples_of,
 )
-from reference.oracle.builtin.world import surface_of
-from reference.oracle.contract.fields import Precision, dtype_of
-from reference.resampling.packing import paper
-from reference.resampling.reservoir import Reservoirs, Samples
-from reference.resampling.suffix import Suffix
-from reference.scene.camera import Camera, camera_rays, view_depth
-from reference.scene.materials.kinds import Lambertian
-from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh
-from reference.scene.surface import VisiblePoints
-from reference.settings import UNBIASED
-from reference.transport.world import World, build_world
+from restir_gi.reference.oracle.builtin.world import surface_of
+from restir_gi.reference.oracle.contract.fields import Precision, dtype_of
+from restir_gi.reference.resampling.packing import paper
+from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
+from restir_gi.reference.resampling.suffix import Suffix
+from restir_gi.reference.scene.camera import Camera, camera_rays, view_depth
+from restir_gi.reference.scene.materials.kinds import Lambertian
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Mesh
+from restir_gi.reference.scene.surface import VisiblePoints
+from restir_gi.reference.settings import UNBIASED
+from restir_gi.reference.transport.world import World, build_world
 
 
 def _camera(settings: Mapping[str, Any]) -> Camera:

@@ -4,19 +4,19 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from reference.numerics.frames import to_world
-from reference.numerics.rng import pcg4d, to_unit_interval
-from reference.numerics.sampling import (
+from restir_gi.reference.numerics.frames import to_world
+from restir_gi.reference.numerics.rng import pcg4d, to_unit_interval
+from restir_gi.reference.numerics.sampling import (
     pdf_cosine_hemisphere,
     pdf_uniform_hemisphere,
     sample_cosine_hemisphere,
     sample_uniform_hemisphere,
 )
-from reference.oracle.builtin.buffers import Array, as_real, target_of
-from reference.oracle.contract.fields import Precision
-from reference.passes.gbuffer import similar
-from reference.resampling.reservoir import Candidates, choose_second, finalize
-from reference.resampling.shift import reconnection_jacobian
+from restir_gi.reference.oracle.builtin.buffers import Array, as_real, target_of
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.passes.gbuffer import similar
+from restir_gi.reference.resampling.reservoir import Candidates, choose_second, finalize
+from restir_gi.reference.resampling.shift import reconnection_jacobian
 
 
 def _random(

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.oracle.builtin.buffers import (
+from restir_gi.reference.oracle.builtin.buffers import (
     Array,
     Arrays,
     as_real,
@@ -17,22 +17,22 @@ from reference.oracle.builtin.buffers import (
     samples_of,
     target_of,
 )
-from reference.oracle.builtin.world import Known, surface_of
-from reference.oracle.contract.fields import Precision
-from reference.passes.initial import InitialSamples
-from reference.passes.neighbors import find_neighbors
-from reference.passes.pixels import FrameReservoirs, Pixels
-from reference.passes.shade import shade
-from reference.passes.spatial import spatial_resampling
-from reference.passes.temporal import temporal_resampling
-from reference.resampling.reservoir import (
+from restir_gi.reference.oracle.builtin.world import Known, surface_of
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.passes.initial import InitialSamples
+from restir_gi.reference.passes.neighbors import find_neighbors
+from restir_gi.reference.passes.pixels import FrameReservoirs, Pixels
+from restir_gi.reference.passes.shade import shade
+from restir_gi.reference.passes.spatial import spatial_resampling
+from restir_gi.reference.passes.temporal import temporal_resampling
+from restir_gi.reference.resampling.reservoir import (
     Reservoirs,
     finalize,
     initial_candidates,
 )
-from reference.resampling.reuse import PaperMis
-from reference.scene.surface import SurfacePoints, VisiblePoints
-from reference.settings import UNBIASED
+from restir_gi.reference.resampling.reuse import PaperMis
+from restir_gi.reference.scene.surface import SurfacePoints, VisiblePoints
+from restir_gi.reference.settings import UNBIASED
 
 
 def _initial(

@@ -7,12 +7,12 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Indices, Masks, Vec3s
-from reference.numerics.records import take
-from reference.scene.materials.kinds import Lambertian
-from reference.scene.materials.parameters import MaterialTable, tabulate
-from reference.scene.surface import SurfacePoints, Viewpoints
-from reference.transport.world import World
+from restir_gi.reference.numerics.arrays import Indices, Masks, Vec3s
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.scene.materials.kinds import Lambertian
+from restir_gi.reference.scene.materials.parameters import MaterialTable, tabulate
+from restir_gi.reference.scene.surface import SurfacePoints, Viewpoints
+from restir_gi.reference.transport.world import World
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,13 +2,13 @@
 
 from collections.abc import Iterable, Mapping
 
-from reference.oracle.contract.fields import Field, Pass, Passes
-from reference.oracle.exact.registry import limits_of
+from restir_gi.reference.oracle.contract.fields import Field, Pass, Passes
+from restir_gi.reference.oracle.exact.registry import limits_of
 
 INTRODUCTION = """\
 # The contract of a backend
 
-<!-- Written by reference.oracle.contract.describe; a test compares. -->
+<!-- Written by restir_gi.reference.oracle.contract.describe; a test compares. -->
 
 A backend is anything that calculates the passes below: shaders, CUDA, C++, Python. It
 may have any subset; what is missing is not judged. Each pass is a function of the

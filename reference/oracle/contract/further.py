@@ -1,8 +1,15 @@
 """Further passes of the contract: what stands around the resampling of a frame."""
 
-from reference.oracle.contract.fields import Pass, Setting, bits, index, real, vector
-from reference.oracle.contract.groups import RECEIVER, RESERVOIR
-from reference.oracle.contract.kernels import SIMILAR
+from restir_gi.reference.oracle.contract.fields import (
+    Pass,
+    Setting,
+    bits,
+    index,
+    real,
+    vector,
+)
+from restir_gi.reference.oracle.contract.groups import RECEIVER, RESERVOIR
+from restir_gi.reference.oracle.contract.kernels import SIMILAR
 
 WIDTH = Setting("width", "pixels", "of the image; row = y · width + x")
 FRAME = Setting("frame", "whole number, 0 to 2²⁷ − 1", "of now")

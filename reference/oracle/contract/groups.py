@@ -1,6 +1,6 @@
 """Groups of buffers that several passes share."""
 
-from reference.oracle.contract.fields import Field, real, vector
+from restir_gi.reference.oracle.contract.fields import Field, real, vector
 
 RECEIVER = (
     vector("visible_position", "visible point x, m"),

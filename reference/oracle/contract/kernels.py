@@ -1,7 +1,7 @@
 """Kernels of the contract: one formula a row."""
 
-from reference.oracle.contract.fields import Pass, Setting, bits, real, vector
-from reference.oracle.contract.groups import RECEIVER, SAMPLE
+from restir_gi.reference.oracle.contract.fields import Pass, Setting, bits, real, vector
+from restir_gi.reference.oracle.contract.groups import RECEIVER, SAMPLE
 
 SOURCE = Setting(
     "source", "uniform | cosine", "density of the directions on the hemisphere"

@@ -1,8 +1,20 @@
 """Passes of the contract: the algorithms of the paper, on whole frames."""
 
-from reference.oracle.contract.fields import Field, Pass, Setting, bits, index, real
-from reference.oracle.contract.groups import RECEIVER, RESERVOIR, SAMPLE, prefixed
-from reference.oracle.contract.kernels import TARGET
+from restir_gi.reference.oracle.contract.fields import (
+    Field,
+    Pass,
+    Setting,
+    bits,
+    index,
+    real,
+)
+from restir_gi.reference.oracle.contract.groups import (
+    RECEIVER,
+    RESERVOIR,
+    SAMPLE,
+    prefixed,
+)
+from restir_gi.reference.oracle.contract.kernels import TARGET
 
 CAP = Setting("cap", "number, at least 1", "limit of M, when the reservoir is closed")
 MIS = Setting("mis", "1/M | 1/Z", "what the sum of weights is divided by")

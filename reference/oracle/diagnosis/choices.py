@@ -1,8 +1,8 @@
 """Known mistakes with decisions and with the search for neighbours."""
 
-from reference.oracle.diagnosis.hypothesis import REUSE, SPATIAL, mistake
-from reference.oracle.replay.bounded import Bounded, constant
-from reference.oracle.replay.verbs import choose
+from restir_gi.reference.oracle.diagnosis.hypothesis import REUSE, SPATIAL, mistake
+from restir_gi.reference.oracle.replay.bounded import Bounded, constant
+from restir_gi.reference.oracle.replay.verbs import choose
 
 U_RIGHT = "kept where u (w_before + w) < w"
 

@@ -1,15 +1,15 @@
 """Known mistakes with confidences."""
 
-from reference.oracle.diagnosis.hypothesis import (
+from restir_gi.reference.oracle.diagnosis.hypothesis import (
     REUSE,
     SHIFTED,
     SPATIAL,
     TEMPORAL,
     mistake,
 )
-from reference.oracle.replay.bounded import Bounded, constant
-from reference.oracle.replay.formulas import capped
-from reference.oracle.replay.verbs import choose
+from restir_gi.reference.oracle.replay.bounded import Bounded, constant
+from restir_gi.reference.oracle.replay.formulas import capped
+from restir_gi.reference.oracle.replay.verbs import choose
 
 M_RIGHT = "M = Σ M over all inputs, nulls too"
 

@@ -2,12 +2,12 @@
 
 from collections.abc import Iterable
 
-from reference.oracle.diagnosis.hypothesis import Hypothesis
+from restir_gi.reference.oracle.diagnosis.hypothesis import Hypothesis
 
 INTRODUCTION = """\
 # Known mistakes
 
-<!-- Written by reference.oracle.diagnosis.describe; a test compares. -->
+<!-- Written by restir_gi.reference.oracle.diagnosis.describe; a test compares. -->
 
 When a pass is wrong, it is replayed under each mistake of this page. One that
 reproduces *every* answer that the backend gave for the pass, to rounding, is named;

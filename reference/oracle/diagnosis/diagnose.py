@@ -3,19 +3,19 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from reference.oracle.contract.fields import Precision
-from reference.oracle.diagnosis.choices import CHOICES
-from reference.oracle.diagnosis.confidences import CONFIDENCES
-from reference.oracle.diagnosis.directions import DIRECTIONS
-from reference.oracle.diagnosis.hypothesis import Hypothesis
-from reference.oracle.diagnosis.jacobians import JACOBIANS
-from reference.oracle.diagnosis.merging import MERGING
-from reference.oracle.diagnosis.shading import SHADING
-from reference.oracle.diagnosis.targets import TARGETS
-from reference.oracle.diagnosis.weights import WEIGHTS
-from reference.oracle.levels.probe import Answer
-from reference.oracle.parts import judge_of, parts
-from reference.oracle.replay.rules import CONTRACT_RULES, Rules
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.diagnosis.choices import CHOICES
+from restir_gi.reference.oracle.diagnosis.confidences import CONFIDENCES
+from restir_gi.reference.oracle.diagnosis.directions import DIRECTIONS
+from restir_gi.reference.oracle.diagnosis.hypothesis import Hypothesis
+from restir_gi.reference.oracle.diagnosis.jacobians import JACOBIANS
+from restir_gi.reference.oracle.diagnosis.merging import MERGING
+from restir_gi.reference.oracle.diagnosis.shading import SHADING
+from restir_gi.reference.oracle.diagnosis.targets import TARGETS
+from restir_gi.reference.oracle.diagnosis.weights import WEIGHTS
+from restir_gi.reference.oracle.levels.probe import Answer
+from restir_gi.reference.oracle.parts import judge_of, parts
+from restir_gi.reference.oracle.replay.rules import CONTRACT_RULES, Rules
 
 HYPOTHESES: tuple[Hypothesis, ...] = (
     *JACOBIANS,

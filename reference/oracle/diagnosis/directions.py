@@ -2,11 +2,11 @@
 
 from math import pi
 
-from reference.oracle.contract.fields import Value
-from reference.oracle.diagnosis.hypothesis import mistake
-from reference.oracle.replay.bounded import Bounded, constant
-from reference.oracle.replay.sources import drawn_cosine
-from reference.oracle.replay.verbs import square_root
+from restir_gi.reference.oracle.contract.fields import Value
+from restir_gi.reference.oracle.diagnosis.hypothesis import mistake
+from restir_gi.reference.oracle.replay.bounded import Bounded, constant
+from restir_gi.reference.oracle.replay.sources import drawn_cosine
+from restir_gi.reference.oracle.replay.verbs import square_root
 
 IN = ("direction",)
 COSINE = "cos θ = u₀ uniform, √(1 − u₀) in proportion to the cosine"

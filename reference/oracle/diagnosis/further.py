@@ -1,10 +1,10 @@
 """Known mistakes in the passes that stand around the resampling of a frame."""
 
-from reference.oracle.diagnosis.further_filters import FILTERS
-from reference.oracle.diagnosis.further_packing import PACKING
-from reference.oracle.diagnosis.further_turns import TURNS
-from reference.oracle.diagnosis.hypothesis import Hypothesis, mistake
-from reference.oracle.replay.further.rules import FurtherRules
+from restir_gi.reference.oracle.diagnosis.further_filters import FILTERS
+from restir_gi.reference.oracle.diagnosis.further_packing import PACKING
+from restir_gi.reference.oracle.diagnosis.further_turns import TURNS
+from restir_gi.reference.oracle.diagnosis.hypothesis import Hypothesis, mistake
+from restir_gi.reference.oracle.replay.further.rules import FurtherRules
 
 GBUFFER, REPROJECT = ("gbuffer",), ("reproject",)
 VIEW = (*GBUFFER, *REPROJECT)

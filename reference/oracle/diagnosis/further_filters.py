@@ -2,16 +2,16 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Indices
-from reference.oracle.diagnosis.hypothesis import mistake
-from reference.oracle.diagnosis.luminances import (
+from restir_gi.reference.numerics.arrays import Indices
+from restir_gi.reference.oracle.diagnosis.hypothesis import mistake
+from restir_gi.reference.oracle.diagnosis.luminances import (
     largest_channel,
     mean_of_channels,
     rec_601,
 )
-from reference.oracle.replay.bounded import Bounded, constant
-from reference.oracle.replay.further.numbers import larger
-from reference.oracle.replay.further.rules import FurtherRules
+from restir_gi.reference.oracle.replay.bounded import Bounded, constant
+from restir_gi.reference.oracle.replay.further.numbers import larger
+from restir_gi.reference.oracle.replay.further.rules import FurtherRules
 
 VALIDATION, BOILING = ("validation",), ("boiling",)
 

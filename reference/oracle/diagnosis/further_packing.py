@@ -2,10 +2,14 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars
-from reference.oracle.diagnosis.hypothesis import mistake
-from reference.oracle.replay.further.formulas import MOST_M, packed_confidence
-from reference.oracle.replay.further.rules import HALVES, FurtherRules, Octahedron
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.oracle.diagnosis.hypothesis import mistake
+from restir_gi.reference.oracle.replay.further.formulas import MOST_M, packed_confidence
+from restir_gi.reference.oracle.replay.further.rules import (
+    HALVES,
+    FurtherRules,
+    Octahedron,
+)
 
 PACK, UNPACK = ("pack",), ("unpack",)
 BITS = (*PACK, *UNPACK)

@@ -1,9 +1,9 @@
 """Known mistakes with who draws, and who goes on."""
 
-from reference.numerics.arrays import Indices
-from reference.oracle.diagnosis.hypothesis import mistake
-from reference.oracle.replay.bounded import Bounded, constant
-from reference.oracle.replay.further.rules import FurtherRules
+from restir_gi.reference.numerics.arrays import Indices
+from restir_gi.reference.oracle.diagnosis.hypothesis import mistake
+from restir_gi.reference.oracle.replay.bounded import Bounded, constant
+from restir_gi.reference.oracle.replay.further.rules import FurtherRules
 
 CHECKERBOARD, ROULETTE = ("checkerboard",), ("roulette",)
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from reference.oracle.replay.rules import CONTRACT_RULES, Rules
+from restir_gi.reference.oracle.replay.rules import CONTRACT_RULES, Rules
 
 TEMPORAL, SPATIAL = ("temporal", "moved"), ("spatial",)
 REUSE = (*TEMPORAL, *SPATIAL)

@@ -4,11 +4,11 @@ from collections.abc import Callable
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars
-from reference.oracle.replay.bounded import Bounded, constant
-from reference.oracle.replay.formulas import jacobian
-from reference.oracle.replay.points import ReceiverPoint, SamplePoint
-from reference.oracle.replay.verbs import choose
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.oracle.replay.bounded import Bounded, constant
+from restir_gi.reference.oracle.replay.formulas import jacobian
+from restir_gi.reference.oracle.replay.points import ReceiverPoint, SamplePoint
+from restir_gi.reference.oracle.replay.verbs import choose
 
 JacobianFormula = Callable[[ReceiverPoint, ReceiverPoint, SamplePoint], Bounded]
 

@@ -2,14 +2,14 @@
 
 from dataclasses import replace
 
-from reference.oracle.diagnosis.hypothesis import Hypothesis
-from reference.oracle.diagnosis.jacobian_limits import clamped, rejected
-from reference.oracle.replay.bounded import Bounded, constant
-from reference.oracle.replay.formulas import jacobian
-from reference.oracle.replay.geometry import cosine_at
-from reference.oracle.replay.points import ReceiverPoint, SamplePoint
-from reference.oracle.replay.rules import CONTRACT_RULES
-from reference.oracle.replay.verbs import choose, inner, square_root
+from restir_gi.reference.oracle.diagnosis.hypothesis import Hypothesis
+from restir_gi.reference.oracle.diagnosis.jacobian_limits import clamped, rejected
+from restir_gi.reference.oracle.replay.bounded import Bounded, constant
+from restir_gi.reference.oracle.replay.formulas import jacobian
+from restir_gi.reference.oracle.replay.geometry import cosine_at
+from restir_gi.reference.oracle.replay.points import ReceiverPoint, SamplePoint
+from restir_gi.reference.oracle.replay.rules import CONTRACT_RULES
+from restir_gi.reference.oracle.replay.verbs import choose, inner, square_root
 
 SHIFTS = ("jacobian", "moved", "spatial")
 RIGHT = "J = (|cos φ_to| / |cos φ_from|) · (d_from² / d_to²), angles at the sample"

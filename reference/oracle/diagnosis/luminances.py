@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from reference.oracle.replay.bounded import Bounded
-from reference.oracle.replay.geometry import sum_of_shares
+from restir_gi.reference.oracle.replay.bounded import Bounded
+from restir_gi.reference.oracle.replay.geometry import sum_of_shares
 
 
 def rec_601(color: Bounded) -> Bounded:

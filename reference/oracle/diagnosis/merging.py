@@ -4,20 +4,20 @@ from collections.abc import Callable
 
 import numpy as np
 
-from reference.oracle.contract.fields import Value
-from reference.oracle.diagnosis.hypothesis import (
+from restir_gi.reference.oracle.contract.fields import Value
+from restir_gi.reference.oracle.diagnosis.hypothesis import (
     REUSE,
     SHIFTED,
     SPATIAL,
     Hypothesis,
     mistake,
 )
-from reference.oracle.diagnosis.jacobian_limits import rejected
-from reference.oracle.diagnosis.targets import TARGETS_IN
-from reference.oracle.replay.bounded import Bounded, constant
-from reference.oracle.replay.formulas import finalized, target, weight
-from reference.oracle.replay.points import ReceiverPoint, SamplePoint
-from reference.oracle.replay.verbs import choose
+from restir_gi.reference.oracle.diagnosis.jacobian_limits import rejected
+from restir_gi.reference.oracle.diagnosis.targets import TARGETS_IN
+from restir_gi.reference.oracle.replay.bounded import Bounded, constant
+from restir_gi.reference.oracle.replay.formulas import finalized, target, weight
+from restir_gi.reference.oracle.replay.points import ReceiverPoint, SamplePoint
+from restir_gi.reference.oracle.replay.verbs import choose
 
 MERGED = "w = w_a + w_b, M = M_a + M_b"
 MERGES = ("merge", *REUSE)

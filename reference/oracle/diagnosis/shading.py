@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import Masks
-from reference.oracle.contract.fields import Value
-from reference.oracle.diagnosis.hypothesis import Departure, Hypothesis
-from reference.oracle.replay.bounded import Bounded, constant
-from reference.oracle.replay.formulas import reflected, target
-from reference.oracle.replay.geometry import cosine_at, lit_at
-from reference.oracle.replay.points import ReceiverPoint, SamplePoint
-from reference.oracle.replay.rules import CONTRACT_RULES
-from reference.oracle.replay.sources import density
-from reference.oracle.replay.verbs import (
+from restir_gi.reference.numerics.arrays import Masks
+from restir_gi.reference.oracle.contract.fields import Value
+from restir_gi.reference.oracle.diagnosis.hypothesis import Departure, Hypothesis
+from restir_gi.reference.oracle.replay.bounded import Bounded, constant
+from restir_gi.reference.oracle.replay.formulas import reflected, target
+from restir_gi.reference.oracle.replay.geometry import cosine_at, lit_at
+from restir_gi.reference.oracle.replay.points import ReceiverPoint, SamplePoint
+from restir_gi.reference.oracle.replay.rules import CONTRACT_RULES
+from restir_gi.reference.oracle.replay.sources import density
+from restir_gi.reference.oracle.replay.verbs import (
     choose,
     inner,
     square_root,

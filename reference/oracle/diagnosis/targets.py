@@ -8,21 +8,26 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import Masks
-from reference.oracle.contract.fields import Value
-from reference.oracle.diagnosis.hypothesis import Departure, Hypothesis
-from reference.oracle.diagnosis.luminances import (
+from restir_gi.reference.numerics.arrays import Masks
+from restir_gi.reference.oracle.contract.fields import Value
+from restir_gi.reference.oracle.diagnosis.hypothesis import Departure, Hypothesis
+from restir_gi.reference.oracle.diagnosis.luminances import (
     largest_channel,
     mean_of_channels,
     rec_601,
     red_channel,
 )
-from reference.oracle.replay.bounded import Bounded, constant
-from reference.oracle.replay.formulas import target
-from reference.oracle.replay.geometry import cosine_at, lit_at, luminance, on_both_sides
-from reference.oracle.replay.points import ReceiverPoint, SamplePoint
-from reference.oracle.replay.rules import CONTRACT_RULES
-from reference.oracle.replay.verbs import choose, inner, where_positive
+from restir_gi.reference.oracle.replay.bounded import Bounded, constant
+from restir_gi.reference.oracle.replay.formulas import target
+from restir_gi.reference.oracle.replay.geometry import (
+    cosine_at,
+    lit_at,
+    luminance,
+    on_both_sides,
+)
+from restir_gi.reference.oracle.replay.points import ReceiverPoint, SamplePoint
+from restir_gi.reference.oracle.replay.rules import CONTRACT_RULES
+from restir_gi.reference.oracle.replay.verbs import choose, inner, where_positive
 
 TARGETS_IN = ("target", "initial", "temporal", "moved", "spatial")
 P_RIGHT = "p̂ = Y(albedo / π · L_o) · cos θ"

@@ -1,11 +1,11 @@
 """Known mistakes with what the sum of weights is divided by."""
 
-from reference.oracle.contract.fields import Value
-from reference.oracle.diagnosis.hypothesis import REUSE, SHIFTED, mistake
-from reference.oracle.replay.bounded import Bounded, exact
-from reference.oracle.replay.geometry import luminance
-from reference.oracle.replay.points import ReceiverPoint, SamplePoint
-from reference.oracle.replay.verbs import choose, inner, where_positive
+from restir_gi.reference.oracle.contract.fields import Value
+from restir_gi.reference.oracle.diagnosis.hypothesis import REUSE, SHIFTED, mistake
+from restir_gi.reference.oracle.replay.bounded import Bounded, exact
+from restir_gi.reference.oracle.replay.geometry import luminance
+from restir_gi.reference.oracle.replay.points import ReceiverPoint, SamplePoint
+from restir_gi.reference.oracle.replay.verbs import choose, inner, where_positive
 
 W_RIGHT = "W = Σ w / (p̂(y) Z)"
 Z_RIGHT = "Z = Σ M over those that could have made the kept sample"

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s
-from reference.oracle.exact.extremes import PLAIN, Extreme, Generator
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.oracle.exact.extremes import PLAIN, Extreme, Generator
 
 
 @dataclass(slots=True, eq=False)

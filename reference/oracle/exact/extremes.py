@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars
+from restir_gi.reference.numerics.arrays import Scalars
 
 Generator = np.random.Generator
 Sampler = Callable[[Generator, int, Any], Scalars]

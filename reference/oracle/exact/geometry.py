@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Scalars, Vec3s, dot, triangle_normal
-from reference.numerics.frames import normal_frames
-from reference.oracle.exact.draws import Draws
-from reference.oracle.exact.kernel import Inputs, Kernel, Row
-from reference.oracle.exact.numbers import EXACT, literal
-from reference.oracle.exact.vectors import Vector, inner, minus
-from reference.passes.gbuffer import similar
-from reference.scene.surface import direction_and_distance
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s, dot, triangle_normal
+from restir_gi.reference.numerics.frames import normal_frames
+from restir_gi.reference.oracle.exact.draws import Draws
+from restir_gi.reference.oracle.exact.kernel import Inputs, Kernel, Row
+from restir_gi.reference.oracle.exact.numbers import EXACT, literal
+from restir_gi.reference.oracle.exact.vectors import Vector, inner, minus
+from restir_gi.reference.passes.gbuffer import similar
+from restir_gi.reference.scene.surface import direction_and_distance
 
 MAX_ANGLE, MAX_DEPTH = 60.0, 0.0625
 """Limits of similarity that are binary numbers: cosine 1/2 and depth 1/16."""

@@ -6,9 +6,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Masks, Scalars
-from reference.oracle.exact.kernel import Inputs, Kernel
-from reference.oracle.exact.numbers import EXACT, Exact, Type, UndecidedError, exactly
+from restir_gi.reference.numerics.arrays import Masks, Scalars
+from restir_gi.reference.oracle.exact.kernel import Inputs, Kernel
+from restir_gi.reference.oracle.exact.numbers import (
+    EXACT,
+    Exact,
+    Type,
+    UndecidedError,
+    exactly,
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,7 +6,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from reference.oracle.exact.draws import Draws
+from restir_gi.reference.oracle.exact.draws import Draws
 
 Inputs = Mapping[str, NDArray[Any]]
 """By name, (N,) or (N, 3) arrays, all of one floating-point type."""

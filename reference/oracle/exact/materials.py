@@ -5,17 +5,17 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s
-from reference.oracle.exact.draws import Draws
-from reference.oracle.exact.kernel import Inputs, Kernel, Row
-from reference.oracle.exact.numbers import EXACT, Exact, literal
-from reference.oracle.exact.vectors import Vector
-from reference.scene.materials.fresnel import (
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.oracle.exact.draws import Draws
+from restir_gi.reference.oracle.exact.kernel import Inputs, Kernel, Row
+from restir_gi.reference.oracle.exact.numbers import EXACT, Exact, literal
+from restir_gi.reference.oracle.exact.vectors import Vector
+from restir_gi.reference.scene.materials.fresnel import (
     fresnel_conductor,
     fresnel_dielectric,
     fresnel_schlick,
 )
-from reference.scene.materials.microfacet import (
+from restir_gi.reference.scene.materials.microfacet import (
     beckmann_density,
     beckmann_g1,
     ggx_density,

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from reference.oracle.exact.draws import Draws
-from reference.oracle.exact.extremes import EXTREMES, Extreme
-from reference.oracle.exact.judge import Judged, judge
-from reference.oracle.exact.kernel import Inputs, Kernel
-from reference.oracle.exact.numbers import type_of
+from restir_gi.reference.oracle.exact.draws import Draws
+from restir_gi.reference.oracle.exact.extremes import EXTREMES, Extreme
+from restir_gi.reference.oracle.exact.judge import Judged, judge
+from restir_gi.reference.oracle.exact.kernel import Inputs, Kernel
+from restir_gi.reference.oracle.exact.numbers import type_of
 
 TYPES: tuple[Any, ...] = (np.float16, np.float32, np.float64)
 

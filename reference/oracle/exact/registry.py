@@ -3,15 +3,15 @@
 from collections.abc import Mapping
 from functools import cache
 
-from reference.oracle.exact.divisors import DIVISORS
-from reference.oracle.exact.geometry import GEOMETRY
-from reference.oracle.exact.kernel import Kernel
-from reference.oracle.exact.materials import MATERIALS
-from reference.oracle.exact.sampling import SAMPLING
-from reference.oracle.exact.storage import STORAGE
-from reference.oracle.exact.targets import TARGETS
-from reference.oracle.exact.weights import WEIGHTS
-from reference.system.plugins import find_plugin, plugin_names
+from restir_gi.reference.oracle.exact.divisors import DIVISORS
+from restir_gi.reference.oracle.exact.geometry import GEOMETRY
+from restir_gi.reference.oracle.exact.kernel import Kernel
+from restir_gi.reference.oracle.exact.materials import MATERIALS
+from restir_gi.reference.oracle.exact.sampling import SAMPLING
+from restir_gi.reference.oracle.exact.storage import STORAGE
+from restir_gi.reference.oracle.exact.targets import TARGETS
+from restir_gi.reference.oracle.exact.weights import WEIGHTS
+from restir_gi.reference.system.plugins import find_plugin, plugin_names
 
 GROUP = "restir.kernels"
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s
-from reference.numerics.sampling import (
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.numerics.sampling import (
     pdf_cosine_hemisphere,
     pdf_uniform_hemisphere,
     sample_cosine_hemisphere,
@@ -11,11 +11,11 @@ from reference.numerics.sampling import (
     sample_uniform_hemisphere,
     sample_uniform_sphere,
 )
-from reference.oracle.exact.draws import Draws
-from reference.oracle.exact.kernel import Inputs, Kernel, Row
-from reference.oracle.exact.numbers import EXACT, Exact, literal
-from reference.oracle.exact.vectors import Vector
-from reference.scene.materials.microfacet import sample_visible_normal
+from restir_gi.reference.oracle.exact.draws import Draws
+from restir_gi.reference.oracle.exact.kernel import Inputs, Kernel, Row
+from restir_gi.reference.oracle.exact.numbers import EXACT, Exact, literal
+from restir_gi.reference.oracle.exact.vectors import Vector
+from restir_gi.reference.scene.materials.microfacet import sample_visible_normal
 
 
 def _draw_two(draws: Draws) -> dict[str, Scalars]:

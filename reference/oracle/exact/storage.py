@@ -2,17 +2,17 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s
-from reference.oracle.exact.draws import Draws
-from reference.oracle.exact.kernel import Inputs, Kernel, Row
-from reference.oracle.exact.numbers import Exact, exact, type_of
-from reference.oracle.exact.vectors import Vector, inner
-from reference.resampling.packing.octahedral import (
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.oracle.exact.draws import Draws
+from restir_gi.reference.oracle.exact.kernel import Inputs, Kernel, Row
+from restir_gi.reference.oracle.exact.numbers import Exact, exact, type_of
+from restir_gi.reference.oracle.exact.vectors import Vector, inner
+from restir_gi.reference.resampling.packing.octahedral import (
     WORST_ANGLE,
     decode_normal,
     encode_normal,
 )
-from reference.resampling.packing.rounding import nearest_float, widened
+from restir_gi.reference.resampling.packing.rounding import nearest_float, widened
 
 _HALF = type_of(np.float16)
 

@@ -2,18 +2,18 @@
 
 import numpy as np
 
-from reference.images.image import luminance_weights
-from reference.numerics.arrays import Scalars, Vec3s
-from reference.oracle.exact.draws import Draws
-from reference.oracle.exact.kernel import Inputs, Kernel, Row
-from reference.oracle.exact.numbers import EXACT, Exact, literal
-from reference.oracle.exact.vectors import Vector, inner, minus
-from reference.resampling.reservoir import Samples
-from reference.resampling.shift import reconnection_jacobian
-from reference.resampling.target import luminance, reflected, target
-from reference.scene.materials.kinds import Lambertian
-from reference.scene.materials.parameters import tabulate
-from reference.scene.surface import SurfacePoints
+from restir_gi.reference.images.image import luminance_weights
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.oracle.exact.draws import Draws
+from restir_gi.reference.oracle.exact.kernel import Inputs, Kernel, Row
+from restir_gi.reference.oracle.exact.numbers import EXACT, Exact, literal
+from restir_gi.reference.oracle.exact.vectors import Vector, inner, minus
+from restir_gi.reference.resampling.reservoir import Samples
+from restir_gi.reference.resampling.shift import reconnection_jacobian
+from restir_gi.reference.resampling.target import luminance, reflected, target
+from restir_gi.reference.scene.materials.kinds import Lambertian
+from restir_gi.reference.scene.materials.parameters import tabulate
+from restir_gi.reference.scene.surface import SurfacePoints
 
 # The decimals are meant, which no binary number is.
 _LUMINANCE = tuple(EXACT.mpf(str(w)) for w in luminance_weights())

@@ -1,6 +1,6 @@
 """Vectors of exact numbers."""
 
-from reference.oracle.exact.numbers import Exact
+from restir_gi.reference.oracle.exact.numbers import Exact
 
 Vector = tuple[Exact, Exact, Exact]
 

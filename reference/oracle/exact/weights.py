@@ -2,11 +2,11 @@
 
 from typing import Any
 
-from reference.numerics.arrays import Masks, Scalars
-from reference.oracle.exact.draws import Draws, weights
-from reference.oracle.exact.kernel import Inputs, Kernel, Row
-from reference.oracle.exact.numbers import exact
-from reference.resampling.reservoir import (
+from restir_gi.reference.numerics.arrays import Masks, Scalars
+from restir_gi.reference.oracle.exact.draws import Draws, weights
+from restir_gi.reference.oracle.exact.kernel import Inputs, Kernel, Row
+from restir_gi.reference.oracle.exact.numbers import exact
+from restir_gi.reference.resampling.reservoir import (
     Candidates,
     Reservoirs,
     cap_confidence,

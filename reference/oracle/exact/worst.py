@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from reference.oracle.exact.kernel import Inputs
+from restir_gi.reference.oracle.exact.kernel import Inputs
 
 PATH = Path(__file__).with_name("worst.json")
 

@@ -11,14 +11,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.oracle.builtin.backend import BuiltIn
-from reference.oracle.cases import Buffers, Case
-from reference.oracle.contract.fields import Precision
-from reference.oracle.levels.probe import Finding
-from reference.oracle.loop import Ask, Run, run_frames
-from reference.oracle.scene_harness import open_harness
-from reference.oracle.statistics.distribution import distribution_p_values
-from reference.oracle.statistics.families import bonferroni
+from restir_gi.reference.oracle.builtin.backend import BuiltIn
+from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.levels.probe import Finding
+from restir_gi.reference.oracle.loop import Ask, Run, run_frames
+from restir_gi.reference.oracle.scene_harness import open_harness
+from restir_gi.reference.oracle.statistics.distribution import distribution_p_values
+from restir_gi.reference.oracle.statistics.families import bonferroni
 
 ALPHA = 5e-7
 """False alarms of this level in a run, all scenes and functionals together."""

@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars
-from reference.oracle.cases import Buffers, Case
-from reference.oracle.contract.fields import Precision
-from reference.oracle.exact.numbers import Exact
-from reference.oracle.levels.exact_formulas import FORMULAS, rows_of
-from reference.oracle.levels.probe import Finding
-from reference.oracle.levels.replayed import replayed
-from reference.oracle.replay.judgement import Judgement
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.exact.numbers import Exact
+from restir_gi.reference.oracle.levels.exact_formulas import FORMULAS, rows_of
+from restir_gi.reference.oracle.levels.probe import Finding
+from restir_gi.reference.oracle.levels.replayed import replayed
+from restir_gi.reference.oracle.replay.judgement import Judgement
 
 PLACES = {"float32": 9, "float64": 17}
 """Decimals that tell any two numbers of a type apart."""

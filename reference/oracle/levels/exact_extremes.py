@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s
-from reference.oracle.buffers import given
-from reference.oracle.cases import Case
-from reference.oracle.contract.fields import Precision
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.oracle.buffers import given
+from restir_gi.reference.oracle.cases import Case
+from restir_gi.reference.oracle.contract.fields import Precision
 
 STEP = 2.0**-24
 """Between the numbers that pass ``random`` gives."""

@@ -1,28 +1,33 @@
 """The kernels of the contract in exact numbers, from its words alone.
 
-The formulas are those of the matrix of extremes, :mod:`reference.oracle.exact`, on
-numbers that nothing rounds.  They share nothing with the passes that are judged, nor
-with the replay that says how far rounding may take them: what one of those has wrong,
-the other two show.
+The formulas are those of the matrix of extremes,
+:mod:`restir_gi.reference.oracle.exact`, on numbers that nothing rounds.  They share
+nothing with the passes that are judged, nor with the replay that says how far rounding
+may take them: what one of those has wrong, the other two show.
 """
 
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from reference.oracle.cases import Case
-from reference.oracle.contract.fields import Value
-from reference.oracle.exact.geometry import similarity
-from reference.oracle.exact.kernel import Kernel, Row
-from reference.oracle.exact.numbers import UNROUNDED, Exact, exactly
-from reference.oracle.exact.sampling import (
+from restir_gi.reference.oracle.cases import Case
+from restir_gi.reference.oracle.contract.fields import Value
+from restir_gi.reference.oracle.exact.geometry import similarity
+from restir_gi.reference.oracle.exact.kernel import Kernel, Row
+from restir_gi.reference.oracle.exact.numbers import UNROUNDED, Exact, exactly
+from restir_gi.reference.oracle.exact.sampling import (
     COSINE_PDF,
     UNIFORM_PDF,
     azimuth,
     cosine_polar,
     uniform_polar,
 )
-from reference.oracle.exact.targets import JACOBIAN, OUTGOING, REFLECTED, SCATTERED
-from reference.oracle.exact.weights import CHOICE, CONFIDENCE, FINALIZE
+from restir_gi.reference.oracle.exact.targets import (
+    JACOBIAN,
+    OUTGOING,
+    REFLECTED,
+    SCATTERED,
+)
+from restir_gi.reference.oracle.exact.weights import CHOICE, CONFIDENCE, FINALIZE
 
 Settings = Mapping[str, Value]
 Formula = Callable[[Row, Settings], dict[str, Any]]

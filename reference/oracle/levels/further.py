@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import normalize
-from reference.numerics.rng import KeyedUniforms, Stream
-from reference.oracle.buffers import given
-from reference.oracle.cases import Case
-from reference.oracle.contract.fields import Precision, Value
-from reference.oracle.levels.further_views import (
+from restir_gi.reference.numerics.arrays import normalize
+from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.oracle.buffers import given
+from restir_gi.reference.oracle.cases import Case
+from restir_gi.reference.oracle.contract.fields import Precision, Value
+from restir_gi.reference.oracle.levels.further_views import (
     ROWS,
     WIDTH,
     Parts,
@@ -19,8 +19,8 @@ from reference.oracle.levels.further_views import (
     reproject_cases,
     unit_vectors,
 )
-from reference.resampling.packing import paper
-from reference.resampling.reservoir import Reservoirs, Samples
+from restir_gi.reference.resampling.packing import paper
+from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
 
 
 def further_cases(precision: Precision) -> list[Case]:

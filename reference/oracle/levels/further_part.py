@@ -1,14 +1,14 @@
 """The further passes as a part of the contract."""
 
-from reference.oracle.builtin.further import FURTHER
-from reference.oracle.contract.fields import Precision
-from reference.oracle.contract.further import FURTHER_PASSES
-from reference.oracle.diagnosis.further import FURTHER_MISTAKES
-from reference.oracle.levels.further import further_cases
-from reference.oracle.levels.probe import Probe
-from reference.oracle.levels.replayed import replayed
-from reference.oracle.parts import Part
-from reference.oracle.replay.further.judges import FURTHER_JUDGES
+from restir_gi.reference.oracle.builtin.further import FURTHER
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.contract.further import FURTHER_PASSES
+from restir_gi.reference.oracle.diagnosis.further import FURTHER_MISTAKES
+from restir_gi.reference.oracle.levels.further import further_cases
+from restir_gi.reference.oracle.levels.probe import Probe
+from restir_gi.reference.oracle.levels.replayed import replayed
+from restir_gi.reference.oracle.parts import Part
+from restir_gi.reference.oracle.replay.further.judges import FURTHER_JUDGES
 
 
 def _probes(precision: Precision) -> list[Probe]:

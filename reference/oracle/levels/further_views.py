@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s, normalize
-from reference.oracle.contract.fields import Value
-from reference.scene.camera import Camera, camera_rays, pixel_centers
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s, normalize
+from restir_gi.reference.oracle.contract.fields import Value
+from restir_gi.reference.scene.camera import Camera, camera_rays, pixel_centers
 
 # Name, settings and inputs of a case.
 Parts = tuple[str, dict[str, Value], dict[str, Any]]

@@ -5,20 +5,20 @@ from itertools import product
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s
-from reference.oracle.buffers import given
-from reference.oracle.cases import Buffers, Case
-from reference.oracle.contract.fields import Precision
-from reference.oracle.levels.exact import examined_exactly
-from reference.oracle.levels.exact_extremes import (
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.oracle.buffers import given
+from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.levels.exact import examined_exactly
+from restir_gi.reference.oracle.levels.exact_extremes import (
     direction_case,
     jacobian_reaches,
     similar_extremes,
     target_extremes,
 )
-from reference.oracle.levels.probe import Finding, Probe
-from reference.oracle.levels.replayed import replayed
-from reference.oracle.levels.worst import worst_cases
+from restir_gi.reference.oracle.levels.probe import Finding, Probe
+from restir_gi.reference.oracle.levels.replayed import replayed
+from restir_gi.reference.oracle.levels.worst import worst_cases
 
 ROWS = 2048
 

@@ -17,11 +17,11 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Indices, Scalars
-from reference.oracle.buffers import given, prefixed
-from reference.oracle.cases import Buffers, Case
-from reference.oracle.contract.fields import Precision, Value
-from reference.oracle.levels.patches import (
+from restir_gi.reference.numerics.arrays import Indices, Scalars
+from restir_gi.reference.oracle.buffers import given, prefixed
+from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.contract.fields import Precision, Value
+from restir_gi.reference.oracle.levels.patches import (
     NOTHING,
     OUTCOMES,
     PLACE,
@@ -32,7 +32,7 @@ from reference.oracle.levels.patches import (
     visible_bits,
     whole_weight,
 )
-from reference.oracle.levels.probe import Examine, Finding, Probe
+from restir_gi.reference.oracle.levels.probe import Examine, Finding, Probe
 
 ROUNDINGS = 256
 """Of one contribution, in units of half an eps: W and J have some 20 operations, whose

@@ -14,22 +14,22 @@ from itertools import chain, count
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Indices, Scalars
-from reference.oracle.cases import UnaskedError
-from reference.oracle.contract.fields import Precision
-from reference.oracle.levels.probe import Finding
-from reference.oracle.levels.sphere import InsideSphere, points_inside, ring
-from reference.oracle.levels.spheres import room
-from reference.oracle.loop import Ask, Run, run_frames
-from reference.oracle.statistics.betting import e_value, open_bets, place
-from reference.oracle.statistics.certificate import (
+from restir_gi.reference.numerics.arrays import Indices, Scalars
+from restir_gi.reference.oracle.cases import UnaskedError
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.levels.probe import Finding
+from restir_gi.reference.oracle.levels.sphere import InsideSphere, points_inside, ring
+from restir_gi.reference.oracle.levels.spheres import room
+from restir_gi.reference.oracle.loop import Ask, Run, run_frames
+from restir_gi.reference.oracle.statistics.betting import e_value, open_bets, place
+from restir_gi.reference.oracle.statistics.certificate import (
     Certificate,
     certified_bias,
     extend,
     open_certificate,
 )
-from reference.oracle.statistics.families import average_e
-from reference.oracle.statistics.power import bets_needed
+from restir_gi.reference.oracle.statistics.families import average_e
+from restir_gi.reference.oracle.statistics.power import bets_needed
 
 ALPHA = 5e-7
 """False alarms of this level in a run; the distribution test has as many."""

@@ -6,7 +6,7 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Indices, Scalars
+from restir_gi.reference.numerics.arrays import Indices, Scalars
 
 OUTCOMES, NOTHING = 5, 4
 

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from reference.oracle.cases import Buffers, Case, Failure, refused
-from reference.oracle.contract.fields import Passes, Precision
-from reference.oracle.replay.judgement import Judgement
+from restir_gi.reference.oracle.cases import Buffers, Case, Failure, refused
+from restir_gi.reference.oracle.contract.fields import Passes, Precision
+from restir_gi.reference.oracle.replay.judgement import Judgement
 
 
 @dataclass(frozen=True, slots=True, eq=False)

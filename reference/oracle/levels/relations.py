@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.oracle.cases import Buffers, Case
-from reference.oracle.levels.probe import Finding
-from reference.oracle.loop import Ask
+from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.levels.probe import Finding
+from restir_gi.reference.oracle.loop import Ask
 
 Change = Callable[[dict[str, NDArray[Any]]], dict[str, NDArray[Any]]]
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from reference.oracle.cases import Buffers, Case
-from reference.oracle.contract.fields import Precision
-from reference.oracle.levels.probe import Finding, Probe
-from reference.oracle.parts import judge_of
-from reference.oracle.replay.judgement import BUDGET_ALARM, Judgement
-from reference.oracle.replay.rules import CONTRACT_RULES
+from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.levels.probe import Finding, Probe
+from restir_gi.reference.oracle.parts import judge_of
+from restir_gi.reference.oracle.replay.judgement import BUDGET_ALARM, Judgement
+from restir_gi.reference.oracle.replay.rules import CONTRACT_RULES
 
 
 def replayed(level: str, case: Case) -> Probe:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
 
 ALBEDO = np.array([0.75, 0.5, 0.25])
 """Exact in any precision."""

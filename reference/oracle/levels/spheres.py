@@ -11,11 +11,16 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import Masks
-from reference.oracle.contract.fields import Precision
-from reference.oracle.levels.probe import Finding
-from reference.oracle.levels.sphere import ALBEDO, InsideSphere, points_inside, ring
-from reference.oracle.loop import Ask, Run, run_frames
+from restir_gi.reference.numerics.arrays import Masks
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.levels.probe import Finding
+from restir_gi.reference.oracle.levels.sphere import (
+    ALBEDO,
+    InsideSphere,
+    points_inside,
+    ring,
+)
+from restir_gi.reference.oracle.loop import Ask, Run, run_frames
 
 ROUNDINGS = 512
 """Of one estimate, in units of half an eps, times the largest 1 / cos: two merges of

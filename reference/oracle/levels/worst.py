@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.oracle.cases import Case
-from reference.oracle.contract.fields import Precision, Value
-from reference.oracle.exact.kernel import Inputs
-from reference.oracle.exact.worst import worst_inputs
+from restir_gi.reference.oracle.cases import Case
+from restir_gi.reference.oracle.contract.fields import Precision, Value
+from restir_gi.reference.oracle.exact.kernel import Inputs
+from restir_gi.reference.oracle.exact.worst import worst_inputs
 
 LEAST: Mapping[Precision, float] = {"float32": 2.0**-30, "float64": 2.0**-240}
 """Four factors of this size, or of its inverse, stay within the type: beyond, backends

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Masks, Scalars
-from reference.oracle.contract.fields import Precision
+from restir_gi.reference.numerics.arrays import Masks, Scalars
+from restir_gi.reference.oracle.contract.fields import Precision
 
 ORDERS = 4.0
 """Roundings allowed for each one of ours.  A direction that is normalized before its

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s
-from reference.oracle.cases import Buffers, Case
-from reference.oracle.contract.fields import Precision
-from reference.oracle.replay.bounded import Bounded, exact, rounding_of
-from reference.oracle.replay.judgement import Compared, Judgement, beside
-from reference.oracle.replay.rules import Rules
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.replay.bounded import Bounded, exact, rounding_of
+from restir_gi.reference.oracle.replay.judgement import Compared, Judgement, beside
+from restir_gi.reference.oracle.replay.rules import Rules
 
 SINE = 8
 """Roundings of a sine or cosine: the argument's, magnified by up to 2π, and its own."""

@@ -4,11 +4,15 @@ from math import pi
 
 import numpy as np
 
-from reference.oracle.contract.fields import Value
-from reference.oracle.replay.bounded import Bounded, constant
-from reference.oracle.replay.geometry import cosine_at, luminance, on_both_sides
-from reference.oracle.replay.points import ReceiverPoint, SamplePoint
-from reference.oracle.replay.verbs import (
+from restir_gi.reference.oracle.contract.fields import Value
+from restir_gi.reference.oracle.replay.bounded import Bounded, constant
+from restir_gi.reference.oracle.replay.geometry import (
+    cosine_at,
+    luminance,
+    on_both_sides,
+)
+from restir_gi.reference.oracle.replay.points import ReceiverPoint, SamplePoint
+from restir_gi.reference.oracle.replay.verbs import (
     choose,
     inner,
     square_root,

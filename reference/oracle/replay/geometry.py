@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from reference.oracle.replay.bounded import Bounded
-from reference.oracle.replay.points import ReceiverPoint, SamplePoint
-from reference.oracle.replay.verbs import inner, square_root, where_positive
+from restir_gi.reference.oracle.replay.bounded import Bounded
+from restir_gi.reference.oracle.replay.points import ReceiverPoint, SamplePoint
+from restir_gi.reference.oracle.replay.verbs import inner, square_root, where_positive
 
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import poisson
 
-from reference.numerics.arrays import Masks, Scalars
-from reference.oracle.replay.bounded import Bounded
+from restir_gi.reference.numerics.arrays import Masks, Scalars
+from restir_gi.reference.oracle.replay.bounded import Bounded
 
 BUDGET_ALARM = 1e-6
 """Probability that a right backend has more open decisions than its budget."""

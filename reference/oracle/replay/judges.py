@@ -5,23 +5,31 @@ from math import cos, radians
 
 import numpy as np
 
-from reference.numerics.rng import pcg4d, to_unit_interval
-from reference.oracle.cases import Buffers, Case
-from reference.oracle.contract.fields import Precision
-from reference.oracle.replay.bounded import Bounded, exact, rounding_of
-from reference.oracle.replay.direction import judge_direction
-from reference.oracle.replay.judgement import (
+from restir_gi.reference.numerics.rng import pcg4d, to_unit_interval
+from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.replay.bounded import Bounded, exact, rounding_of
+from restir_gi.reference.oracle.replay.direction import judge_direction
+from restir_gi.reference.oracle.replay.judgement import (
     Decisions,
     Judgement,
     beside,
     either,
     exactly,
 )
-from reference.oracle.replay.neighbors import judge_neighbors, similarity
-from reference.oracle.replay.points import ReceiverPoint, point_of, receiver_of
-from reference.oracle.replay.reuse import judge_moved, judge_spatial, judge_temporal
-from reference.oracle.replay.rules import Rules
-from reference.oracle.replay.verbs import choose, inner
+from restir_gi.reference.oracle.replay.neighbors import judge_neighbors, similarity
+from restir_gi.reference.oracle.replay.points import (
+    ReceiverPoint,
+    point_of,
+    receiver_of,
+)
+from restir_gi.reference.oracle.replay.reuse import (
+    judge_moved,
+    judge_spatial,
+    judge_temporal,
+)
+from restir_gi.reference.oracle.replay.rules import Rules
+from restir_gi.reference.oracle.replay.verbs import choose, inner
 
 Judge = Callable[[Case, Buffers, Rules, Precision], Judgement]
 

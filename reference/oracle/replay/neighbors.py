@@ -5,13 +5,18 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Scalars
-from reference.oracle.cases import Buffers, Case
-from reference.oracle.contract.fields import Precision
-from reference.oracle.replay.bounded import Bounded, Rounding, exact, rounding_of
-from reference.oracle.replay.judgement import Compared, Decisions, Judgement
-from reference.oracle.replay.rules import Rules
-from reference.oracle.replay.verbs import inner
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars
+from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.replay.bounded import (
+    Bounded,
+    Rounding,
+    exact,
+    rounding_of,
+)
+from restir_gi.reference.oracle.replay.judgement import Compared, Decisions, Judgement
+from restir_gi.reference.oracle.replay.rules import Rules
+from restir_gi.reference.oracle.replay.verbs import inner
 
 SINE = 8.0
 """Roundings of a sine or cosine of 2πu: the argument's, times up to 2π, and its own."""

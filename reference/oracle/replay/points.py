@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from reference.numerics.arrays import Indices, Masks
-from reference.oracle.cases import Buffers
-from reference.oracle.replay.bounded import Bounded, Rounding, exact
+from restir_gi.reference.numerics.arrays import Indices, Masks
+from restir_gi.reference.oracle.cases import Buffers
+from restir_gi.reference.oracle.replay.bounded import Bounded, Rounding, exact
 
 
 @dataclass(frozen=True, slots=True, eq=False)

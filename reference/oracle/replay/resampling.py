@@ -2,15 +2,20 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks
-from reference.oracle.cases import Buffers
-from reference.oracle.replay.bounded import Bounded, exact
-from reference.oracle.replay.judgement import Compared, Decisions, Judgement, beside
-from reference.oracle.replay.points import SamplePoint, same_points
-from reference.oracle.replay.rules import Rules
-from reference.oracle.replay.slots import Closing, Slot, backwards, nothing
-from reference.oracle.replay.stream import choices_of, left_open, sums_of
-from reference.oracle.replay.verbs import choose
+from restir_gi.reference.numerics.arrays import Indices, Masks
+from restir_gi.reference.oracle.cases import Buffers
+from restir_gi.reference.oracle.replay.bounded import Bounded, exact
+from restir_gi.reference.oracle.replay.judgement import (
+    Compared,
+    Decisions,
+    Judgement,
+    beside,
+)
+from restir_gi.reference.oracle.replay.points import SamplePoint, same_points
+from restir_gi.reference.oracle.replay.rules import Rules
+from restir_gi.reference.oracle.replay.slots import Closing, Slot, backwards, nothing
+from restir_gi.reference.oracle.replay.stream import choices_of, left_open, sums_of
+from restir_gi.reference.oracle.replay.verbs import choose
 
 COPIED = ("position", "normal", "radiance")
 

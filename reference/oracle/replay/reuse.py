@@ -4,27 +4,32 @@ from dataclasses import replace
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks
-from reference.oracle.cases import Buffers, Case
-from reference.oracle.contract.fields import Precision
-from reference.oracle.replay.bounded import Bounded, constant, exact, rounding_of
-from reference.oracle.replay.judgement import Judgement
-from reference.oracle.replay.points import (
+from restir_gi.reference.numerics.arrays import Indices, Masks
+from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.replay.bounded import (
+    Bounded,
+    constant,
+    exact,
+    rounding_of,
+)
+from restir_gi.reference.oracle.replay.judgement import Judgement
+from restir_gi.reference.oracle.replay.points import (
     ReceiverPoint,
     SamplePoint,
     point_of,
     receiver_of,
 )
-from reference.oracle.replay.resampling import judge_resampling
-from reference.oracle.replay.rules import Rules
-from reference.oracle.replay.slots import (
+from restir_gi.reference.oracle.replay.resampling import judge_resampling
+from restir_gi.reference.oracle.replay.rules import Rules
+from restir_gi.reference.oracle.replay.slots import (
     Closing,
     Domain,
     Slot,
     counted_nulls,
     with_hidden,
 )
-from reference.oracle.replay.verbs import choose
+from restir_gi.reference.oracle.replay.verbs import choose
 
 
 def judge_temporal(

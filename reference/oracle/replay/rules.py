@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from math import pi
 from typing import Any
 
-from reference.oracle.contract.fields import Value
-from reference.oracle.replay.bounded import Bounded
-from reference.oracle.replay.formulas import (
+from restir_gi.reference.oracle.contract.fields import Value
+from restir_gi.reference.oracle.replay.bounded import Bounded
+from restir_gi.reference.oracle.replay.formulas import (
     capped,
     finalized,
     fresh_confidence,
@@ -20,8 +20,8 @@ from reference.oracle.replay.formulas import (
     target,
     weight,
 )
-from reference.oracle.replay.points import ReceiverPoint, SamplePoint
-from reference.oracle.replay.sources import density, drawn_cosine
+from restir_gi.reference.oracle.replay.points import ReceiverPoint, SamplePoint
+from restir_gi.reference.oracle.replay.sources import density, drawn_cosine
 
 
 def as_it_is(M: Bounded) -> Bounded:

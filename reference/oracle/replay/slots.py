@@ -4,11 +4,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.numerics.arrays import Masks, Scalars
-from reference.oracle.replay.bounded import Bounded
-from reference.oracle.replay.points import ReceiverPoint, SamplePoint
-from reference.oracle.replay.rules import Rules
-from reference.oracle.replay.verbs import choose
+from restir_gi.reference.numerics.arrays import Masks, Scalars
+from restir_gi.reference.oracle.replay.bounded import Bounded
+from restir_gi.reference.oracle.replay.points import ReceiverPoint, SamplePoint
+from restir_gi.reference.oracle.replay.rules import Rules
+from restir_gi.reference.oracle.replay.verbs import choose
 
 
 @dataclass(frozen=True, slots=True, eq=False)

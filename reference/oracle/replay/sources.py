@@ -2,9 +2,9 @@
 
 from math import pi
 
-from reference.oracle.contract.fields import Value
-from reference.oracle.replay.bounded import Bounded, constant
-from reference.oracle.replay.verbs import square_root
+from restir_gi.reference.oracle.contract.fields import Value
+from restir_gi.reference.oracle.replay.bounded import Bounded, constant
+from restir_gi.reference.oracle.replay.verbs import square_root
 
 
 def drawn_cosine(source: Value, u: Bounded) -> Bounded:

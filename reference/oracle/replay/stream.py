@@ -5,9 +5,9 @@ from typing import Protocol
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks
-from reference.oracle.replay.bounded import Bounded
-from reference.oracle.replay.rules import Rules
+from restir_gi.reference.numerics.arrays import Indices, Masks
+from restir_gi.reference.oracle.replay.bounded import Bounded
+from restir_gi.reference.oracle.replay.rules import Rules
 
 
 class Weighted(Protocol):

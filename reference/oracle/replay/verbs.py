@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Masks
-from reference.oracle.replay.bounded import Bounded
+from restir_gi.reference.numerics.arrays import Masks
+from restir_gi.reference.oracle.replay.bounded import Bounded
 
 
 def square_root(x: Bounded) -> Bounded:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reference.numerics.arrays import divide_or_zero
+from restir_gi.reference.numerics.arrays import divide_or_zero
 
 Floats = NDArray[np.float64]
 

@@ -1,6 +1,6 @@
 """How large a bias can still be, after what was seen: a bound for every time.
 
-The bets of :mod:`reference.oracle.statistics.betting` are placed against many
+The bets of :mod:`restir_gi.reference.oracle.statistics.betting` are placed against many
 candidates for the mean at once, μ (1 + b) for each b of a grid.
 """
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reference.oracle.statistics.betting import Bets, open_bets, place
+from restir_gi.reference.oracle.statistics.betting import Bets, open_bets, place
 
 Floats = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from math import comb
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from reference.oracle.statistics.ranks import (
+from restir_gi.reference.oracle.statistics.ranks import (
     rank_scores,
     spread_scores,
     two_sided,

@@ -1,5 +1,5 @@
 """One image judged against another: numbers, error maps, and a page to look at."""
 
-from reference.reports.comparison.judge import Comparison, compare
+from restir_gi.reference.reports.comparison.judge import Comparison, compare
 
 __all__ = ["Comparison", "compare"]

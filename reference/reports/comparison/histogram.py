@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.images.image import Floats
+from restir_gi.reference.images.image import Floats
 
 
 @dataclass(frozen=True, slots=True)

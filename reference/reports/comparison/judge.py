@@ -7,19 +7,19 @@ from typing import Any
 
 import numpy as np
 
-from reference.images import metrics
-from reference.images.display import auto_exposure, to_display
-from reference.images.flip import flip_hdr, flip_ldr
-from reference.images.image import Floats, Image
-from reference.reports.comparison.maps import (
+from restir_gi.reference.images import metrics
+from restir_gi.reference.images.display import auto_exposure, to_display
+from restir_gi.reference.images.flip import flip_hdr, flip_ldr
+from restir_gi.reference.images.image import Floats, Image
+from restir_gi.reference.reports.comparison.maps import (
     ErrorMap,
     difference_map,
     flip_map,
     relative_error_map,
     z_map,
 )
-from reference.reports.comparison.page import write_pages
-from reference.reports.comparison.pair import ImagePair, match
+from restir_gi.reference.reports.comparison.page import write_pages
+from restir_gi.reference.reports.comparison.pair import ImagePair, match
 
 
 @dataclass(frozen=True, slots=True)

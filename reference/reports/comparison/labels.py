@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from reference.images.metrics import EPSILON
+from restir_gi.reference.images.metrics import EPSILON
 
 
 @dataclass(frozen=True, slots=True)

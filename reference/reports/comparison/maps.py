@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.images.display import MARKER, Bytes
-from reference.images.image import Floats, luminance
-from reference.images.metrics import EPSILON
+from restir_gi.reference.images.display import MARKER, Bytes
+from restir_gi.reference.images.image import Floats, luminance
+from restir_gi.reference.images.metrics import EPSILON
 
 SIGNED, UNSIGNED = "RdBu_r", "inferno"  # blue, white, red; black to yellow
 Z_SCALE = 5.0

@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from reference.images.display import encode_png, to_display
-from reference.images.image import Image
-from reference.reports.comparison.histogram import histogram_bars
-from reference.reports.comparison.labels import NUMBERS
-from reference.reports.comparison.likeness import SAME, differences
-from reference.reports.comparison.maps import ErrorMap
-from reference.reports.page import base64, render_page
-from reference.system.files import make_folder, write_file
+from restir_gi.reference.images.display import encode_png, to_display
+from restir_gi.reference.images.image import Image
+from restir_gi.reference.reports.comparison.histogram import histogram_bars
+from restir_gi.reference.reports.comparison.labels import NUMBERS
+from restir_gi.reference.reports.comparison.likeness import SAME, differences
+from restir_gi.reference.reports.comparison.maps import ErrorMap
+from restir_gi.reference.reports.page import base64, render_page
+from restir_gi.reference.system.files import make_folder, write_file
 
 MOST_PROBED = 2**18  # pixels whose values the page carries: 8 MiB of text at most
 
@@ -75,7 +75,9 @@ def _page(
         "metadata": metadata,
         "probes": [_values(image) for image in images] if size <= MOST_PROBED else None,
     }
-    return render_page("reference.reports.comparison", "comparison.html", values)
+    return render_page(
+        "restir_gi.reference.reports.comparison", "comparison.html", values
+    )
 
 
 def _values(image: Image) -> str:

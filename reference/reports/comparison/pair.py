@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.images.image import Image
-from reference.system.errors import UsageError
+from restir_gi.reference.images.image import Image
+from restir_gi.reference.system.errors import UsageError
 
 Colors = NDArray[np.float64]
 

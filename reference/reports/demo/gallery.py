@@ -4,18 +4,18 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
-from reference.images.display import auto_exposure, encode_png, to_display
-from reference.images.exr import write_exr
-from reference.images.image import Image, to_image
-from reference.methods.metadata import header, metadata
-from reference.reports.comparison import compare
-from reference.reports.demo.page import write_page
-from reference.reports.demo.runs import Runs
-from reference.reports.demo.score import RunScore
-from reference.reports.demo.strip import strip
-from reference.scene.scene import Scene
-from reference.system.files import write_file
-from reference.system.json_text import json_text
+from restir_gi.reference.images.display import auto_exposure, encode_png, to_display
+from restir_gi.reference.images.exr import write_exr
+from restir_gi.reference.images.image import Image, to_image
+from restir_gi.reference.methods.metadata import header, metadata
+from restir_gi.reference.reports.comparison import compare
+from restir_gi.reference.reports.demo.page import write_page
+from restir_gi.reference.reports.demo.runs import Runs
+from restir_gi.reference.reports.demo.score import RunScore
+from restir_gi.reference.reports.demo.strip import strip
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.system.files import write_file
+from restir_gi.reference.system.json_text import json_text
 
 TITLES = {
     "path": "path traced, equal time",

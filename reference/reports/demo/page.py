@@ -5,9 +5,9 @@ from pathlib import Path
 
 from rich.table import Table
 
-from reference.reports.demo.score import RunScore
-from reference.reports.page import render_page
-from reference.system.files import write_file
+from restir_gi.reference.reports.demo.score import RunScore
+from restir_gi.reference.reports.page import render_page
+from restir_gi.reference.system.files import write_file
 
 COLUMNS = (
     "method",
@@ -58,4 +58,6 @@ def write_page(
         "columns": COLUMNS,
         "rows": [(score.name, cells(score)) for score in scores],
     }
-    write_file(path, render_page("reference.reports.demo", "demo.html", values))
+    write_file(
+        path, render_page("restir_gi.reference.reports.demo", "demo.html", values)
+    )

@@ -5,10 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.methods import Job, Layers, Method
-from reference.methods.path import PATH
-from reference.numerics.arrays import Vec3s
-from reference.reports.timing import timed
+from restir_gi.reference.methods import Job, Layers, Method
+from restir_gi.reference.methods.path import PATH
+from restir_gi.reference.numerics.arrays import Vec3s
+from restir_gi.reference.reports.timing import timed
 
 CONVERGED = 8  # last steps of a run, whose median time counts
 TRIAL = 33  # samples by which the time of one is measured

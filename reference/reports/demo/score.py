@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.images import metrics
-from reference.images.image import luminance, luminance_weights
-from reference.numerics.arrays import Vec3s
-from reference.numerics.moments import Moments
-from reference.reports.demo.runs import Runs
+from restir_gi.reference.images import metrics
+from restir_gi.reference.images.image import luminance, luminance_weights
+from restir_gi.reference.numerics.arrays import Vec3s
+from restir_gi.reference.numerics.moments import Moments
+from restir_gi.reference.reports.demo.runs import Runs
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.images.display import Bytes, encode_png
+from restir_gi.reference.images.display import Bytes, encode_png
 
 GAP, MARGIN, INK, PAPER = 8, 10, (28, 31, 35), (251, 250, 248)
 TILE = 384  # pixels that a tile is enlarged to, in whole steps

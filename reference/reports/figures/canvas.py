@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from reference.images.display import Bytes, auto_exposure, to_display
-from reference.images.image import Floats, to_image
+from restir_gi.reference.images.display import Bytes, auto_exposure, to_display
+from restir_gi.reference.images.image import Floats, to_image
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.axes import Axes
@@ -44,7 +44,7 @@ def shown(rows: Floats, size: int, exposure: float) -> Bytes:
 
     Returns
     -------
-    (size, size, 3) uint8; see :func:`reference.images.display.to_display`
+    (size, size, 3) uint8; see :func:`restir_gi.reference.images.display.to_display`
     """
     return to_display(to_image(rows, size, size), exposure)
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reference.images.display import Bytes
-from reference.numerics.intervals import Interval
-from reference.numerics.schedule import Schedule
+from restir_gi.reference.images.display import Bytes
+from restir_gi.reference.numerics.intervals import Interval
+from restir_gi.reference.numerics.schedule import Schedule
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.figure import Figure

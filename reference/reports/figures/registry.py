@@ -3,10 +3,10 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from reference.reports.figures.record import PaperFigure, Work
-from reference.system.errors import UsageError
-from reference.system.plugins import find_plugin, plugin_names
-from reference.system.suggestions import unknown
+from restir_gi.reference.reports.figures.record import PaperFigure, Work
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.plugins import find_plugin, plugin_names
+from restir_gi.reference.system.suggestions import unknown
 
 GROUP = "restir.figures"
 

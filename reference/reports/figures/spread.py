@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from reference.numerics.arrays import Vec3s
-from reference.numerics.intervals import Numbers
+from restir_gi.reference.numerics.arrays import Vec3s
+from restir_gi.reference.numerics.intervals import Numbers
 
 
 def spreads(colors: Sequence[Vec3s]) -> Numbers:

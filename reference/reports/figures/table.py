@@ -6,8 +6,8 @@ from typing import Any
 
 from rich.table import Table
 
-from reference.numerics.intervals import Interval
-from reference.reports.figures.record import Cell, Deviation, PaperFigure
+from restir_gi.reference.numerics.intervals import Interval
+from restir_gi.reference.reports.figures.record import Cell, Deviation, PaperFigure
 
 
 def text(cell: Cell) -> str:

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from reference.images.image import luminance
-from reference.numerics.arrays import Vec3s
-from reference.numerics.intervals import Numbers
+from restir_gi.reference.images.image import luminance
+from restir_gi.reference.numerics.arrays import Vec3s
+from restir_gi.reference.numerics.intervals import Numbers
 
 TILE = 8  # pixels
 

@@ -6,22 +6,22 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Scalars, divide_or_zero
-from reference.numerics.records import NONE, indices, scatter
-from reference.options.weights import Source, itself, weighed
-from reference.passes.initial import InitialSamples
-from reference.passes.pixels import NeighborPixels, Pixels
-from reference.reports.inspector.outcomes import Outcome, jacobians, outcomes
-from reference.reports.inspector.provenance import Origin, Provenance
-from reference.resampling import generalized, reuse
-from reference.resampling.reservoir import (
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars, divide_or_zero
+from restir_gi.reference.numerics.records import NONE, indices, scatter
+from restir_gi.reference.options.weights import Source, itself, weighed
+from restir_gi.reference.passes.initial import InitialSamples
+from restir_gi.reference.passes.pixels import NeighborPixels, Pixels
+from restir_gi.reference.reports.inspector.outcomes import Outcome, jacobians, outcomes
+from restir_gi.reference.reports.inspector.provenance import Origin, Provenance
+from restir_gi.reference.resampling import generalized, reuse
+from restir_gi.reference.resampling.reservoir import (
     Candidates,
     Reservoirs,
     initial_candidates,
     merge,
 )
-from reference.restir_gi import PassInput, resampled
-from reference.settings import Settings
+from restir_gi.reference.restir_gi import PassInput, resampled
+from restir_gi.reference.settings import Settings
 
 NOT_ASKED = 2
 """Besides no, 0, and yes, 1."""

@@ -5,9 +5,9 @@ from enum import IntEnum
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Scalars
-from reference.passes.pixels import NeighborPixels, reconnection
-from reference.resampling.reservoir import Candidates
+from restir_gi.reference.numerics.arrays import Indices, Scalars
+from restir_gi.reference.passes.pixels import NeighborPixels, reconnection
+from restir_gi.reference.resampling.reservoir import Candidates
 
 
 class Outcome(IntEnum):

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
-from reference.reports.page import base64, render_page
-from reference.system.errors import UsageError
+from restir_gi.reference.reports.page import base64, render_page
+from restir_gi.reference.system.errors import UsageError
 
 MOST = 256 << 20
 """Bytes of numbers: a browser still opens the page."""
@@ -46,7 +46,9 @@ def page(title: str, runs: list[dict[str, Any]], exposure: float) -> bytes:
         "block": base64(zlib.compress(block)),
         "scripts": SCRIPTS,
     }
-    return render_page("reference.reports.inspector", "inspector.html", values)
+    return render_page(
+        "restir_gi.reference.reports.inspector", "inspector.html", values
+    )
 
 
 def packed(value: Any) -> tuple[Any, bytes]:

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.numerics.arrays import Indices
-from reference.numerics.records import NONE, indices
-from reference.passes.history import History
-from reference.passes.pixels import NeighborPixels
+from restir_gi.reference.numerics.arrays import Indices
+from restir_gi.reference.numerics.records import NONE, indices
+from restir_gi.reference.passes.history import History
+from restir_gi.reference.passes.pixels import NeighborPixels
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,17 +7,20 @@ from typing import Any
 
 import numpy as np
 
-from reference.methods import Job, Layers, Method, drive
-from reference.methods.method import Progress
-from reference.methods.restir_gi import FRAMED
-from reference.numerics.arrays import Indices
-from reference.numerics.records import nbytes
-from reference.reports.inspector.candidates import PassRecord
-from reference.reports.inspector.outcomes import WORDS, Outcome
-from reference.reports.inspector.recorder import RecordedFrame, recorded_frames
-from reference.reports.inspector.wireframe import wireframe
-from reference.resampling.reservoir import Reservoirs
-from reference.system.errors import UsageError
+from restir_gi.reference.methods import Job, Layers, Method, drive
+from restir_gi.reference.methods.method import Progress
+from restir_gi.reference.methods.restir_gi import FRAMED
+from restir_gi.reference.numerics.arrays import Indices
+from restir_gi.reference.numerics.records import nbytes
+from restir_gi.reference.reports.inspector.candidates import PassRecord
+from restir_gi.reference.reports.inspector.outcomes import WORDS, Outcome
+from restir_gi.reference.reports.inspector.recorder import (
+    RecordedFrame,
+    recorded_frames,
+)
+from restir_gi.reference.reports.inspector.wireframe import wireframe
+from restir_gi.reference.resampling.reservoir import Reservoirs
+from restir_gi.reference.system.errors import UsageError
 
 SHOWN = {
     Outcome.DARK: "dropped",

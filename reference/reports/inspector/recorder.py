@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from reference.frame import FrameContext
-from reference.methods import Job
-from reference.reports.inspector.candidates import PassRecord, recorded
-from reference.reports.inspector.provenance import PathNumbers, Provenance
-from reference.restir_gi import (
+from restir_gi.reference.frame import FrameContext
+from restir_gi.reference.methods import Job
+from restir_gi.reference.reports.inspector.candidates import PassRecord, recorded
+from restir_gi.reference.reports.inspector.provenance import PathNumbers, Provenance
+from restir_gi.reference.restir_gi import (
     Frame,
     history_of,
     render_frames,
@@ -15,7 +15,7 @@ from reference.restir_gi import (
     spatial_inputs,
     temporal_input,
 )
-from reference.settings import Settings
+from restir_gi.reference.settings import Settings
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,8 +41,8 @@ def recorded_frames(job: Job) -> Iterator[RecordedFrame]:
     Yields
     ------
     RecordedFrame
-        The frames of :func:`reference.restir_gi.render_frames`.  Each pass is done
-        again beside it: no pass keeps a log, and none need be trusted to keep one.
+        The frames of :func:`restir_gi.reference.restir_gi.render_frames`.  Each pass is
+        done again beside it: no pass keeps a log, and none need be trusted to keep one.
     """
     last: Frame | None = None
     before: PathNumbers | None = None

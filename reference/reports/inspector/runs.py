@@ -7,17 +7,17 @@ from typing import Any, get_args
 
 import numpy as np
 
-from reference.images.image import Image, to_image
-from reference.methods import Job, Layers, Method
-from reference.methods.restir_gi import BIASED, UNBIASED
-from reference.methods.setting_values import with_values
-from reference.numerics.schedule import Schedule
-from reference.reports.inspector.recorded import Plain
-from reference.scene.catalogue.registry import CATALOGUE
-from reference.scene.named import Named, find_scene_or_file, frames_of
-from reference.system.errors import UsageError
-from reference.transport.path_tracer import MAX_BOUNCES, Light
-from reference.transport.world import build_world
+from restir_gi.reference.images.image import Image, to_image
+from restir_gi.reference.methods import Job, Layers, Method
+from restir_gi.reference.methods.restir_gi import BIASED, UNBIASED
+from restir_gi.reference.methods.setting_values import with_values
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.inspector.recorded import Plain
+from restir_gi.reference.scene.catalogue.registry import CATALOGUE
+from restir_gi.reference.scene.named import Named, find_scene_or_file, frames_of
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.transport.path_tracer import MAX_BOUNCES, Light
+from restir_gi.reference.transport.world import build_world
 
 LAYERS = {
     "M": "M",
@@ -167,8 +167,8 @@ def as_it_is(image: Image) -> Plain:
     Returns
     -------
     dict
-        As :func:`reference.reports.inspector.recorded.plain_frame`, with what there is;
-        which frame it is, is not known.
+        As :func:`restir_gi.reference.reports.inspector.recorded.plain_frame`, with what
+        there is; which frame it is, is not known.
     """
     found: dict[str, Any] = {
         short: np.ascontiguousarray(image.layers[name], np.float32).ravel()

@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from reference.scene.camera import Camera
-from reference.scene.geometry import Geometry
-from reference.scene.surface import SurfacePoints
-from reference.transport.world import World
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.geometry import Geometry
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.transport.world import World
 
 MOST_EDGES = 20_000
 """Of a drawing; a finer mesh is shown by its points alone."""

@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reference.methods import Method
-from reference.numerics.arrays import Scalars
-from reference.numerics.moments import Moments
-from reference.reports.figures.canvas import COLORS, blank, tidy
-from reference.reports.figures.tiles import tile_means
-from reference.reports.tradeoff.knobs import Knob, usable
-from reference.reports.tradeoff.points import Design
-from reference.reports.tradeoff.store import Store
-from reference.reports.tradeoff.sweep import Sweep, pixel_of
-from reference.transport.accumulate import Pixel
+from restir_gi.reference.methods import Method
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.numerics.moments import Moments
+from restir_gi.reference.reports.figures.canvas import COLORS, blank, tidy
+from restir_gi.reference.reports.figures.tiles import tile_means
+from restir_gi.reference.reports.tradeoff.knobs import Knob, usable
+from restir_gi.reference.reports.tradeoff.points import Design
+from restir_gi.reference.reports.tradeoff.store import Store
+from restir_gi.reference.reports.tradeoff.sweep import Sweep, pixel_of
+from restir_gi.reference.transport.accumulate import Pixel
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.figure import Figure

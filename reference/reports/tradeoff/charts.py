@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars
-from reference.numerics.intervals import Interval
-from reference.reports.figures.canvas import COLORS, INK, QUIET, blank, tidy
-from reference.reports.tradeoff.front import on_front
-from reference.reports.tradeoff.scores import DesignScore
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.numerics.intervals import Interval
+from restir_gi.reference.reports.figures.canvas import COLORS, INK, QUIET, blank, tidy
+from restir_gi.reference.reports.tradeoff.front import on_front
+from restir_gi.reference.reports.tradeoff.scores import DesignScore
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.axes import Axes

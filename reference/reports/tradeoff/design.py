@@ -5,11 +5,11 @@ from itertools import chain
 
 from scipy.stats.qmc import LatinHypercube
 
-from reference.methods import method_named, method_names
-from reference.numerics.arrays import Scalars
-from reference.reports.tradeoff.knobs import Knob
-from reference.reports.tradeoff.points import Design, can_run
-from reference.system.errors import UsageError
+from restir_gi.reference.methods import method_named, method_names
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.reports.tradeoff.knobs import Knob
+from restir_gi.reference.reports.tradeoff.points import Design, can_run
+from restir_gi.reference.system.errors import UsageError
 
 SEVERAL = "several"
 """Name of all knobs together."""

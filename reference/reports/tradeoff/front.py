@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from reference.reports.tradeoff.scores import DesignScore
+from restir_gi.reference.reports.tradeoff.scores import DesignScore
 
 
 def on_front(scores: Sequence[DesignScore]) -> list[bool]:

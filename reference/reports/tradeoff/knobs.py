@@ -3,10 +3,10 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
 
-from reference.methods import Method
-from reference.reports.tradeoff.points import Design, can_run
-from reference.scene.animation import Changes
-from reference.system.errors import UsageError
+from restir_gi.reference.methods import Method
+from restir_gi.reference.reports.tradeoff.points import Design, can_run
+from restir_gi.reference.scene.animation import Changes
+from restir_gi.reference.system.errors import UsageError
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reference.images.image import luminance, to_image
-from reference.numerics.arrays import Scalars
-from reference.numerics.moments import Moments
-from reference.reports.figures.canvas import SIDE, Tile, blank, draw_tiles
+from restir_gi.reference.images.image import luminance, to_image
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.numerics.moments import Moments
+from restir_gi.reference.reports.figures.canvas import SIDE, Tile, blank, draw_tiles
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.figure import Figure

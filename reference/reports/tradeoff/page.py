@@ -7,17 +7,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from reference.reports.page import render_page
-from reference.reports.tradeoff.change import draw_recoveries
-from reference.reports.tradeoff.charts import LINES, bars, curves, front, neighbours
-from reference.reports.tradeoff.maps import deviations, draw_maps
-from reference.reports.tradeoff.report import COLUMNS, as_csv, as_plain, cells
-from reference.reports.tradeoff.results import Results
-from reference.reports.tradeoff.scores import DesignScore
-from reference.reports.tradeoff.store import Store
-from reference.system.files import write_file
-from reference.system.json_text import json_text
-from reference.system.machine import machine
+from restir_gi.reference.reports.page import render_page
+from restir_gi.reference.reports.tradeoff.change import draw_recoveries
+from restir_gi.reference.reports.tradeoff.charts import (
+    LINES,
+    bars,
+    curves,
+    front,
+    neighbours,
+)
+from restir_gi.reference.reports.tradeoff.maps import deviations, draw_maps
+from restir_gi.reference.reports.tradeoff.report import COLUMNS, as_csv, as_plain, cells
+from restir_gi.reference.reports.tradeoff.results import Results
+from restir_gi.reference.reports.tradeoff.scores import DesignScore
+from restir_gi.reference.reports.tradeoff.store import Store
+from restir_gi.reference.system.files import write_file
+from restir_gi.reference.system.json_text import json_text
+from restir_gi.reference.system.machine import machine
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.figure import Figure
@@ -64,7 +70,7 @@ def _page(results: Results, figures: list[tuple[str, str, str, bytes]]) -> bytes
         "machine": machine(),
         "figures": figures,
     }
-    return render_page("reference.reports.tradeoff", "tradeoff.html", values)
+    return render_page("restir_gi.reference.reports.tradeoff", "tradeoff.html", values)
 
 
 def _shown(results: Results) -> list[DesignScore]:

@@ -5,9 +5,9 @@ from functools import cache
 from hashlib import sha256
 from typing import Any
 
-from reference.methods import method_named
-from reference.methods.setting_values import as_text, with_values
-from reference.system.errors import UsageError
+from restir_gi.reference.methods import method_named
+from restir_gi.reference.methods.setting_values import as_text, with_values
+from restir_gi.reference.system.errors import UsageError
 
 UNCHANGED = "as it is"
 """Label of the base."""

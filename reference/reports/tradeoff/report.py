@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from reference.numerics.intervals import Interval
-from reference.reports.tradeoff.front import on_front, rms_percent
-from reference.reports.tradeoff.results import Results
-from reference.reports.tradeoff.scores import DesignScore
-from reference.system.machine import machine
+from restir_gi.reference.numerics.intervals import Interval
+from restir_gi.reference.reports.tradeoff.front import on_front, rms_percent
+from restir_gi.reference.reports.tradeoff.results import Results
+from restir_gi.reference.reports.tradeoff.scores import DesignScore
+from restir_gi.reference.system.machine import machine
 
 
 def as_plain(results: Results) -> dict[str, Any]:

@@ -2,11 +2,11 @@
 
 from dataclasses import dataclass
 
-from reference.numerics.moments import Moments
-from reference.reports.tradeoff.change import Recovery
-from reference.reports.tradeoff.front import advice
-from reference.reports.tradeoff.scores import DesignScore
-from reference.reports.tradeoff.sweep import Sweep
+from restir_gi.reference.numerics.moments import Moments
+from restir_gi.reference.reports.tradeoff.change import Recovery
+from restir_gi.reference.reports.tradeoff.front import advice
+from restir_gi.reference.reports.tradeoff.scores import DesignScore
+from restir_gi.reference.reports.tradeoff.sweep import Sweep
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,16 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars
-from reference.numerics.intervals import Interval, ratio_interval
-from reference.numerics.moments import Moments
-from reference.reports.demo.score import relative_bias
-from reference.reports.figures.record import Deviation
-from reference.reports.figures.spread import spreads
-from reference.reports.figures.tiles import tile_means
-from reference.reports.tradeoff.points import Design
-from reference.reports.tradeoff.split import Split, split_error
-from reference.reports.tradeoff.trials import Trial
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.numerics.intervals import Interval, ratio_interval
+from restir_gi.reference.numerics.moments import Moments
+from restir_gi.reference.reports.demo.score import relative_bias
+from restir_gi.reference.reports.figures.record import Deviation
+from restir_gi.reference.reports.figures.spread import spreads
+from restir_gi.reference.reports.figures.tiles import tile_means
+from restir_gi.reference.reports.tradeoff.points import Design
+from restir_gi.reference.reports.tradeoff.split import Split, split_error
+from restir_gi.reference.reports.tradeoff.trials import Trial
 
 TILE = 8
 """Pixels of a side of the tiles by which neighbours are found to err alike."""

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars
-from reference.numerics.intervals import Interval, bootstrap_interval
-from reference.numerics.moments import Moments
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.numerics.intervals import Interval, bootstrap_interval
+from restir_gi.reference.numerics.moments import Moments
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,10 +13,10 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from reference.reports.tradeoff.trials import Task, Trial
-from reference.system.errors import UsageError
-from reference.system.files import make_folder, read_file, write_file
-from reference.truth.checkpoint import what_differs
+from restir_gi.reference.reports.tradeoff.trials import Task, Trial
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.files import make_folder, read_file, write_file
+from restir_gi.reference.truth.checkpoint import what_differs
 
 
 @dataclass(frozen=True, slots=True)

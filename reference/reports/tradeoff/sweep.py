@@ -5,16 +5,16 @@ from concurrent.futures import Executor
 from dataclasses import dataclass
 from itertools import zip_longest
 
-from reference.methods import method_named
-from reference.numerics.moments import Moments
-from reference.reports.tradeoff.points import Design, settings_of
-from reference.reports.tradeoff.scores import DesignScore, score
-from reference.reports.tradeoff.store import Store
-from reference.reports.tradeoff.trials import Task, run_trial
-from reference.scene.named import Named
-from reference.system.signals import Interrupted
-from reference.system.workers import work
-from reference.transport.accumulate import Pixel
+from restir_gi.reference.methods import method_named
+from restir_gi.reference.numerics.moments import Moments
+from restir_gi.reference.reports.tradeoff.points import Design, settings_of
+from restir_gi.reference.reports.tradeoff.scores import DesignScore, score
+from restir_gi.reference.reports.tradeoff.store import Store
+from restir_gi.reference.reports.tradeoff.trials import Task, run_trial
+from restir_gi.reference.scene.named import Named
+from restir_gi.reference.system.signals import Interrupted
+from restir_gi.reference.system.workers import work
+from restir_gi.reference.transport.accumulate import Pixel
 
 CHANGES = 8
 """Runs of a change of light, of those that there are."""

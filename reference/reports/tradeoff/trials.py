@@ -7,17 +7,17 @@ from functools import lru_cache
 
 import numpy as np
 
-from reference.methods import Job, Shown, method_named
-from reference.numerics.arrays import Scalars, Vec3s
-from reference.numerics.schedule import Schedule
-from reference.reports.figures.tiles import tile_means
-from reference.reports.timing import timed
-from reference.reports.tradeoff.points import Design, settings_of
-from reference.scene.animation import Animation
-from reference.scene.brightness import brightened
-from reference.scene.named import Named, find_scene_or_file, frames_of
-from reference.system.errors import UsageError
-from reference.transport.world import World, build_world
+from restir_gi.reference.methods import Job, Shown, method_named
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.figures.tiles import tile_means
+from restir_gi.reference.reports.timing import timed
+from restir_gi.reference.reports.tradeoff.points import Design, settings_of
+from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.scene.brightness import brightened
+from restir_gi.reference.scene.named import Named, find_scene_or_file, frames_of
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.transport.world import World, build_world
 
 BEFORE = 4.0
 """How much brighter the lights were before a change."""

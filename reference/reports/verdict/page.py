@@ -4,15 +4,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from reference.images.display import encode_png
-from reference.oracle.verdict import Verdict
-from reference.reports.comparison.maps import ErrorMap
-from reference.reports.page import render_page
-from reference.reports.verdict.maps import error_maps
-from reference.reports.verdict.table import left_running
-from reference.reports.verdict.worst import answers_of, worst_answer
-from reference.system.files import make_folder, write_file
-from reference.system.json_text import json_text
+from restir_gi.reference.images.display import encode_png
+from restir_gi.reference.oracle.verdict import Verdict
+from restir_gi.reference.reports.comparison.maps import ErrorMap
+from restir_gi.reference.reports.page import render_page
+from restir_gi.reference.reports.verdict.maps import error_maps
+from restir_gi.reference.reports.verdict.table import left_running
+from restir_gi.reference.reports.verdict.worst import answers_of, worst_answer
+from restir_gi.reference.system.files import make_folder, write_file
+from restir_gi.reference.system.json_text import json_text
 
 
 def write_page(out: Path, verdict: Verdict, plain: Mapping[str, Any]) -> None:
@@ -59,7 +59,7 @@ def _page(plain: Mapping[str, Any], maps: Mapping[str, list[ErrorMap]]) -> bytes
         for name, each in maps.items()
     }
     return render_page(
-        "reference.reports.verdict",
+        "restir_gi.reference.reports.verdict",
         "verdict.html",
         {"verdict": plain, "maps": maps, "pictures": pictures},
         {"pieces": pieces, "left_running": left_running},

@@ -2,14 +2,18 @@
 
 from typing import Any
 
-from reference.oracle.cases import Case
-from reference.oracle.contract.fields import Passes
-from reference.oracle.diagnosis.diagnose import Diagnosis
-from reference.oracle.levels.probe import Answer
-from reference.oracle.replay.judgement import Judgement
-from reference.oracle.verdict import Timed, Verdict, departs, explicable
-from reference.reports.verdict.rows import as_number, worst_case
-from reference.reports.verdict.worst import answers_of, excess_of, worst_answer
+from restir_gi.reference.oracle.cases import Case
+from restir_gi.reference.oracle.contract.fields import Passes
+from restir_gi.reference.oracle.diagnosis.diagnose import Diagnosis
+from restir_gi.reference.oracle.levels.probe import Answer
+from restir_gi.reference.oracle.replay.judgement import Judgement
+from restir_gi.reference.oracle.verdict import Timed, Verdict, departs, explicable
+from restir_gi.reference.reports.verdict.rows import as_number, worst_case
+from restir_gi.reference.reports.verdict.worst import (
+    answers_of,
+    excess_of,
+    worst_answer,
+)
 
 DOCUMENTATION = ""
 """Address of the documentation, with its last slash; empty where it has none."""

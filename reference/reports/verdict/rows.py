@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from reference.oracle.cases import Buffers
-from reference.oracle.levels.probe import Answer
-from reference.oracle.replay.judgement import Compared, Judgement
-from reference.reports.verdict.worst import excess_of, worst_rows
+from restir_gi.reference.oracle.cases import Buffers
+from restir_gi.reference.oracle.levels.probe import Answer
+from restir_gi.reference.oracle.replay.judgement import Compared, Judgement
+from restir_gi.reference.reports.verdict.worst import excess_of, worst_rows
 
 MOST_ROWS = 5
 

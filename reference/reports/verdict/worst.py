@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Scalars
-from reference.oracle.levels.probe import Answer
-from reference.oracle.replay.judgement import Compared, Judgement
-from reference.oracle.verdict import Verdict
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars
+from restir_gi.reference.oracle.levels.probe import Answer
+from restir_gi.reference.oracle.replay.judgement import Compared, Judgement
+from restir_gi.reference.oracle.verdict import Verdict
 
 
 def answers_of(verdict: Verdict, pass_name: str) -> list[Answer]:

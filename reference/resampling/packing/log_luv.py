@@ -12,7 +12,7 @@ A word stands for the middle of its cell; L = 0 stands for black.
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Vec3s, divide_or_zero, dot, vectors
+from restir_gi.reference.numerics.arrays import Vec3s, divide_or_zero, dot, vectors
 
 LEVELS_PER_STOP = 409.6
 DARKEST = 2.0**-20

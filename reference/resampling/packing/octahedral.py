@@ -10,7 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Scalars, Vec3s, divide_or_zero, normalize, vectors
+from restir_gi.reference.numerics.arrays import (
+    Scalars,
+    Vec3s,
+    divide_or_zero,
+    normalize,
+    vectors,
+)
 
 UNIT = 32767
 """Code of the coordinate 1.  -32768 is never written and read as -32767."""

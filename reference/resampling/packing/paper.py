@@ -3,15 +3,18 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Vec3s
-from reference.resampling.packing.octahedral import decode_normal, encode_normal
-from reference.resampling.packing.rounding import (
+from restir_gi.reference.numerics.arrays import Vec3s
+from restir_gi.reference.resampling.packing.octahedral import (
+    decode_normal,
+    encode_normal,
+)
+from restir_gi.reference.resampling.packing.rounding import (
     UInts,
     nearest_count,
     nearest_float,
     widened,
 )
-from reference.resampling.reservoir import Reservoirs, Samples
+from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
 
 RESERVOIR = np.dtype(
     [

@@ -13,9 +13,9 @@
     z        W, float32
 
 In memory x comes first, and low bits come first, so that all bytes but those of the age
-are those of :mod:`reference.resampling.packing.paper`.  A buffer holds the pixels in
-rows, all of them once for each slot: even slots are the temporal reservoirs, odd ones
-the spatial.
+are those of :mod:`restir_gi.reference.resampling.packing.paper`.  A buffer holds the
+pixels in rows, all of them once for each slot: even slots are the temporal reservoirs,
+odd ones the spatial.
 
 Facts, not code, of DQLin/ReSTIR_PT, Source/Falcor/Experimental/ScreenSpaceReSTIR/
 GIReservoir.slang and GIResampling.cs.slang, and Source/Falcor/Utils/Math/
@@ -30,10 +30,10 @@ reservoir has M = 0 and W = 1: a null there is known by its M or its radiance.
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Vec3s
-from reference.resampling.packing import paper
-from reference.resampling.packing.rounding import UInts
-from reference.resampling.reservoir import Reservoirs
+from restir_gi.reference.numerics.arrays import Vec3s
+from restir_gi.reference.resampling.packing import paper
+from restir_gi.reference.resampling.packing.rounding import UInts
+from restir_gi.reference.resampling.reservoir import Reservoirs
 
 RESERVOIR = np.dtype([*paper.RESERVOIR.descr[:-1], ("age", "<u4")])
 """48 bytes, little-endian, no padding."""

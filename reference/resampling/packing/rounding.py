@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from reference.numerics.arrays import Scalars
+from restir_gi.reference.numerics.arrays import Scalars
 
 UInts = NDArray[np.unsignedinteger[Any]]
 

@@ -11,16 +11,22 @@ edge of a cell.  Not covered: checkerboard rendering, which halves the width.
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Indices
-from reference.resampling.packing.log_luv import decode_log_luv, encode_log_luv
-from reference.resampling.packing.octahedral import decode_normal, encode_normal
-from reference.resampling.packing.rounding import (
+from restir_gi.reference.numerics.arrays import Indices
+from restir_gi.reference.resampling.packing.log_luv import (
+    decode_log_luv,
+    encode_log_luv,
+)
+from restir_gi.reference.resampling.packing.octahedral import (
+    decode_normal,
+    encode_normal,
+)
+from restir_gi.reference.resampling.packing.rounding import (
     UInts,
     nearest_count,
     nearest_float,
     widened,
 )
-from reference.resampling.reservoir import Reservoirs, Samples
+from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
 
 RESERVOIR = np.dtype(
     [

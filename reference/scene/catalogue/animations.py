@@ -8,20 +8,20 @@ from dataclasses import replace
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars
-from reference.scene.animation import (
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.scene.animation import (
     Animation,
     still,
     with_camera,
     with_change,
     with_shape,
 )
-from reference.scene.camera import Camera
-from reference.scene.catalogue.rooms import WHITE, pose
-from reference.scene.lights import DirectionalLight
-from reference.scene.materials.kinds import Lambertian
-from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, box, emits, quad
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.catalogue.rooms import WHITE, pose
+from restir_gi.reference.scene.lights import DirectionalLight
+from restir_gi.reference.scene.materials.kinds import Lambertian
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Mesh, box, emits, quad
 
 PERIOD = 64
 """Frames until blocks and lights are back where they were."""

@@ -2,9 +2,20 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s, cross, divide_or_zero, dot, length
-from reference.scene.catalogue.spheres import ALBEDO, EMISSION, INTENSITY
-from reference.scene.catalogue.walls import FLOOR_REFLECTANCE, SUN, WALL_REFLECTANCE
+from restir_gi.reference.numerics.arrays import (
+    Scalars,
+    Vec3s,
+    cross,
+    divide_or_zero,
+    dot,
+    length,
+)
+from restir_gi.reference.scene.catalogue.spheres import ALBEDO, EMISSION, INTENSITY
+from restir_gi.reference.scene.catalogue.walls import (
+    FLOOR_REFLECTANCE,
+    SUN,
+    WALL_REFLECTANCE,
+)
 
 WALL = np.array([[-1.0, 0, 0], [1, 0, 0], [1, 2, 0], [-1, 2, 0]])
 """Corners of the sunlit wall, m."""

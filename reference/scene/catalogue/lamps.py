@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s
-from reference.numerics.rng import pcg4d, to_unit_interval
-from reference.scene.materials.kinds import Lambertian
-from reference.scene.shapes import Mesh
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.numerics.rng import pcg4d, to_unit_interval
+from restir_gi.reference.scene.materials.kinds import Lambertian
+from restir_gi.reference.scene.shapes import Mesh
 
 BLACK = Lambertian((0.0, 0.0, 0.0))
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Vec3s
-from reference.scene.camera import Camera
-from reference.scene.catalogue.lamps import lamps, numbers
-from reference.scene.materials.kinds import Lambertian
-from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, quad
+from restir_gi.reference.numerics.arrays import Vec3s
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.catalogue.lamps import lamps, numbers
+from restir_gi.reference.scene.materials.kinds import Lambertian
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Mesh, quad
 
 GROUND = Lambertian((0.45, 0.42, 0.4))
 CLOTH = Lambertian((0.7, 0.55, 0.4))

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from reference.scene.animation import Animation, still
-from reference.scene.catalogue import (
+from restir_gi.reference.scene.animation import Animation, still
+from restir_gi.reference.scene.catalogue import (
     animations,
     market,
     rooms,
@@ -13,9 +13,9 @@ from reference.scene.catalogue import (
     spheres,
     walls,
 )
-from reference.scene.scene import Scene
-from reference.system.errors import UsageError
-from reference.system.suggestions import unknown
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.suggestions import unknown
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +27,7 @@ class CatalogueScene:
     build : callable; makes the scene
     answer : str or None
         What is known of its picture in closed form, see
-        :mod:`reference.scene.catalogue.answers`.
+        :mod:`restir_gi.reference.scene.catalogue.answers`.
     animate : callable or None
         Frames of the scene, which is their frame 0; ``None`` where it stands still.
     """

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars
-from reference.scene.camera import Camera
-from reference.scene.catalogue.lamps import lamps, numbers
-from reference.scene.materials.kinds import Lambertian
-from reference.scene.scene import Scene
-from reference.scene.shapes import box, quad
-from reference.scene.textures import Color
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.catalogue.lamps import lamps, numbers
+from restir_gi.reference.scene.materials.kinds import Lambertian
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import box, quad
+from restir_gi.reference.scene.textures import Color
 
 WHITE = Lambertian((0.73, 0.73, 0.73))
 RED = Lambertian((0.63, 0.065, 0.05))

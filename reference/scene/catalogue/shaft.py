@@ -1,11 +1,11 @@
 """Two rooms, whose only light comes down a tall shaft in the one one does not see."""
 
-from reference.scene.camera import Camera
-from reference.scene.catalogue.rooms import BLACK, pose
-from reference.scene.materials.kinds import Lambertian
-from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, quad
-from reference.scene.shapes import box as block
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.catalogue.rooms import BLACK, pose
+from restir_gi.reference.scene.materials.kinds import Lambertian
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Mesh, quad
+from restir_gi.reference.scene.shapes import box as block
 
 WALL = Lambertian((0.78, 0.75, 0.7))
 BRICK = Lambertian((0.55, 0.3, 0.2))

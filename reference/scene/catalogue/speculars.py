@@ -1,18 +1,18 @@
 """Rooms whose floors scatter into single directions: coated, a mirror, glass."""
 
-from reference.scene.camera import Camera
-from reference.scene.catalogue.rooms import BLACK, GREEN, RED, WHITE, pose
-from reference.scene.lights import PointLight
-from reference.scene.materials.kinds import (
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.catalogue.rooms import BLACK, GREEN, RED, WHITE, pose
+from restir_gi.reference.scene.lights import PointLight
+from restir_gi.reference.scene.materials.kinds import (
     Coated,
     Dielectric,
     Lambertian,
     Material,
     mirror,
 )
-from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, box, quad
-from reference.scene.textures import Checker
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Mesh, box, quad
+from restir_gi.reference.scene.textures import Checker
 
 
 def specular_floor() -> Scene:

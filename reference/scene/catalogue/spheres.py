@@ -1,11 +1,11 @@
 """Inside a sphere: the two scenes in which ReSTIR GI has no noise at all."""
 
-from reference.scene.camera import Camera
-from reference.scene.lights import PointLight
-from reference.scene.materials.kinds import Lambertian
-from reference.scene.scene import Scene
-from reference.scene.shapes import Sphere
-from reference.scene.textures import Checker
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.lights import PointLight
+from restir_gi.reference.scene.materials.kinds import Lambertian
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Sphere
+from restir_gi.reference.scene.textures import Checker
 
 ALBEDO = 0.5
 EMISSION = 2.0

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from reference.scene.camera import Camera
-from reference.scene.catalogue.rooms import WHITE, pose
-from reference.scene.lights import ConstantEnvironment, DirectionalLight
-from reference.scene.materials.kinds import Coated, Lambertian
-from reference.scene.scene import Scene
-from reference.scene.shapes import box, quad
-from reference.scene.textures import Checker
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.catalogue.rooms import WHITE, pose
+from restir_gi.reference.scene.lights import ConstantEnvironment, DirectionalLight
+from restir_gi.reference.scene.materials.kinds import Coated, Lambertian
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import box, quad
+from restir_gi.reference.scene.textures import Checker
 
 SUN = (10.0, 9.0, 7.5)
 FLOOR_REFLECTANCE = (0.6, 0.5, 0.4)

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s
-from reference.scene.checks.space import distance_to_triangles
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.scene.checks.space import distance_to_triangles
 
 
 @dataclass(frozen=True, slots=True, eq=False)

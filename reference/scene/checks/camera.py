@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from reference.numerics.arrays import cross, dot
-from reference.scene.camera import FOV_AXES, Camera
-from reference.scene.checks.shapes import LARGEST
-from reference.scene.checks.space import distance_to_triangles
-from reference.scene.checks.values import need_numbers, refuse, told
-from reference.scene.geometry import world_corners
-from reference.scene.origins import STEP
-from reference.scene.scene import Scene
+from restir_gi.reference.numerics.arrays import cross, dot
+from restir_gi.reference.scene.camera import FOV_AXES, Camera
+from restir_gi.reference.scene.checks.shapes import LARGEST
+from restir_gi.reference.scene.checks.space import distance_to_triangles
+from restir_gi.reference.scene.checks.values import need_numbers, refuse, told
+from restir_gi.reference.scene.geometry import world_corners
+from restir_gi.reference.scene.origins import STEP
+from restir_gi.reference.scene.scene import Scene
 
 MOST_PIXELS = 2**28
 """Each pixel takes up to a KiB, and is numbered in 32 bits."""

@@ -4,15 +4,15 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from reference.numerics.arrays import Vec3s
-from reference.scene.checks.balls import Ball
-from reference.scene.checks.shells import Shell, closed_shells
-from reference.scene.checks.space import sees_out
-from reference.scene.checks.values import refuse
-from reference.scene.geometry import world_corners
-from reference.scene.materials.kinds import Dielectric
-from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, Sphere, emits
+from restir_gi.reference.numerics.arrays import Vec3s
+from restir_gi.reference.scene.checks.balls import Ball
+from restir_gi.reference.scene.checks.shells import Shell, closed_shells
+from restir_gi.reference.scene.checks.space import sees_out
+from restir_gi.reference.scene.checks.values import refuse
+from restir_gi.reference.scene.geometry import world_corners
+from restir_gi.reference.scene.materials.kinds import Dielectric
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Mesh, Sphere, emits
 
 Region = Shell | Ball
 

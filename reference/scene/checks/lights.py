@@ -2,17 +2,22 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars
-from reference.scene.checks.shapes import LARGEST
-from reference.scene.checks.values import BRIGHTEST, need_numbers, refuse, told
-from reference.scene.lights import (
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.scene.checks.shapes import LARGEST
+from restir_gi.reference.scene.checks.values import (
+    BRIGHTEST,
+    need_numbers,
+    refuse,
+    told,
+)
+from restir_gi.reference.scene.lights import (
     ConstantEnvironment,
     Environment,
     LatLongEnvironment,
     SpotLight,
 )
-from reference.scene.scene import Scene
-from reference.scene.shapes import emits
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import emits
 
 UNIT = 1e-6
 """How far from 1 a unit vector may be: it may have been stored in float32."""

@@ -2,16 +2,16 @@
 
 from typing import get_args
 
-from reference.scene.checks.textures import check_texture
-from reference.scene.checks.values import need_numbers, refuse
-from reference.scene.materials.kinds import (
+from restir_gi.reference.scene.checks.textures import check_texture
+from restir_gi.reference.scene.checks.values import need_numbers, refuse
+from restir_gi.reference.scene.materials.kinds import (
     Coated,
     Conductor,
     Dielectric,
     Distribution,
     Material,
 )
-from reference.scene.textures import Texture
+from restir_gi.reference.scene.textures import Texture
 
 LEAST_ALPHA = 1e-3
 """Narrowest lobe of microfacets; below it, say 0 for a smooth surface."""

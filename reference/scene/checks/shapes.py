@@ -4,14 +4,25 @@ from dataclasses import replace
 
 import numpy as np
 
-from reference.numerics.arrays import Masks, Scalars, cross, divide_or_zero, dot
-from reference.scene.checks.materials import check_material
-from reference.scene.checks.textures import check_texture
-from reference.scene.checks.values import BRIGHTEST, need_numbers, need_rows, refuse
-from reference.scene.geometry import world_corners
-from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, Sphere
-from reference.scene.textures import Bitmap
+from restir_gi.reference.numerics.arrays import (
+    Masks,
+    Scalars,
+    cross,
+    divide_or_zero,
+    dot,
+)
+from restir_gi.reference.scene.checks.materials import check_material
+from restir_gi.reference.scene.checks.textures import check_texture
+from restir_gi.reference.scene.checks.values import (
+    BRIGHTEST,
+    need_numbers,
+    need_rows,
+    refuse,
+)
+from restir_gi.reference.scene.geometry import world_corners
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Mesh, Sphere
+from restir_gi.reference.scene.textures import Bitmap
 
 LARGEST = 1e50
 """Coordinates in metres that may still be squared and multiplied."""

@@ -7,8 +7,15 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, cross, dot
-from reference.scene.checks.space import (
+from restir_gi.reference.numerics.arrays import (
+    Indices,
+    Masks,
+    Scalars,
+    Vec3s,
+    cross,
+    dot,
+)
+from restir_gi.reference.scene.checks.space import (
     crossings,
     distance_to_triangles,
     inside,

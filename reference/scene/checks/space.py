@@ -2,7 +2,14 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Masks, Scalars, Vec3s, cross, divide_or_zero, dot
+from restir_gi.reference.numerics.arrays import (
+    Masks,
+    Scalars,
+    Vec3s,
+    cross,
+    divide_or_zero,
+    dot,
+)
 
 
 def distance_to_triangles(x: Vec3s, corners: Scalars) -> Scalars:

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from reference.scene.checks.values import need_numbers, refuse
-from reference.scene.textures import Bitmap, Checker, Texture
+from restir_gi.reference.scene.checks.values import need_numbers, refuse
+from restir_gi.reference.scene.textures import Bitmap, Checker, Texture
 
 
 def check_texture(where: str, what: str, texture: Texture, high: float) -> None:

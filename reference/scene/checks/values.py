@@ -4,8 +4,8 @@ from typing import NoReturn
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars
-from reference.system.errors import UsageError
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.system.errors import UsageError
 
 BRIGHTEST = 1e30
 """Largest radiance, intensity or irradiance.

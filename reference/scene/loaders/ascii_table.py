@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Indices, Scalars
+from restir_gi.reference.numerics.arrays import Indices, Scalars
 
 Bytes = NDArray[np.uint8]
 MOST_DIGITS = 18  # of a whole number that fits 64 bits

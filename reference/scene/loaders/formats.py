@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from importlib import import_module
 from itertools import groupby
 
-from reference.scene.loaders.ledger import MOST_EXPANSION, ROOM
-from reference.scene.loaders.pictures import HDR_BYTES, PICTURE_BYTES
-from reference.scene.loaders.words import Use, Word
-from reference.system.files import MOST_BYTES
+from restir_gi.reference.scene.loaders.ledger import MOST_EXPANSION, ROOM
+from restir_gi.reference.scene.loaders.pictures import HDR_BYTES, PICTURE_BYTES
+from restir_gi.reference.scene.loaders.words import Use, Word
+from restir_gi.reference.system.files import MOST_BYTES
 
 TABLES = {
     "glTF 2.0 (.gltf, .glb)": "gltf_words",
@@ -73,7 +73,7 @@ def words_of_format(title: str) -> tuple[Word, ...]:
     ----------
     title : str; one of `TABLES`
     """
-    module = import_module(f"reference.scene.loaders.{TABLES[title]}")
+    module = import_module(f"restir_gi.reference.scene.loaders.{TABLES[title]}")
     words: tuple[Word, ...] = tuple(module.WORDS)
     return words
 

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from reference.numerics.arrays import Vec3s
-from reference.scene.camera import FOV_AXES, Camera, FovAxis
-from reference.scene.lights import ConstantEnvironment
-from reference.scene.loaders.ledger import Ledger
-from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, Sphere, emits
-from reference.scene.textures import Color
+from restir_gi.reference.numerics.arrays import Vec3s
+from restir_gi.reference.scene.camera import FOV_AXES, Camera, FovAxis
+from restir_gi.reference.scene.lights import ConstantEnvironment
+from restir_gi.reference.scene.loaders.ledger import Ledger
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Mesh, Sphere, emits
+from restir_gi.reference.scene.textures import Color
 
 FOV = 45.0  # degrees
 VIEW = (1.0, 0.75, 1.5)  # towards the eye: from the right, above, in front

@@ -13,26 +13,30 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, normalize
-from reference.scene.camera import Camera
-from reference.scene.loaders.framing import (
+from restir_gi.reference.numerics.arrays import Scalars, normalize
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.loaders.framing import (
     camera_or_framing,
     color,
     default_environment,
 )
-from reference.scene.loaders.gltf_buffers import Document, read_document
-from reference.scene.loaders.gltf_check import check_words, named, replace_word
-from reference.scene.loaders.gltf_forms import printable
-from reference.scene.loaders.gltf_lights import GltfLights, add_light
-from reference.scene.loaders.gltf_materials import Finish, read_finish
-from reference.scene.loaders.gltf_meshes import (
+from restir_gi.reference.scene.loaders.gltf_buffers import Document, read_document
+from restir_gi.reference.scene.loaders.gltf_check import (
+    check_words,
+    named,
+    replace_word,
+)
+from restir_gi.reference.scene.loaders.gltf_forms import printable
+from restir_gi.reference.scene.loaders.gltf_lights import GltfLights, add_light
+from restir_gi.reference.scene.loaders.gltf_materials import Finish, read_finish
+from restir_gi.reference.scene.loaders.gltf_meshes import (
     SURFACES,
     PlacedPrimitive,
     read_primitive,
 )
-from reference.scene.loaders.gltf_nodes import instances, nodes
-from reference.scene.loaders.ledger import Ledger
-from reference.scene.scene import Scene
+from restir_gi.reference.scene.loaders.gltf_nodes import instances, nodes
+from restir_gi.reference.scene.loaders.ledger import Ledger
+from restir_gi.reference.scene.scene import Scene
 
 LONG_SIDE = 256  # pixels; a glTF camera knows the shape of its image, not the size
 

@@ -13,10 +13,10 @@ from urllib.parse import unquote_to_bytes
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars
-from reference.scene.loaders.gltf_forms import shown
-from reference.scene.loaders.ledger import Ledger
-from reference.system.errors import UsageError
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.scene.loaders.gltf_forms import shown
+from restir_gi.reference.scene.loaders.ledger import Ledger
+from restir_gi.reference.system.errors import UsageError
 
 MAGIC, JSON_CHUNK, BINARY_CHUNK = b"glTF", b"JSON", b"BIN\0"
 COMPONENTS = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2"}

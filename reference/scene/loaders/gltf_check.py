@@ -4,10 +4,10 @@ import re
 from functools import cached_property
 from typing import Any
 
-from reference.scene.loaders.gltf_forms import Many, One, fault, shown
-from reference.scene.loaders.gltf_words import WORDS, GltfWord
-from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.words import Use
+from restir_gi.reference.scene.loaders.gltf_forms import Many, One, fault, shown
+from restir_gi.reference.scene.loaders.gltf_words import WORDS, GltfWord
+from restir_gi.reference.scene.loaders.ledger import Ledger
+from restir_gi.reference.scene.loaders.words import Use
 
 TABLE = {(word.element, word.name): word for word in WORDS}
 ELEMENTS = {word.element for word in WORDS}

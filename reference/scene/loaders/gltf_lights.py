@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, normalize
-from reference.scene.lights import DirectionalLight, PointLight, SpotLight
-from reference.scene.loaders.framing import color
-from reference.scene.loaders.gltf_check import named, replace_word
-from reference.scene.loaders.gltf_forms import LARGEST
-from reference.scene.loaders.gltf_materials import PHOTOMETRIC
-from reference.scene.loaders.ledger import Ledger
+from restir_gi.reference.numerics.arrays import Scalars, normalize
+from restir_gi.reference.scene.lights import DirectionalLight, PointLight, SpotLight
+from restir_gi.reference.scene.loaders.framing import color
+from restir_gi.reference.scene.loaders.gltf_check import named, replace_word
+from restir_gi.reference.scene.loaders.gltf_forms import LARGEST
+from restir_gi.reference.scene.loaders.gltf_materials import PHOTOMETRIC
+from restir_gi.reference.scene.loaders.ledger import Ledger
 
 
 @dataclass(slots=True)

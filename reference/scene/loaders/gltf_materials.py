@@ -6,27 +6,27 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s
-from reference.scene.loaders.framing import color
-from reference.scene.loaders.gltf_buffers import Document
-from reference.scene.loaders.gltf_check import named, replace_word
-from reference.scene.loaders.gltf_forms import LARGEST
-from reference.scene.loaders.gltf_textures import (
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.scene.loaders.framing import color
+from restir_gi.reference.scene.loaders.gltf_buffers import Document
+from restir_gi.reference.scene.loaders.gltf_check import named, replace_word
+from restir_gi.reference.scene.loaders.gltf_forms import LARGEST
+from restir_gi.reference.scene.loaders.gltf_textures import (
     bitmap,
     placement,
     read_alpha,
     read_colors,
     read_numbers,
 )
-from reference.scene.loaders.ledger import roughness
-from reference.scene.materials.kinds import (
+from restir_gi.reference.scene.loaders.ledger import roughness
+from restir_gi.reference.scene.materials.kinds import (
     Coated,
     Conductor,
     Dielectric,
     Lambertian,
     Material,
 )
-from reference.scene.textures import Bitmap, Texture, mean_color
+from restir_gi.reference.scene.textures import Bitmap, Texture, mean_color
 
 PHOTOMETRIC = (
     "Light in the file is photometric (candela, lux, nit); its numbers are taken as"

@@ -5,19 +5,19 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Scalars, Vec3s, normalize
-from reference.scene.loaders.gltf_buffers import Document, read_accessor
-from reference.scene.loaders.gltf_check import replace_word
-from reference.scene.loaders.gltf_materials import Finish
-from reference.scene.loaders.triangles import (
+from restir_gi.reference.numerics.arrays import Indices, Scalars, Vec3s, normalize
+from restir_gi.reference.scene.loaders.gltf_buffers import Document, read_accessor
+from restir_gi.reference.scene.loaders.gltf_check import replace_word
+from restir_gi.reference.scene.loaders.gltf_materials import Finish
+from restir_gi.reference.scene.loaders.triangles import (
     check_indices,
     drop_texture_without_uv,
     place,
     turn_faces_to_normals,
     turn_over,
 )
-from reference.scene.materials.kinds import Dielectric
-from reference.scene.shapes import Mesh
+from restir_gi.reference.scene.materials.kinds import Dielectric
+from restir_gi.reference.scene.shapes import Mesh
 
 TRIANGLES, STRIP, FAN = 4, 5, 6
 SURFACES = (TRIANGLES, STRIP, FAN)

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars
-from reference.scene.loaders.gltf_buffers import Document, read_accessor
-from reference.scene.loaders.gltf_check import named
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.scene.loaders.gltf_buffers import Document, read_accessor
+from restir_gi.reference.scene.loaders.gltf_check import named
 
 OFF_UNIT = 0.01
 """By how much a quaternion may be off length 1: four bytes, each off by 1/254."""

@@ -6,14 +6,18 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s
-from reference.scene.loaders.gltf_buffers import Document, resolve_uri, view_bytes
-from reference.scene.loaders.gltf_check import replace_word
-from reference.scene.loaders.gltf_forms import shown
-from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.pictures import decode_alpha, decode_picture
-from reference.scene.textures import Bitmap, Wrap
-from reference.system.errors import UsageError
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.scene.loaders.gltf_buffers import (
+    Document,
+    resolve_uri,
+    view_bytes,
+)
+from restir_gi.reference.scene.loaders.gltf_check import replace_word
+from restir_gi.reference.scene.loaders.gltf_forms import shown
+from restir_gi.reference.scene.loaders.ledger import Ledger
+from restir_gi.reference.scene.loaders.pictures import decode_alpha, decode_picture
+from restir_gi.reference.scene.textures import Bitmap, Wrap
+from restir_gi.reference.system.errors import UsageError
 
 WRAPS: dict[int, Wrap] = {10497: "repeat", 33648: "mirror", 33071: "clamp"}
 REPEAT, NEAREST = 10497, 9728

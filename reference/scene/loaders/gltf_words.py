@@ -1,13 +1,14 @@
 """Every word of glTF 2.0 and of its extensions, and what becomes of it.
 
-The loader decides by this table: :mod:`reference.scene.loaders.gltf_check` compares the
-whole JSON with it before anything else is read, and refuses words that are not in it.
+The loader decides by this table: :mod:`restir_gi.reference.scene.loaders.gltf_check`
+compares the whole JSON with it before anything else is read, and refuses words that are
+not in it.
 """
 
 from dataclasses import dataclass
 from typing import Any
 
-from reference.scene.loaders.gltf_forms import (
+from restir_gi.reference.scene.loaders.gltf_forms import (
     Anything,
     ChoiceForm,
     Flag,
@@ -21,7 +22,7 @@ from reference.scene.loaders.gltf_forms import (
     Text,
     Texts,
 )
-from reference.scene.loaders.words import Use, Word
+from restir_gi.reference.scene.loaders.words import Use, Word
 
 MODELLED, HARMLESS = Use.MODELLED, Use.HARMLESS
 REPLACED, REFUSED = Use.REPLACED, Use.REFUSED

@@ -4,10 +4,10 @@ import json
 from dataclasses import dataclass, field
 from typing import Any
 
-from reference.scene.loaders.json_words import names
-from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.words import Use
-from reference.scene.textures import Color
+from restir_gi.reference.scene.loaders.json_words import names
+from restir_gi.reference.scene.loaders.ledger import Ledger
+from restir_gi.reference.scene.loaders.words import Use
+from restir_gi.reference.scene.textures import Color
 
 MOST_COUNT = 2**24  # beyond it no picture has a side
 

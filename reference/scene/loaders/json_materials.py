@@ -1,9 +1,9 @@
 """Materials of scene.json files."""
 
-from reference.scene.loaders.json_entries import JsonObject, shown
-from reference.scene.loaders.json_words import names
-from reference.scene.loaders.ledger import roughness
-from reference.scene.materials.kinds import (
+from restir_gi.reference.scene.loaders.json_entries import JsonObject, shown
+from restir_gi.reference.scene.loaders.json_words import names
+from restir_gi.reference.scene.loaders.ledger import roughness
+from restir_gi.reference.scene.materials.kinds import (
     Coated,
     Conductor,
     Dielectric,
@@ -11,7 +11,7 @@ from reference.scene.materials.kinds import (
     Lambertian,
     Material,
 )
-from reference.scene.textures import Color
+from restir_gi.reference.scene.textures import Color
 
 ROUGH_METAL = ("ggx_conductor", "roughconductor", "rough_conductor")
 SMOOTH_METAL = ("mirror", "conductor")

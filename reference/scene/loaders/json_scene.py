@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from reference.scene.camera import Camera
-from reference.scene.lights import (
+from restir_gi.reference.scene.camera import Camera
+from restir_gi.reference.scene.lights import (
     ConstantEnvironment,
     DirectionalLight,
     Environment,
@@ -18,22 +18,22 @@ from reference.scene.lights import (
     PointLight,
     SpotLight,
 )
-from reference.scene.loaders.framing import camera_or_framing, color, fov_axis
-from reference.scene.loaders.json_entries import JsonObject, shown
-from reference.scene.loaders.json_materials import MATT, read_material
-from reference.scene.loaders.json_words import names
-from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.meshes import read_parts
-from reference.scene.loaders.pictures import read_picture
-from reference.scene.loaders.triangles import (
+from restir_gi.reference.scene.loaders.framing import camera_or_framing, color, fov_axis
+from restir_gi.reference.scene.loaders.json_entries import JsonObject, shown
+from restir_gi.reference.scene.loaders.json_materials import MATT, read_material
+from restir_gi.reference.scene.loaders.json_words import names
+from restir_gi.reference.scene.loaders.ledger import Ledger
+from restir_gi.reference.scene.loaders.meshes import read_parts
+from restir_gi.reference.scene.loaders.pictures import read_picture
+from restir_gi.reference.scene.loaders.triangles import (
     check_indices,
     drop_texture_without_uv,
 )
-from reference.scene.materials.kinds import Material
-from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, Sphere
-from reference.scene.textures import Bitmap, Color, Texture
-from reference.system.errors import UsageError
+from restir_gi.reference.scene.materials.kinds import Material
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Mesh, Sphere
+from restir_gi.reference.scene.textures import Bitmap, Color, Texture
+from restir_gi.reference.system.errors import UsageError
 
 LIGHTS = names("light type")
 

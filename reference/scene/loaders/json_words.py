@@ -3,7 +3,7 @@
 `json_entries.Entry` hands out keys of this table alone, and refuses all others.
 """
 
-from reference.scene.loaders.words import Use, Word
+from restir_gi.reference.scene.loaders.words import Use, Word
 
 
 def _words(element: str, names: str, remark: str = "") -> tuple[Word, ...]:

@@ -9,8 +9,8 @@ from json import JSONDecodeError
 from pathlib import Path
 from typing import NoReturn
 
-from reference.system.errors import UsageError
-from reference.system.files import read_file
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.files import read_file
 
 LEAST_ALPHA = 1e-3
 ROOM = 2**29

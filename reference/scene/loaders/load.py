@@ -4,9 +4,9 @@ from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 
-from reference.scene.loaders.ledger import Ledger
-from reference.scene.scene import Scene
-from reference.system.errors import UsageError
+from restir_gi.reference.scene.loaders.ledger import Ledger
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.system.errors import UsageError
 
 # The loader of a format is imported when a file of it comes.
 LOADERS = {
@@ -54,6 +54,6 @@ def load_scene(path: Path, lenient: bool = False, allow_outside: bool = False) -
         raise UsageError(f"{path} is not a file; name a scene file")
     if size == 0:
         raise UsageError(f"{path} is empty; name a file with a scene in it")
-    module = import_module(f"reference.scene.loaders.{LOADERS[suffix]}")
+    module = import_module(f"restir_gi.reference.scene.loaders.{LOADERS[suffix]}")
     loader: Callable[[Ledger], Scene] = module.load
     return loader(Ledger(path, lenient, allow_outside))

@@ -5,20 +5,27 @@ from dataclasses import replace
 
 import numpy as np
 
-from reference.scene.loaders.framing import camera_or_framing, default_environment
-from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.mtl import PLAIN, MtlAppearance, read_looks
-from reference.scene.loaders.obj import ObjText, read_obj_faces, read_obj_words
-from reference.scene.loaders.parts import MeshPart
-from reference.scene.loaders.ply import read_ply
-from reference.scene.loaders.triangles import (
+from restir_gi.reference.scene.loaders.framing import (
+    camera_or_framing,
+    default_environment,
+)
+from restir_gi.reference.scene.loaders.ledger import Ledger
+from restir_gi.reference.scene.loaders.mtl import PLAIN, MtlAppearance, read_looks
+from restir_gi.reference.scene.loaders.obj import (
+    ObjText,
+    read_obj_faces,
+    read_obj_words,
+)
+from restir_gi.reference.scene.loaders.parts import MeshPart
+from restir_gi.reference.scene.loaders.ply import read_ply
+from restir_gi.reference.scene.loaders.triangles import (
     check_indices,
     drop_texture_without_uv,
     turn_faces_to_normals,
 )
-from reference.scene.materials.kinds import Lambertian
-from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh
+from restir_gi.reference.scene.materials.kinds import Lambertian
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Mesh
 
 WHITE = MtlAppearance(Lambertian((1.0, 1.0, 1.0)))
 

@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from reference.numerics.arrays import Vec3s, normalize
-from reference.scene.lights import (
+from restir_gi.reference.numerics.arrays import Vec3s, normalize
+from restir_gi.reference.scene.lights import (
     ConstantEnvironment,
     DirectionalLight,
     Environment,
@@ -13,12 +13,12 @@ from reference.scene.lights import (
     PointLight,
     SpotLight,
 )
-from reference.scene.loaders.framing import color
-from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.mitsuba_nodes import Node
-from reference.scene.loaders.mitsuba_textures import Textures
-from reference.scene.loaders.pictures import read_picture
-from reference.system.errors import UsageError
+from restir_gi.reference.scene.loaders.framing import color
+from restir_gi.reference.scene.loaders.ledger import Ledger
+from restir_gi.reference.scene.loaders.mitsuba_nodes import Node
+from restir_gi.reference.scene.loaders.mitsuba_textures import Textures
+from restir_gi.reference.scene.loaders.pictures import read_picture
+from restir_gi.reference.system.errors import UsageError
 
 
 @dataclass(slots=True)

@@ -8,12 +8,16 @@ from typing import Any
 
 import numpy as np
 
-from reference.scene.loaders.framing import color
-from reference.scene.loaders.ledger import Ledger, roughness
-from reference.scene.loaders.mitsuba_nodes import Node, reading
-from reference.scene.loaders.mitsuba_textures import MID_GREY, Textures, as_bitmap
-from reference.scene.loaders.mitsuba_words import find
-from reference.scene.materials.kinds import (
+from restir_gi.reference.scene.loaders.framing import color
+from restir_gi.reference.scene.loaders.ledger import Ledger, roughness
+from restir_gi.reference.scene.loaders.mitsuba_nodes import Node, reading
+from restir_gi.reference.scene.loaders.mitsuba_textures import (
+    MID_GREY,
+    Textures,
+    as_bitmap,
+)
+from restir_gi.reference.scene.loaders.mitsuba_words import find
+from restir_gi.reference.scene.materials.kinds import (
     Coated,
     Conductor,
     Dielectric,
@@ -21,7 +25,7 @@ from reference.scene.materials.kinds import (
     Lambertian,
     Material,
 )
-from reference.scene.textures import Bitmap, Checker, Color, Texture
+from restir_gi.reference.scene.textures import Bitmap, Checker, Color, Texture
 
 WHITE = (1.0, 1.0, 1.0)
 FACTORS = ("specular_reflectance", "specular_transmittance")  # of glass

@@ -6,17 +6,17 @@ from typing import Any
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s, cross, normalize
-from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.mitsuba_nodes import Node, reading
-from reference.scene.loaders.triangles import (
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s, cross, normalize
+from restir_gi.reference.scene.loaders.ledger import Ledger
+from restir_gi.reference.scene.loaders.mitsuba_nodes import Node, reading
+from restir_gi.reference.scene.loaders.triangles import (
     check_indices,
     place,
     turn_faces_to_normals,
     turn_over,
 )
-from reference.scene.materials.kinds import Lambertian
-from reference.scene.shapes import Mesh
+from restir_gi.reference.scene.materials.kinds import Lambertian
+from restir_gi.reference.scene.shapes import Mesh
 
 FILES = ("obj", "ply", "serialized")
 SIDES = 128  # of a disk or a cylinder

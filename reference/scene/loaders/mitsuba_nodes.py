@@ -11,12 +11,12 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s
-from reference.scene.loaders.ledger import REMOTE, Ledger
-from reference.scene.loaders.mitsuba_source import DEEPEST, check_source
-from reference.scene.loaders.mitsuba_words import find, modelled
-from reference.scene.loaders.words import Use, Word
-from reference.system.errors import UsageError
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.scene.loaders.ledger import REMOTE, Ledger
+from restir_gi.reference.scene.loaders.mitsuba_source import DEEPEST, check_source
+from restir_gi.reference.scene.loaders.mitsuba_words import find, modelled
+from restir_gi.reference.scene.loaders.words import Use, Word
+from restir_gi.reference.system.errors import UsageError
 
 TYPES = {"ReconstructionFilter": "rfilter", "PhaseFunction": "phase"}
 INTERNAL = re.compile(

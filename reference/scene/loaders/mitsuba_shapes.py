@@ -5,17 +5,20 @@ from pathlib import Path
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars
-from reference.scene.loaders.framing import color
-from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.mitsuba_materials import Materials, MitsubaAppearance
-from reference.scene.loaders.mitsuba_meshes import FILES, read_mesh
-from reference.scene.loaders.mitsuba_nodes import Node, check_matrix
-from reference.scene.loaders.triangles import drop_texture_without_uv, place
-from reference.scene.materials.kinds import Dielectric, Lambertian
-from reference.scene.shapes import Mesh, Sphere
-from reference.scene.textures import Pattern, Texture, mean_color, shines
-from reference.system.errors import UsageError
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.scene.loaders.framing import color
+from restir_gi.reference.scene.loaders.ledger import Ledger
+from restir_gi.reference.scene.loaders.mitsuba_materials import (
+    Materials,
+    MitsubaAppearance,
+)
+from restir_gi.reference.scene.loaders.mitsuba_meshes import FILES, read_mesh
+from restir_gi.reference.scene.loaders.mitsuba_nodes import Node, check_matrix
+from restir_gi.reference.scene.loaders.triangles import drop_texture_without_uv, place
+from restir_gi.reference.scene.materials.kinds import Dielectric, Lambertian
+from restir_gi.reference.scene.shapes import Mesh, Sphere
+from restir_gi.reference.scene.textures import Pattern, Texture, mean_color, shines
+from restir_gi.reference.system.errors import UsageError
 
 BYTES = 2**14
 """Of memory for a shape without its triangles, generously."""

@@ -9,8 +9,8 @@ from typing import Any
 from xml.parsers import expat
 from xml.parsers.expat.errors import messages
 
-from reference.scene.loaders.ledger import Ledger
-from reference.system.errors import UsageError
+from restir_gi.reference.scene.loaders.ledger import Ledger
+from restir_gi.reference.system.errors import UsageError
 
 DEEPEST = 64
 """Elements inside each other; real scenes have less than ten."""

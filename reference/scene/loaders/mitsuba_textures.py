@@ -6,12 +6,12 @@ from typing import Any, Literal, TypeVar
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars
-from reference.scene.loaders.framing import color
-from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.mitsuba_nodes import Node, reading
-from reference.scene.loaders.pictures import read_picture
-from reference.scene.textures import (
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.scene.loaders.framing import color
+from restir_gi.reference.scene.loaders.ledger import Ledger
+from restir_gi.reference.scene.loaders.mitsuba_nodes import Node, reading
+from restir_gi.reference.scene.loaders.pictures import read_picture
+from restir_gi.reference.scene.textures import (
     Bitmap,
     Checker,
     Color,
@@ -20,7 +20,7 @@ from reference.scene.textures import (
     Wrap,
     mean_color,
 )
-from reference.system.errors import UsageError
+from restir_gi.reference.system.errors import UsageError
 
 MID_GREY = (0.5, 0.5, 0.5)
 CONSTANT = {"uniform": "value", "srgb": "color", "d65": "scale", "rawconstant": "value"}

@@ -5,7 +5,7 @@ a plugin ("perspective", "diffuse", ...) where ``name`` is one of its parameters
 kind of a plugin inside it.  `ANY` stands for whatever is not listed.
 """
 
-from reference.scene.loaders.words import Use, Word
+from restir_gi.reference.scene.loaders.words import Use, Word
 
 ANY = "any other"
 

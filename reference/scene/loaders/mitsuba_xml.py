@@ -2,18 +2,22 @@
 
 import numpy as np
 
-from reference.numerics.arrays import normalize
-from reference.scene.camera import Camera, FovAxis
-from reference.scene.loaders.framing import camera_or_framing, color, fov_axis
-from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.mitsuba_lights import MitsubaLights, add_light
-from reference.scene.loaders.mitsuba_materials import Materials
-from reference.scene.loaders.mitsuba_nodes import Node, mitsuba_session, parse
-from reference.scene.loaders.mitsuba_shapes import ReadShape, build_shape, plan_shapes
-from reference.scene.loaders.mitsuba_textures import Textures
-from reference.scene.loaders.mitsuba_words import find
-from reference.scene.scene import Scene
-from reference.scene.shapes import Mesh, Sphere
+from restir_gi.reference.numerics.arrays import normalize
+from restir_gi.reference.scene.camera import Camera, FovAxis
+from restir_gi.reference.scene.loaders.framing import camera_or_framing, color, fov_axis
+from restir_gi.reference.scene.loaders.ledger import Ledger
+from restir_gi.reference.scene.loaders.mitsuba_lights import MitsubaLights, add_light
+from restir_gi.reference.scene.loaders.mitsuba_materials import Materials
+from restir_gi.reference.scene.loaders.mitsuba_nodes import Node, mitsuba_session, parse
+from restir_gi.reference.scene.loaders.mitsuba_shapes import (
+    ReadShape,
+    build_shape,
+    plan_shapes,
+)
+from restir_gi.reference.scene.loaders.mitsuba_textures import Textures
+from restir_gi.reference.scene.loaders.mitsuba_words import find
+from restir_gi.reference.scene.scene import Scene
+from restir_gi.reference.scene.shapes import Mesh, Sphere
 
 OFFSETS = ("principal_point_offset_x", "principal_point_offset_y")
 FULL_FRAME = float(np.hypot(36.0, 24.0))  # mm, the diagonal that focal lengths mean

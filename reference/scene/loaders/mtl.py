@@ -11,20 +11,20 @@ from pathlib import PurePosixPath
 
 import numpy as np
 
-from reference.numerics.arrays import Vec3s
-from reference.scene.loaders.framing import color
-from reference.scene.loaders.ledger import Ledger, roughness
-from reference.scene.loaders.pictures import read_mask, read_picture
-from reference.scene.loaders.words import Use, Word
-from reference.scene.materials.kinds import (
+from restir_gi.reference.numerics.arrays import Vec3s
+from restir_gi.reference.scene.loaders.framing import color
+from restir_gi.reference.scene.loaders.ledger import Ledger, roughness
+from restir_gi.reference.scene.loaders.pictures import read_mask, read_picture
+from restir_gi.reference.scene.loaders.words import Use, Word
+from restir_gi.reference.scene.materials.kinds import (
     Coated,
     Conductor,
     Dielectric,
     Lambertian,
     Material,
 )
-from reference.scene.textures import Bitmap, Color, Texture
-from reference.system.errors import UsageError
+from restir_gi.reference.scene.textures import Bitmap, Color, Texture
+from restir_gi.reference.system.errors import UsageError
 
 MID_GREY = (0.5, 0.5, 0.5)
 BLACK = (0.0, 0.0, 0.0)

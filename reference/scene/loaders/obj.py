@@ -7,16 +7,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
-from reference.scene.loaders.ascii_table import (
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
+from restir_gi.reference.scene.loaders.ascii_table import (
     Bytes,
     numbers_of,
     whole_numbers,
     words_of,
 )
-from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.parts import MeshPart, fans, linear_colors
-from reference.scene.loaders.words import Use, Word
+from restir_gi.reference.scene.loaders.ledger import Ledger
+from restir_gi.reference.scene.loaders.parts import MeshPart, fans, linear_colors
+from restir_gi.reference.scene.loaders.words import Use, Word
 
 FREE_FORM = (
     *("vp", "cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim"),

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Scalars, Vec3s
-from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.pictures import decode_srgb
+from restir_gi.reference.numerics.arrays import Indices, Scalars, Vec3s
+from restir_gi.reference.scene.loaders.ledger import Ledger
+from restir_gi.reference.scene.loaders.pictures import decode_srgb
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,10 +7,10 @@ from typing import Literal
 
 import numpy as np
 
-from reference.images.exr import read_exr
-from reference.numerics.arrays import Scalars, Vec3s
-from reference.scene.loaders.ledger import Ledger
-from reference.system.errors import UsageError
+from restir_gi.reference.images.exr import read_exr
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.scene.loaders.ledger import Ledger
+from restir_gi.reference.system.errors import UsageError
 
 FORMATS = ("PNG", "JPEG", "BMP", "TGA", "TIFF", "GIF", "WEBP", "PPM")
 PICTURE_BYTES = 32  # of memory a pixel: three float64 beside what Pillow holds

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Scalars
-from reference.scene.loaders.ascii_table import numbers_of
-from reference.scene.loaders.ledger import Ledger
-from reference.scene.loaders.parts import MeshPart, fans, linear_colors
-from reference.scene.loaders.words import Use, Word
+from restir_gi.reference.numerics.arrays import Indices, Scalars
+from restir_gi.reference.scene.loaders.ascii_table import numbers_of
+from restir_gi.reference.scene.loaders.ledger import Ledger
+from restir_gi.reference.scene.loaders.parts import MeshPart, fans, linear_colors
+from restir_gi.reference.scene.loaders.words import Use, Word
 
 TYPES = {
     **dict.fromkeys(("char", "int8"), "i1"),

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Scalars, Vec3s, cross, dot
-from reference.scene.loaders.framing import color
-from reference.scene.loaders.ledger import Ledger
-from reference.scene.materials.kinds import Dielectric
-from reference.scene.shapes import Mesh
-from reference.scene.textures import Pattern, mean_color
+from restir_gi.reference.numerics.arrays import Indices, Scalars, Vec3s, cross, dot
+from restir_gi.reference.scene.loaders.framing import color
+from restir_gi.reference.scene.loaders.ledger import Ledger
+from restir_gi.reference.scene.materials.kinds import Dielectric
+from restir_gi.reference.scene.shapes import Mesh
+from restir_gi.reference.scene.textures import Pattern, mean_color
 
 
 def check_indices(mesh: Mesh, ledger: Ledger) -> None:

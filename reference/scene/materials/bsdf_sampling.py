@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.numerics.arrays import (
+from restir_gi.reference.numerics.arrays import (
     Indices,
     Masks,
     Scalars,
@@ -13,18 +13,22 @@ from reference.numerics.arrays import (
     dot,
     zero_vectors,
 )
-from reference.numerics.rng import Draw
-from reference.scene.materials import (
+from restir_gi.reference.numerics.rng import Draw
+from restir_gi.reference.scene.materials import (
     coated,
     conductor,
     dielectric,
     lambertian,
     rough_dielectric,
 )
-from reference.scene.materials.microfacet import reflect
-from reference.scene.materials.parameters import Kind, MaterialTable, lit_cosine
-from reference.scene.materials.table import by_kind
-from reference.scene.surface import SurfacePoints
+from restir_gi.reference.scene.materials.microfacet import reflect
+from restir_gi.reference.scene.materials.parameters import (
+    Kind,
+    MaterialTable,
+    lit_cosine,
+)
+from restir_gi.reference.scene.materials.table import by_kind
+from restir_gi.reference.scene.surface import SurfacePoints
 
 HAS_DELTA = (Kind.SMOOTH_CONDUCTOR, Kind.SMOOTH_COATED, Kind.DIELECTRIC)
 """Kinds that scatter into single directions, among others."""

@@ -4,11 +4,14 @@ import functools
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s, divide_or_zero, vectors
-from reference.scene.materials.facets import Facets
-from reference.scene.materials.fresnel import fresnel_dielectric
-from reference.scene.materials.kinds import Distribution
-from reference.scene.materials.microfacet import reflect, sample_visible_normal
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s, divide_or_zero, vectors
+from restir_gi.reference.scene.materials.facets import Facets
+from restir_gi.reference.scene.materials.fresnel import fresnel_dielectric
+from restir_gi.reference.scene.materials.kinds import Distribution
+from restir_gi.reference.scene.materials.microfacet import (
+    reflect,
+    sample_visible_normal,
+)
 
 NODES = 64
 """Cosines at which the transmittance of a coat is tabulated."""

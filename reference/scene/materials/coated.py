@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.numerics.arrays import (
+from restir_gi.reference.numerics.arrays import (
     Masks,
     Scalars,
     Vec3s,
@@ -10,18 +10,18 @@ from reference.numerics.arrays import (
     dot,
     normalize,
 )
-from reference.numerics.rng import Draw
-from reference.numerics.sampling import left_of, pdf_cosine_hemisphere
-from reference.scene.materials import conductor, lambertian
-from reference.scene.materials.coat import (
+from restir_gi.reference.numerics.rng import Draw
+from restir_gi.reference.numerics.sampling import left_of, pdf_cosine_hemisphere
+from restir_gi.reference.scene.materials import conductor, lambertian
+from restir_gi.reference.scene.materials.coat import (
     base_scattering,
     specular_lobe,
     transmittance,
 )
-from reference.scene.materials.fresnel import fresnel_dielectric
-from reference.scene.materials.microfacet import reflect
-from reference.scene.materials.parameters import MaterialTable, lit_cosine
-from reference.scene.surface import SurfacePoints
+from restir_gi.reference.scene.materials.fresnel import fresnel_dielectric
+from restir_gi.reference.scene.materials.microfacet import reflect
+from restir_gi.reference.scene.materials.parameters import MaterialTable, lit_cosine
+from restir_gi.reference.scene.surface import SurfacePoints
 
 
 def base_reflection(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Vec3s:

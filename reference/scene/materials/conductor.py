@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.numerics.arrays import (
+from restir_gi.reference.numerics.arrays import (
     Scalars,
     Vec3s,
     divide_or_zero,
@@ -10,13 +10,16 @@ from reference.numerics.arrays import (
     normalize,
     vectors,
 )
-from reference.numerics.frames import normal_frames, to_world
-from reference.numerics.rng import Draw
-from reference.scene.materials.coat import specular_lobe
-from reference.scene.materials.fresnel import fresnel_conductor, fresnel_schlick
-from reference.scene.materials.microfacet import reflect
-from reference.scene.materials.parameters import MaterialTable, lit_cosine
-from reference.scene.surface import SurfacePoints
+from restir_gi.reference.numerics.frames import normal_frames, to_world
+from restir_gi.reference.numerics.rng import Draw
+from restir_gi.reference.scene.materials.coat import specular_lobe
+from restir_gi.reference.scene.materials.fresnel import (
+    fresnel_conductor,
+    fresnel_schlick,
+)
+from restir_gi.reference.scene.materials.microfacet import reflect
+from restir_gi.reference.scene.materials.parameters import MaterialTable, lit_cosine
+from restir_gi.reference.scene.surface import SurfacePoints
 
 
 def reflectance(table: MaterialTable, points: SurfacePoints, cos: Scalars) -> Vec3s:

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Masks, Scalars, Vec3s, dot, vectors
-from reference.numerics.rng import Draw
-from reference.scene.materials.fresnel import fresnel_dielectric
-from reference.scene.materials.microfacet import reflect
-from reference.scene.materials.parameters import MaterialTable
-from reference.scene.surface import SurfacePoints
+from restir_gi.reference.numerics.arrays import Masks, Scalars, Vec3s, dot, vectors
+from restir_gi.reference.numerics.rng import Draw
+from restir_gi.reference.scene.materials.fresnel import fresnel_dielectric
+from restir_gi.reference.scene.materials.microfacet import reflect
+from restir_gi.reference.scene.materials.parameters import MaterialTable
+from restir_gi.reference.scene.surface import SurfacePoints
 
 
 def relative_index(table: MaterialTable, points: SurfacePoints) -> Scalars:

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.numerics.arrays import Masks, Scalars, Vec3s
-from reference.numerics.rng import Draw
-from reference.scene.materials.microfacet import (
+from restir_gi.reference.numerics.arrays import Masks, Scalars, Vec3s
+from restir_gi.reference.numerics.rng import Draw
+from restir_gi.reference.scene.materials.microfacet import (
     beckmann_density,
     beckmann_g1,
     facing_share,

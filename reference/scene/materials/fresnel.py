@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
 
 
 def fresnel_dielectric(cos_i: Scalars, eta: Scalars) -> tuple[Scalars, Scalars]:

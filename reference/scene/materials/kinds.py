@@ -7,7 +7,7 @@ All are opaque and two-sided (the back scatters as the front does) unless
 from dataclasses import dataclass
 from typing import Literal
 
-from reference.scene.textures import Color, Texture
+from restir_gi.reference.scene.textures import Color, Texture
 
 Distribution = Literal["ggx", "beckmann"]
 """Of the normals of microfacets."""

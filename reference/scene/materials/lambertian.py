@@ -2,12 +2,15 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Scalars, Vec3s
-from reference.numerics.frames import to_world
-from reference.numerics.rng import Draw
-from reference.numerics.sampling import pdf_cosine_hemisphere, sample_cosine_hemisphere
-from reference.scene.materials.parameters import MaterialTable, lit_cosine
-from reference.scene.surface import SurfacePoints
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.numerics.frames import to_world
+from restir_gi.reference.numerics.rng import Draw
+from restir_gi.reference.numerics.sampling import (
+    pdf_cosine_hemisphere,
+    sample_cosine_hemisphere,
+)
+from restir_gi.reference.scene.materials.parameters import MaterialTable, lit_cosine
+from restir_gi.reference.scene.surface import SurfacePoints
 
 
 def scattering(table: MaterialTable, points: SurfacePoints, wi: Vec3s) -> Vec3s:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from reference.numerics.arrays import (
+from restir_gi.reference.numerics.arrays import (
     Scalars,
     Vec3s,
     divide_or_zero,
@@ -10,7 +10,7 @@ from reference.numerics.arrays import (
     saturate,
     vectors,
 )
-from reference.numerics.sampling import left_of
+from restir_gi.reference.numerics.sampling import left_of
 
 
 def ggx_density(cos_h: Scalars, alpha: Scalars) -> Scalars:

@@ -5,16 +5,21 @@ from enum import IntEnum
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, dot
-from reference.scene.materials.coat import (
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, dot
+from restir_gi.reference.scene.materials.coat import (
     NODES,
     internal_reflectance,
     transmittance_table,
 )
-from reference.scene.materials.facets import Facets
-from reference.scene.materials.kinds import Coated, Conductor, Lambertian, Material
-from reference.scene.surface import SurfacePoints
-from reference.scene.textures import Texture, color_range, mean_color
+from restir_gi.reference.scene.materials.facets import Facets
+from restir_gi.reference.scene.materials.kinds import (
+    Coated,
+    Conductor,
+    Lambertian,
+    Material,
+)
+from restir_gi.reference.scene.surface import SurfacePoints
+from restir_gi.reference.scene.textures import Texture, color_range, mean_color
 
 
 class Kind(IntEnum):

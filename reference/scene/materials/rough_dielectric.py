@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.numerics.arrays import (
+from restir_gi.reference.numerics.arrays import (
     Masks,
     Scalars,
     Vec3s,
@@ -12,14 +12,14 @@ from reference.numerics.arrays import (
     dot,
     normalize,
 )
-from reference.numerics.rng import Draw
-from reference.scene.materials.conductor import sample_normal
-from reference.scene.materials.dielectric import relative_index
-from reference.scene.materials.facets import Facets
-from reference.scene.materials.fresnel import fresnel_dielectric
-from reference.scene.materials.microfacet import reflect
-from reference.scene.materials.parameters import MaterialTable
-from reference.scene.surface import SurfacePoints
+from restir_gi.reference.numerics.rng import Draw
+from restir_gi.reference.scene.materials.conductor import sample_normal
+from restir_gi.reference.scene.materials.dielectric import relative_index
+from restir_gi.reference.scene.materials.facets import Facets
+from restir_gi.reference.scene.materials.fresnel import fresnel_dielectric
+from restir_gi.reference.scene.materials.microfacet import reflect
+from restir_gi.reference.scene.materials.parameters import MaterialTable
+from restir_gi.reference.scene.surface import SurfacePoints
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,11 +4,22 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Scalars, Vec3s, zero_vectors
-from reference.numerics.records import take
-from reference.scene.materials import coated, conductor, lambertian, rough_dielectric
-from reference.scene.materials.parameters import Kind, MaterialTable
-from reference.scene.surface import SurfacePoints
+from restir_gi.reference.numerics.arrays import (
+    Indices,
+    Masks,
+    Scalars,
+    Vec3s,
+    zero_vectors,
+)
+from restir_gi.reference.numerics.records import take
+from restir_gi.reference.scene.materials import (
+    coated,
+    conductor,
+    lambertian,
+    rough_dielectric,
+)
+from restir_gi.reference.scene.materials.parameters import Kind, MaterialTable
+from restir_gi.reference.scene.surface import SurfacePoints
 
 
 def by_kind(

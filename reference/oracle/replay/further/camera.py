@@ -6,13 +6,13 @@ from math import pi
 
 import numpy as np
 
-from reference.numerics.arrays import Indices
-from reference.oracle.contract.fields import Value
-from reference.oracle.replay.bounded import Bounded, Rounding, constant, exact
-from reference.oracle.replay.further.numbers import product, setting, unit
-from reference.oracle.replay.further.rules import FurtherRules
-from reference.oracle.replay.neighbors import SINE
-from reference.oracle.replay.verbs import inner, square_root, times
+from restir_gi.reference.numerics.arrays import Indices
+from restir_gi.reference.oracle.contract.fields import Value
+from restir_gi.reference.oracle.replay.bounded import Bounded, Rounding, constant, exact
+from restir_gi.reference.oracle.replay.further.numbers import product, setting, unit
+from restir_gi.reference.oracle.replay.further.rules import FurtherRules
+from restir_gi.reference.oracle.replay.neighbors import SINE
+from restir_gi.reference.oracle.replay.verbs import inner, square_root, times
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Scalars
-from reference.oracle.replay.bounded import Bounded, constant
-from reference.oracle.replay.further.numbers import larger
+from restir_gi.reference.numerics.arrays import Indices, Scalars
+from restir_gi.reference.oracle.replay.bounded import Bounded, constant
+from restir_gi.reference.oracle.replay.further.numbers import larger
 
 MOST_M = 65535.0
 

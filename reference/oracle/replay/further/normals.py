@@ -3,13 +3,17 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Masks, Scalars, Vec3s, length, normalize
-from reference.oracle.replay.bounded import Bounded, Rounding, constant, exact
-from reference.oracle.replay.further.numbers import unit
-from reference.oracle.replay.further.rules import Octahedron
-from reference.oracle.replay.judgement import Compared
-from reference.oracle.replay.verbs import choose
-from reference.resampling.packing.octahedral import UNIT, WORST_ANGLE, decode_normal
+from restir_gi.reference.numerics.arrays import Masks, Scalars, Vec3s, length, normalize
+from restir_gi.reference.oracle.replay.bounded import Bounded, Rounding, constant, exact
+from restir_gi.reference.oracle.replay.further.numbers import unit
+from restir_gi.reference.oracle.replay.further.rules import Octahedron
+from restir_gi.reference.oracle.replay.judgement import Compared
+from restir_gi.reference.oracle.replay.verbs import choose
+from restir_gi.reference.resampling.packing.octahedral import (
+    UNIT,
+    WORST_ANGLE,
+    decode_normal,
+)
 
 Codes = NDArray[np.int16]
 

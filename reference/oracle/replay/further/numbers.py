@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.numerics.arrays import Masks
-from reference.oracle.contract.fields import Value
-from reference.oracle.replay.bounded import Bounded, Rounding, constant
-from reference.oracle.replay.judgement import Decisions
-from reference.oracle.replay.verbs import inner, square_root
+from restir_gi.reference.numerics.arrays import Masks
+from restir_gi.reference.oracle.contract.fields import Value
+from restir_gi.reference.oracle.replay.bounded import Bounded, Rounding, constant
+from restir_gi.reference.oracle.replay.judgement import Decisions
+from restir_gi.reference.oracle.replay.verbs import inner, square_root
 
 
 def setting(value: Value, rounding: Rounding) -> Bounded:

@@ -3,15 +3,20 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from reference.numerics.arrays import Scalars
-from reference.oracle.cases import Buffers, Case
-from reference.oracle.contract.fields import Precision
-from reference.oracle.replay.bounded import rounding_of
-from reference.oracle.replay.further.normals import as_read, as_written
-from reference.oracle.replay.further.rules import FurtherRules, further
-from reference.oracle.replay.judgement import Compared, Judgement, beside, exactly
-from reference.oracle.replay.rules import Rules
-from reference.resampling.packing import paper
+from restir_gi.reference.numerics.arrays import Scalars
+from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.replay.bounded import rounding_of
+from restir_gi.reference.oracle.replay.further.normals import as_read, as_written
+from restir_gi.reference.oracle.replay.further.rules import FurtherRules, further
+from restir_gi.reference.oracle.replay.judgement import (
+    Compared,
+    Judgement,
+    beside,
+    exactly,
+)
+from restir_gi.reference.oracle.replay.rules import Rules
+from restir_gi.reference.resampling.packing import paper
 
 SINGLE, SMALL_SINGLE = 2.0**-24, float(np.finfo(np.float32).tiny)
 """Relative error of a float32; smaller ones may be flushed to 0."""

@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from reference.numerics.rng import pcg4d, to_unit_interval
-from reference.oracle.cases import Buffers, Case
-from reference.oracle.contract.fields import Precision
-from reference.oracle.replay.bounded import exact, rounding_of
-from reference.oracle.replay.further.numbers import Choice, setting
-from reference.oracle.replay.further.rules import further
-from reference.oracle.replay.judgement import Judgement, beside, exactly
-from reference.oracle.replay.rules import Rules
-from reference.oracle.replay.verbs import choose
+from restir_gi.reference.numerics.rng import pcg4d, to_unit_interval
+from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.replay.bounded import exact, rounding_of
+from restir_gi.reference.oracle.replay.further.numbers import Choice, setting
+from restir_gi.reference.oracle.replay.further.rules import further
+from restir_gi.reference.oracle.replay.judgement import Judgement, beside, exactly
+from restir_gi.reference.oracle.replay.rules import Rules
+from restir_gi.reference.oracle.replay.verbs import choose
 
 STREAM = 7 * 64
 """As the contract says."""

@@ -4,13 +4,13 @@ from math import cos, radians
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Masks, Scalars
-from reference.oracle.cases import Case
-from reference.oracle.replay.bounded import Bounded, exact
-from reference.oracle.replay.further.camera import Eye
-from reference.oracle.replay.further.rules import further
-from reference.oracle.replay.neighbors import similarity
-from reference.oracle.replay.rules import Rules
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars
+from restir_gi.reference.oracle.cases import Case
+from restir_gi.reference.oracle.replay.bounded import Bounded, exact
+from restir_gi.reference.oracle.replay.further.camera import Eye
+from restir_gi.reference.oracle.replay.further.rules import further
+from restir_gi.reference.oracle.replay.neighbors import similarity
+from restir_gi.reference.oracle.replay.rules import Rules
 
 
 def rows_at(x: Bounded, y: Bounded, eye: Eye, border: str) -> list[Indices]:

@@ -2,20 +2,20 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Indices, Scalars
-from reference.oracle.cases import Buffers, Case
-from reference.oracle.contract.fields import Precision
-from reference.oracle.replay.bounded import Bounded, exact, rounding_of
-from reference.oracle.replay.further.numbers import (
+from restir_gi.reference.numerics.arrays import Indices, Scalars
+from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.replay.bounded import Bounded, exact, rounding_of
+from restir_gi.reference.oracle.replay.further.numbers import (
     Choice,
     bounded_somehow,
     setting,
     where_none_negative,
     where_not_negative,
 )
-from reference.oracle.replay.further.rules import FurtherRules, further
-from reference.oracle.replay.judgement import Judgement, exactly
-from reference.oracle.replay.rules import Rules
+from restir_gi.reference.oracle.replay.further.rules import FurtherRules, further
+from restir_gi.reference.oracle.replay.judgement import Judgement, exactly
+from restir_gi.reference.oracle.replay.rules import Rules
 
 
 def judge_validation(

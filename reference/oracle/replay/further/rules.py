@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from reference.numerics.arrays import Indices, Scalars
-from reference.oracle.replay.bounded import Bounded
-from reference.oracle.replay.further.formulas import (
+from restir_gi.reference.numerics.arrays import Indices, Scalars
+from restir_gi.reference.oracle.replay.bounded import Bounded
+from restir_gi.reference.oracle.replay.further.formulas import (
     boiling_tile,
     calm,
     light,
@@ -15,8 +15,8 @@ from reference.oracle.replay.further.formulas import (
     roulette_tile,
     tail_weight,
 )
-from reference.oracle.replay.geometry import luminance
-from reference.oracle.replay.rules import Rules
+from restir_gi.reference.oracle.replay.geometry import luminance
+from restir_gi.reference.oracle.replay.rules import Rules
 
 HALVES = 24
 """Half words of a packed reservoir, the low one of each word first."""

@@ -2,28 +2,33 @@
 
 import numpy as np
 
-from reference.numerics.arrays import Indices
-from reference.oracle.cases import Buffers, Case
-from reference.oracle.contract.fields import Precision
-from reference.oracle.replay.bounded import Bounded, exact, rounding_of
-from reference.oracle.replay.further.camera import (
+from restir_gi.reference.numerics.arrays import Indices
+from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.replay.bounded import Bounded, exact, rounding_of
+from restir_gi.reference.oracle.replay.further.camera import (
     depth_of,
     eye_of,
     rays,
     seen_at,
 )
-from reference.oracle.replay.further.numbers import (
+from restir_gi.reference.oracle.replay.further.numbers import (
     bounded_somehow,
     moved,
     product,
     unit,
     where_all_positive,
 )
-from reference.oracle.replay.further.places import alike_at, may_hold, rows_at
-from reference.oracle.replay.further.rules import further
-from reference.oracle.replay.judgement import Decisions, Judgement, beside, exactly
-from reference.oracle.replay.rules import Rules
-from reference.oracle.replay.verbs import choose, inner, times
+from restir_gi.reference.oracle.replay.further.places import alike_at, may_hold, rows_at
+from restir_gi.reference.oracle.replay.further.rules import further
+from restir_gi.reference.oracle.replay.judgement import (
+    Decisions,
+    Judgement,
+    beside,
+    exactly,
+)
+from restir_gi.reference.oracle.replay.rules import Rules
+from restir_gi.reference.oracle.replay.verbs import choose, inner, times
 
 
 def judge_gbuffer(
