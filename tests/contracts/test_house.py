@@ -2,14 +2,10 @@
 
 import ast
 import re
-import shutil
-import subprocess
-import sys
 import tokenize
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from textwrap import dedent
-from zipfile import ZipFile
 
 import pytest
 
@@ -177,54 +173,3 @@ def test_only_rays_imports_embree(path):
 def test_control_an_import_of_embree_is_found(plant, statement):
     path = plant(f"def late():\n    {statement}\n")
     assert "embreex" in imports(path)
-
-
-# ---------------------------------------------------------------- wheel
-
-
-def build_wheel(checkout: Path, out: Path) -> set[str]:
-    """Build the wheel of a checkout and return the names of its files."""
-    command = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", out]
-    subprocess.run(command, cwd=checkout, check=True, capture_output=True)
-    (wheel,) = out.glob("*.whl")
-    with ZipFile(wheel) as archive:
-        return set(archive.namelist())
-
-
-def faults_of_a_wheel(names: Collection[str]) -> list[str]:
-    """Files of the packages that are missing, and files of anything else."""
-    files = [path for name in PACKAGES for path in (ROOT / name).rglob("*.*")]
-    expected = {path.relative_to(ROOT).as_posix() for path in files if path.is_file()}
-    expected = {name for name in expected if "__pycache__" not in name}
-    expected |= {f"{package}/py.typed" for package in PACKAGES}
-    missing = [f"{name} is missing" for name in expected.difference(names)]
-    folders = (*PACKAGES, "restir_gi_oracle-")
-    foreign = [f"{name} is foreign" for name in names if not name.startswith(folders)]
-    return sorted(missing + foreign)
-
-
-def test_the_wheel_holds_the_packages_and_nothing_else(tmp_path):
-    assert faults_of_a_wheel(build_wheel(ROOT, tmp_path)) == []
-
-
-def test_control_a_wheel_with_gaps_is_found(tmp_path):
-    checkout = tmp_path / "checkout"
-    checkout.mkdir()
-    for package in (*PACKAGES, "tests"):
-        skip = shutil.ignore_patterns("__pycache__")
-        shutil.copytree(ROOT / package, checkout / package, ignore=skip)
-    for name in ("README.md", "LICENSE"):
-        shutil.copy(ROOT / name, checkout)
-    (checkout / "reference" / "py.typed").unlink()
-    (checkout / "tests" / "planted.py").touch()
-    settings = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
-    right = '"gradient_domain", "docs/figures"]\n'
-    wrong = '"tests"]\n'
-    assert f'only-include = ["reference", "extensions", "hashgrid", {right}' in settings
-    (checkout / "pyproject.toml").write_text(settings.replace(right, wrong))
-
-    faults = faults_of_a_wheel(build_wheel(checkout, tmp_path / "dist"))
-
-    assert "reference/py.typed is missing" in faults
-    assert "gradient_domain/__init__.py is missing" in faults
-    assert "tests/planted.py is foreign" in faults
