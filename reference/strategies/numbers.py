@@ -30,7 +30,7 @@ def scalars(
 
 
 def uniforms(rows: int = ROWS) -> st.SearchStrategy[Scalars]:
-    """Multiples of 2⁻²⁴ in [0, 1): those that :mod:`restir_gi.reference.numerics.rng` makes.
+    """Multiples of 2⁻²⁴ in [0, 1), as :mod:`restir_gi.reference.numerics.rng` makes.
 
     Returns strategy of (rows,) float64; exact in float32.
     """
@@ -43,7 +43,7 @@ def uniforms(rows: int = ROWS) -> st.SearchStrategy[Scalars]:
 
 
 def draws(rows: int = ROWS) -> st.SearchStrategy[Draw]:
-    """Four uniforms a row, as :class:`restir_gi.reference.numerics.rng.Uniforms` hands them out.
+    """Four uniforms a row: :class:`restir_gi.reference.numerics.rng.Uniforms`.
 
     Returns strategy of four (rows,) float64; in [0, 1).
     """

@@ -11,11 +11,13 @@ from restir_gi.reference.system.errors import UsageError
 from tests.benchmarks.__main__ import parts
 from tests.mutants import matrix
 
+PACKAGE = "restir_gi.reference"
+
 
 @pytest.mark.parametrize("quick", [True, False])
 def test_commands_are_understood(quick):
     modules = [command[2:] for command in parts(Path("out"), quick).values()]
-    commands = [words for module, *words in modules if module == "reference"]
+    commands = [words for module, *words in modules if module == PACKAGE]
     assert {words[0] for words in commands} == {"figures", "tradeoff", "plan"}
     for words in commands:
         build_parser().parse_args(words)
@@ -28,7 +30,7 @@ def test_control_a_size_of_one_number_is_not_understood():
 
 def test_every_script_is_among_them(monkeypatch):
     monkeypatch.setenv("RESTIR_SCENES", "scenes")
-    modules = {c[2] for c in parts(Path("out"), True).values()} - {"reference"}
+    modules = {c[2] for c in parts(Path("out"), True).values()} - {PACKAGE}
     folder = Path(__file__).parents[1] / "benchmarks"
     assert modules == {f"tests.benchmarks.{f.stem}" for f in folder.glob("bench_*.py")}
 

@@ -95,7 +95,8 @@ def test_the_help_lists_every_command(restir):
 
 def test_nobody_reads_the_output():
     """A pipe that is closed at once: no traceback, and the exit code of `yes`."""
-    script = f"{sys.executable} -m restir_gi.reference scenes | true; exit ${{PIPESTATUS[0]}}"
+    command = f"{sys.executable} -m restir_gi.reference scenes"
+    script = f"{command} | true; exit ${{PIPESTATUS[0]}}"
     result = subprocess.run(
         ["bash", "-c", script], cwd=ROOT, capture_output=True, text=True
     )

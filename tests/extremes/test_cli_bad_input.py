@@ -22,6 +22,7 @@ from restir_gi.reference.settings import Settings
 from restir_gi.reference.system import plugins
 
 ROOT = Path(__file__).parents[2]
+METHOD = f"{Method.__module__}.{Method.__qualname__}"
 PLY = """ply
 format ascii 1.0
 element vertex 3
@@ -497,14 +498,8 @@ def register(monkeypatch):
             "cannot be loaded (ImportError: no mod",
         ),
         (ZeroDivisionError(), "cannot be loaded (ZeroDivisionError"),
-        (
-            None,
-            "is None, which is not a restir_gi.reference.methods.method.Method of that name",
-        ),
-        (
-            a_method(nothing, "gray"),
-            "which is not a restir_gi.reference.methods.method.Method of that name",
-        ),
+        (None, f"is None, which is not a {METHOD} of that name"),
+        (a_method(nothing, "gray"), f"which is not a {METHOD} of that name"),
         (a_method(nothing), "did not return a picture"),
         (a_method(too_few), "3 rows do not make a 4x4 frame"),
     ],

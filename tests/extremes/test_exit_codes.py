@@ -143,8 +143,8 @@ def test_a_message_cannot_steer_the_terminal(fails):
 
 
 def test_every_entry_is_the_same():
-    """``restir``, ``python -m restir_gi.reference`` and ``python -m restir_gi.reference.cli.main``."""
-    for module in ("reference", "restir_gi.reference.cli.main"):
+    """``restir``, and ``python -m`` of the package and of its module ``cli.main``."""
+    for module in ("restir_gi.reference", "restir_gi.reference.cli.main"):
         command = [sys.executable, "-m", module, "rendr"]
         result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
         assert result.returncode == 2

@@ -13,7 +13,7 @@ from functools import cache
 from types import FunctionType, ModuleType
 from typing import Any
 
-PACKAGE = "reference"
+PACKAGE = "restir_gi"
 PARTS = ("__code__", "__defaults__", "__kwdefaults__")
 CONSTANTS = (bool, int, float, str, tuple)
 
