@@ -10,6 +10,7 @@ FOLDERS = {
     "extensions": "extensions",
     "hashgrid": "hashgrid",
     "gradient_domain": "gradient_domain",
+    "figures": "docs/figures",
 }
 PACKAGES = {f"{NAMESPACE}.{name}": folder for name, folder in FOLDERS.items()}
 INNER = [

@@ -26,6 +26,7 @@ FOLDERS = {
     "extensions": "extensions",
     "hashgrid": "hashgrid",
     "gradient_domain": "gradient_domain",
+    "figures": "docs/figures",
 }
 
 
