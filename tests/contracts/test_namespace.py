@@ -122,7 +122,7 @@ def test_control_a_wheel_with_gaps_is_found(tmp_path):
 
     assert "restir_gi/py.typed is missing" in faults
     assert "restir_gi/gradient_domain/__init__.py is missing" in faults
-    assert "restir_gi/reference/demo/templates/demo.html is missing" in faults
+    assert any(fault.endswith("/templates/demo.html is missing") for fault in faults)
     assert "restir_gi/tests/planted.py is foreign" in faults
 
 
