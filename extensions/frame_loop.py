@@ -56,7 +56,9 @@ def path_frames(
     schedule: Schedule,
     animation: Animation | None = None,
 ) -> Iterator[OfPaths]:
-    """Frames of whole paths, without end; arguments as of `restir_gi.reference.frame.frames`.
+    """Frames of whole paths, without end.
+
+    Arguments as of :func:`restir_gi.reference.frame.frames`.
 
     Where shapes or lights have moved, a frame has no history: the paths of the last one
     are of another scene.

@@ -1,4 +1,4 @@
-"""The engine `restir_gi.reference.resampling.generalized` alone, on tables of fractions.
+"""The one general engine alone, on tables of fractions.
 
 Sources read shifts, targets and visibility from tables, those of the toy domain or any
 others; what becomes of their answers is the engine's, unchanged.
@@ -109,6 +109,6 @@ def resampled(sources, uniform, mis, cap=9999):
 
 
 def by_the_engine(given, settings, cap):
-    """In place of `restir_gi.reference.restir_gi.resampled`: all weights by the engine."""
+    """In place of `restir_gi.resampled`: all weights by the engine."""
     own = (given.past, given.u_own), (given.own, given.u_own)
     return resample_weighted(given.q, [*own, *given.neighbors], settings.mis, cap)

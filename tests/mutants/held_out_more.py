@@ -164,8 +164,9 @@ HELD_OUT_MORE: tuple[Mutant, ...] = (
         f"{OMEGA}\n    {DENSITY}",
         f"{OMEGA}\n    {DENSITY}\n"
         '    if source == "cosine":\n'
-        "        from restir_gi.reference.numerics.sampling import pdf_cosine_hemisphere\n\n"
-        "        density = pdf_cosine_hemisphere(-(met.normal * omega).sum(axis=1))",
+        "        from restir_gi.reference.numerics import sampling\n\n"
+        "        cosine = -(met.normal * omega).sum(axis=1)\n"
+        "        density = sampling.pdf_cosine_hemisphere(cosine)",
     ),
     Mutant(
         "new directions stay 6 degrees above the horizon",
