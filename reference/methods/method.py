@@ -4,7 +4,7 @@ A package registers a method by an entry point of the group ``restir.methods``, 
 its ``pyproject.toml``::
 
     [project.entry-points."restir.methods"]
-    world-reservoirs = "restir_gi.hashgrid.method:METHOD"
+    world-reservoirs = "restir_gi.hashgrid.light_method:METHOD"
 
 The name of the entry point is the name of the method.  The object that it points to is
 a `Method`, whose ``render`` is a generator function::

@@ -35,8 +35,7 @@ class RowOrigin:
 
     Attributes
     ----------
-    scene, kind : str; of `restir_gi.extensions.oracle.shifts.scenes.BLOCKS`, and of
-    `KINDS`
+    scene, kind : str; of ``BLOCKS`` of the scenes, and of `KINDS`
     frame : int; of the random numbers
     right, down : int, pixels; to which pixels paths are shifted
     """
