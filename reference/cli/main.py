@@ -42,7 +42,7 @@ COMMANDS = {
     "demo": "path tracing, biased and unbiased ReSTIR GI, against the truth.",
     "golden": "inputs and expected outputs of every pass, for other backends.",
     "check": "the verdict on a backend, and the name of the bug.",
-    "figures": "the figures of the papers, measured and drawn anew.",
+    "figures": "the figures of the papers, measured and drawn again.",
     "plan": "what a scene requires, what is left out, and what that changes.",
     "tradeoff": "speed against accuracy, measured, and what to take.",
     "inspect": "look into the reservoirs of a run.",

@@ -1,4 +1,4 @@
-"""The figures by name, as packages announce them, and by their numbers in the paper."""
+"""The figures by name, as packages register them, and by their numbers in the paper."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
