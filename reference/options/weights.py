@@ -16,9 +16,9 @@ from restir_gi.reference.numerics.arrays import (
 from restir_gi.reference.numerics.records import take
 from restir_gi.reference.passes.initial import InitialSamples
 from restir_gi.reference.passes.pixels import NeighborPixels, Pixels, reconnection, sees
-from restir_gi.reference.resampling.domain import target_if_drawn
 from restir_gi.reference.resampling.generalized import Mis, Shifted, resample
 from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
+from restir_gi.reference.resampling.target import target_if_drawn
 
 Source = InitialSamples | Reservoirs | NeighborPixels
 

@@ -7,10 +7,9 @@ import numpy as np
 
 from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
 from restir_gi.reference.numerics.records import NONE, take
-from restir_gi.reference.resampling.domain import supports
 from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
 from restir_gi.reference.resampling.shift import reconnection_jacobian
-from restir_gi.reference.resampling.target import target
+from restir_gi.reference.resampling.target import supports, target
 from restir_gi.reference.scene.surface import SurfacePoints, Viewpoints, VisiblePoints
 from restir_gi.reference.settings import Settings
 from restir_gi.reference.transport.world import World

@@ -41,7 +41,9 @@ from restir_gi.reference.scene.catalogue.registry import find_scene
 from restir_gi.reference.scene.validation import validate
 from restir_gi.reference.transport.world import build_world
 
-PACKAGES = ("reference", "extensions", "hashgrid", "gradient_domain")
+PREFIX = "restir_gi."
+"""Of all modules; left out where they are named here."""
+
 KERNELS = {
     "scene", "rays", "caster", "sampling", "frames", "tables", "images",
     "arrays", "records", "rng", "methods",
@@ -49,6 +51,9 @@ KERNELS = {
 """Names of folders and files, wherever they lie."""
 
 FUNCTIONS = (
+    "restir-gi-unbiased/reference.passes.initial:initial_samples",
+    "restir-gi-unbiased/reference.passes.temporal:temporal_resampling",
+    "restir-gi-unbiased/reference.passes.spatial:spatial_resampling",
     "world-reservoirs/hashgrid.grid:insert",
     "world-reservoirs/hashgrid.grid:look_up",
     "world-reservoirs/hashgrid.world_reservoirs:visit",
@@ -83,11 +88,12 @@ class Tracer:
         """Follow one event, for `sys.setprofile`."""
         if event not in ("call", "return"):
             return
-        module, code = frame.f_globals.get("__name__", ""), frame.f_code
+        name, code = frame.f_globals.get("__name__", ""), frame.f_code
+        module = name.removeprefix(PREFIX)
         here = (module, code.co_qualname) == self.within
         if event == "call":
             self._depth += here
-            if (self.within is None or self._depth) and counts(module, code):
+            if (self.within is None or self._depth) and counts(name, code):
                 self.entered.add((module, code.co_qualname, code.co_firstlineno))
         else:
             self._depth -= here
@@ -95,7 +101,7 @@ class Tracer:
 
 def counts(module: str, code: CodeType) -> bool:
     """Whether a function is one of ours, and has a name."""
-    ours = module.split(".")[0] in PACKAGES and code.co_filename[:1] != "<"
+    ours = module.startswith(PREFIX) and code.co_filename[:1] != "<"
     return ours and not code.co_name.startswith("<")
 
 

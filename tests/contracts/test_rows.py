@@ -256,6 +256,14 @@ KERNELS = {
         (np.arange(N), POINTS),
     ),
     target.luminance: (target.luminance, (COLOR,)),
+    target.target_if_drawn: (
+        lambda p, y: target.target_if_drawn("bsdf", "scattered", TABLE, p, y),
+        (POINTS, SAMPLES),
+    ),
+    target.supports: (
+        lambda at, y: target.supports("bsdf", "scattered", TABLE, POINTS, at, y),
+        (np.arange(N), SAMPLES),
+    ),
     target.reflected: (
         lambda p, y: target.reflected(TABLE, p, y),
         (POINTS, SAMPLES),

@@ -38,7 +38,7 @@ from restir_gi.reference.passes import pixels as scene
 from restir_gi.reference.passes.history import History
 from restir_gi.reference.passes.initial import InitialSamples
 from restir_gi.reference.passes.pixels import FrameReservoirs, reconnection
-from restir_gi.reference.resampling import domain
+from restir_gi.reference.resampling import target as targets
 from restir_gi.reference.resampling.reservoir import Reservoirs
 from restir_gi.reference.restir_gi import PassInput
 from restir_gi.reference.settings import Settings
@@ -235,7 +235,7 @@ def on_the_domain() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(scene, "target", target)
         for stand_in in (target, source_pdf, direction_and_distance):
-            patch.setattr(domain, stand_in.__name__, stand_in)
+            patch.setattr(targets, stand_in.__name__, stand_in)
         kernel = scene.reconnection_jacobian
         patch.setattr(scene, "reconnection_jacobian", once_for_each(kernel))
         yield

@@ -16,7 +16,6 @@ SHIFT = "restir_gi.reference.resampling.shift"
 MIS = "restir_gi.reference.resampling.mis"
 REUSED = "restir_gi.reference.resampling.reuse"
 PIXELS = "restir_gi.reference.passes.pixels"
-DOMAIN = "restir_gi.reference.resampling.domain"
 SPATIAL = "restir_gi.reference.passes.spatial"
 NEIGHBORS = "restir_gi.reference.passes.neighbors"
 SHADE = "restir_gi.reference.passes.shade"
@@ -758,7 +757,7 @@ REUSE = [
     Mutant(
         "Z asks for light, not for the horizon",
         ("SR-05",),
-        DOMAIN,
+        TARGET,
         "return " + NEIGHBOR_TARGET,
         "return y.radiance.max(axis=1)",
         ("horizon-missing-in-z",),
@@ -766,7 +765,7 @@ REUSE = [
     Mutant(
         "Z does not ask on which side the sample shines",
         ("SR-05",),
-        DOMAIN,
+        TARGET,
         NEIGHBOR_TARGET,
         "np.where(drawn, y.radiance.max(axis=1), 0.0)",
         ("side-missing-in-z",),

@@ -12,7 +12,6 @@ from tests.mutants.catalogue import (
     CLOSE_S,
     COSINES,
     COULD,
-    DOMAIN,
     JACOBIAN,
     JACOBIAN_OF_NEIGHBOR,
     LIMITED,
@@ -29,6 +28,7 @@ from tests.mutants.catalogue import (
     SUM_M,
     SUM_Z,
     TAKE,
+    TARGET,
     TEMPORAL,
     Mutant,
 )
@@ -209,7 +209,7 @@ HELD_OUT: tuple[Mutant, ...] = (
         ("SR-05", "SR-25"),
         REUSED,
         COULD,
-        DOMAIN,
+        TARGET,
         "could[slot] = R.candidates[slot].w > 0",
     ),
     Mutant(
@@ -222,13 +222,13 @@ HELD_OUT: tuple[Mutant, ...] = (
     Mutant(
         "Z asks that the source has the sample 6 degrees above its horizon",
         ("SR-05", "JC-12"),
-        DOMAIN,
+        TARGET,
         "holds &= dot(take(surface.normal, rows), toward) > 0",
         "least = 0.1 * np.sqrt(dot(toward, toward))\n"
         "    holds &= dot(take(surface.normal, rows), toward) > least",
         also=(
             (
-                DOMAIN,
+                TARGET,
                 "drawn = source_pdf(source, table, points, omega) > 0",
                 "drawn = dot(points.normal, omega) > 0.1",
             ),
@@ -246,7 +246,7 @@ HELD_OUT: tuple[Mutant, ...] = (
         ("HS-17",),
         REUSED,
         COULD,
-        DOMAIN,
+        TARGET,
         ONCE_EACH,
     ),
     *HELD_OUT_MORE,
