@@ -305,7 +305,7 @@ def test_compare_layers_of_both_or_of_each(several, tmp_path, capsys):
     assert main(["compare", theirs, str(ours), *both]) == 2
     assert "ours.exr: unknown layer" in capsys.readouterr().err
     assert main(["compare", theirs, theirs, *both * 3]) == 2
-    assert "once or twice" in capsys.readouterr().err
+    assert "twice, for A and for B, not 3 times" in capsys.readouterr().err
 
 
 def test_inspect_a_layer(several, tmp_path, capsys):
