@@ -27,7 +27,7 @@ def test_an_algorithm_is_followed_in_few_files(name):
     ("within", "names"), [(None, {"edges"}), ("edges", {"edges"}), ("levels", set())]
 )
 def test_control_what_is_called_is_entered_and_nothing_else(within, names):
-    tracer = Tracer(("restir_gi.hashgrid.grid", within) if within else None)
+    tracer = Tracer(("hashgrid.grid", within) if within else None)
     with profiled(tracer):
         edges(np.zeros(1, np.int64))
     assert {name for _, name, _ in tracer.entered} == names

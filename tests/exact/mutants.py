@@ -8,6 +8,7 @@ renderer.  It is planted in the running production code by :mod:`tests.mutants.p
 from dataclasses import dataclass
 
 from tests.exact import claims
+from tests.mutants.catalogue import AT_NEIGHBOR, TAKE
 from tests.mutants.plant import planted
 
 RESERVOIR = "restir_gi.reference.resampling.reservoir"
@@ -223,7 +224,7 @@ MUTANTS = [
         "target of the sample at its source",
         REUSE,
         ARRIVED,
-        "c = reused_candidates(R_n, q_n.target(R_n.y), J)",
+        TAKE + ARRIVED.replace("q.target(R_n.y)", AT_NEIGHBOR),
         ("spatial_pass", "fused_pass"),
     ),
     ExactMutant(
@@ -395,7 +396,7 @@ MUTANTS = [
     ),
     ExactMutant(
         "pairs do not ask whether the source could make the sample",
-        PIXELS,
+        WEIGHTS,
         BACK,
         "return p, J",
         ("pairwise_pass", "defensive_pass"),
@@ -419,22 +420,22 @@ MUTANTS = [
     # Weights of the general engine know a limit, too.
     ExactMutant(
         "a limit on the Jacobian that the balance heuristic does not know",
-        PIXELS,
-        "possible = asked & (p > 0)\n        if self.q.refuses is not None:",
-        "possible = asked & (p > 0)\n        if False:",
+        WEIGHTS,
+        "possible = asked & (p > 0)\n    if q.refuses is not None:",
+        "possible = asked & (p > 0)\n    if False:",
         ("balance_pass_with_mirrored_limit",),
     ),
     ExactMutant(
         "a limit on the Jacobian that the balance heuristic applies the other way",
-        PIXELS,
-        f"possible &= {REFUSED}\n        seen",
-        f"possible &= {OTHER_WAY}\n        seen",
+        WEIGHTS,
+        "possible &= ~q.refuses(q_n.x.position, x_q, y)",
+        "possible &= ~q.refuses(x_q, q_n.x.position, y)",
         ("balance_pass_with_mirrored_limit",),
     ),
     ExactMutant(
         "the balance heuristic does not ask for visibility",
-        PIXELS,
-        "made | sees(self.frame.world, self.x, y, possible & ~made)",
+        WEIGHTS,
+        "made | sees(frame.world, q_n.x, y, possible & ~made)",
         "made | possible",
         ("balance_pass", "pairwise_pass", "defensive_pass"),
     ),
