@@ -158,8 +158,8 @@ LIGHT_MUTANTS = [
         "an emitter hit counts whole beside light sampling",
         (),
         LIGHTS,
-        "share = bsdf.delta[rows].astype(float)",
-        "share = np.ones(len(rows))",
+        "weight = bsdf.delta[rows].astype(float)",
+        "weight = np.ones(len(rows))",
     ),
 ]
 
