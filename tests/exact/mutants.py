@@ -494,17 +494,9 @@ MUTANTS = [
         "the past is not in the fused stream, but in Z",
         FUSED,
         "R = begin(reused(q, past)).then(new, u)",
-        "nothing = replace(past, W=past.W * 0)\n"
-        "    R = begin(reused(q, nothing)).then(new, u)",
-        ("fused_pass",),
-        also=(
-            (
-                FUSED,
-                "from collections.abc import Sequence\n",
-                "from collections.abc import Sequence\n"
-                "from dataclasses import replace\n",
-            ),
-        ),
+        "c = reused(q, past)\n"
+        "    R = begin(type(c)(c.y, c.p_hat, c.w * 0, c.M)).then(new, u)",
+        ("fused_pass", "moved_fused_pass"),
     ),
     ExactMutant(
         "neighbours of the fused pass are decided on by the number of the new sample",
