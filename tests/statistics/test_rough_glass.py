@@ -11,12 +11,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import restir_gi.reference.passes.initial
-import restir_gi.reference.resampling.target
+from restir_gi.reference.resampling import source, target
 from restir_gi.reference.scene.catalogue.speculars import glass_floor
 from restir_gi.reference.scene.materials.kinds import Dielectric
 from restir_gi.reference.scene.validation import validate
 from restir_gi.reference.settings import UNBIASED
+from restir_gi.reference.transport import not_reused
 from tests.statistics.replicates import (
     BATCHES,
     g_buffer,
@@ -73,10 +73,7 @@ def test_control_what_is_reused_and_traced_apart_counts_twice(monkeypatch):
     def everyone(table, points):
         return np.ones(len(points), bool)
 
-    for module in (
-        restir_gi.reference.resampling.target,
-        restir_gi.reference.passes.initial,
-    ):
+    for module in (target, source, not_reused):
         monkeypatch.setattr(module, "is_shared", everyone)
     t, limit = off("cosine")
     assert t > limit
