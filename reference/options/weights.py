@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -55,12 +54,13 @@ class OwnSource:
     same_domain: bool = True
 
     def shifted(self, at: Indices) -> Shifted:
-        """Never asked of (A,) rows: NotImplementedError."""
-        raise NotImplementedError
+        """Samples of (A,) rows as they are: their targets, and a Jacobian of 1."""
+        value = self.reservoirs.y.value[self.rows[at]]
+        return value, np.ones_like(value)
 
-    def inverse(self, samples: Any, at: Indices) -> Shifted:
-        """Never asked of (A,) rows: NotImplementedError."""
-        raise NotImplementedError
+    def inverse(self, samples: WeighedSamples, at: Indices) -> Shifted:
+        """The pixels' samples of (A,) rows as they are, as for `shifted`."""
+        return samples.value[at], np.ones_like(samples.value[at])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -8,6 +8,7 @@ An empty reservoir has W = 0 in both; which null it holds is nobody's business.
 
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -16,9 +17,16 @@ import pytest
 from restir_gi.reference import restir_gi
 from restir_gi.reference.numerics.records import take
 from restir_gi.reference.numerics.schedule import Schedule
-from restir_gi.reference.options.weights import resample_weighted
+from restir_gi.reference.options.weights import (
+    OwnSource,
+    itself,
+    resample_weighted,
+    weighed,
+)
 from restir_gi.reference.passes.spatial import spatial_resampling
+from restir_gi.reference.resampling.generalized import resample
 from restir_gi.reference.resampling.mis import one_over_z
+from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
 from restir_gi.reference.scene.animation import Animation
 from restir_gi.reference.scene.catalogue.registry import find_animation
 from restir_gi.reference.settings import Settings
@@ -139,3 +147,48 @@ def test_the_engine_is_the_page_on_frames(scene, target, visibility):
         for column in ("position", "normal", "radiance"):
             a, b = (getattr(take(r.y, full), column) for r in (page, engine))
             np.testing.assert_array_equal(a, b)
+
+
+# ---------------------------------------------------------------- own sources
+
+
+def own_of(rows, seed):
+    """Reservoirs of pixels' own, weighed, and the numbers that decide."""
+    rng = np.random.default_rng(seed)
+    y = Samples(*rng.normal(size=(2, rows, 3)), rng.random((rows, 3)))
+    q = SimpleNamespace(points=range(rows), target=lambda y: y.radiance.sum(axis=1))
+    W, M = rng.random(rows) * (rng.random(rows) < 0.8), np.ceil(9 * rng.random(rows))
+    return weighed(q, Reservoirs(y, W, M)), rng.random(rows)
+
+
+def as_if_shifted(first, kind=OwnSource):
+    """What is kept of two own sources, of which the first goes through its shift."""
+    (a, u), (b, v) = first, own_of(50, 2)
+    moved = kind(a.reservoirs, a.rows, same_domain=False)
+    return (
+        lambda mis, source: resample([source, b], [u, v], mis, 30.0, itself),
+        a,
+        moved,
+    )
+
+
+@pytest.mark.parametrize("mis", ["1/M", "1/Z", "balance", "pairwise", "defensive"])
+def test_the_shift_of_an_own_source_is_the_identity(mis):
+    """Exact: a Jacobian of 1 multiplies and divides without rounding."""
+    run, own, moved = as_if_shifted(own_of(50, 1))
+    one, other = run(mis, own), run(mis, moved)
+    assert np.array_equal(one.W, other.W)
+    assert np.array_equal(one.M, other.M)
+    assert (one.W > 0).any()
+
+
+def test_control_another_jacobian_is_seen():
+    class Twice(OwnSource):
+        __slots__ = ()
+
+        def shifted(self, at):
+            value, jacobian = OwnSource.shifted(self, at)
+            return value, 2.0 * jacobian
+
+    run, own, moved = as_if_shifted(own_of(50, 1), Twice)
+    assert not np.array_equal(run("1/Z", own).W, run("1/Z", moved).W)
