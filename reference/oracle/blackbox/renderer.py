@@ -1,7 +1,9 @@
 """A renderer as a command line that writes one picture."""
 
 import shlex
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -25,10 +27,15 @@ from restir_gi.reference.system.errors import UsageError
 from restir_gi.reference.system.files import read_file
 
 SIDES = ("{width}", "{height}", "{size}")
-PLACES = ("{scene}", "{seed}", "{frames}", *SIDES, "{out}")
-"""What stands in the template: the last is needed, and so is the seed.
+PLACES = ("{scene}", "{seed}", "{frames}", *SIDES, "{out}", "{list}")
+"""What stands in the template.
 
+``{out}`` names the picture to write, and ``{seed}`` its seed; or else ``{list}`` names
+a file with a line for each of several pictures: its seed, a space, and its name.
 ``{size}`` is both sides of a square picture."""
+
+AT_ONCE = 8
+"""Pictures of one list."""
 
 MOST_CHANNELS, CHANNEL_BYTES = 64, 4
 """A picture of more, without any compression, is not read."""
@@ -58,8 +65,13 @@ class Renderer:
     left_running: list[int] = field(default_factory=list)
     layer: str | None = None
 
+    @property
+    def makes_several(self) -> bool:
+        """Whether one call makes the pictures of a list."""
+        return "{list}" in self.template
+
     def render(self, seed: int) -> NDArray[Any] | Failure:
-        """One picture, from nothing, (height, width, 3) float32, or Failure; radiance.
+        """One picture, from nothing, (H, W, 3) float32, or Failure; radiance.
 
         Parameters
         ----------
@@ -72,26 +84,59 @@ class Renderer:
         UnaskedError
             No time was left, or it was killed from outside.
         """
+        return self.render_several((seed,))[0]
+
+    def render_several(self, seeds: Sequence[int]) -> list[NDArray[Any] | Failure]:
+        """As `render`, of several seeds in one call.
+
+        Returns
+        -------
+        list of (H, W, 3) float32 or Failure; in their order; one Failure if the call
+        has failed
+        """
         workspace = Workspace("render")
         try:
-            return self._rendered(seed, workspace)
+            return self._rendered(seeds, workspace)
         finally:
             self.left_running.append(workspace.close())
 
-    def _rendered(self, seed: int, workspace: Workspace) -> NDArray[Any] | Failure:
-        out = workspace.folder / "picture.exr"
-        words, left = self._words(seed, out), self.remaining()
+    def pictures(self, seeds: Iterable[int]) -> Iterator[NDArray[Any] | Failure]:
+        """Pictures of ever more seeds, one call after the other.
+
+        Yields
+        ------
+        (H, W, 3) float32, or Failure
+        """
+        left, count = iter(seeds), AT_ONCE if self.makes_several else 1
+        while some := tuple(islice(left, count)):
+            yield from self.render_several(some)
+
+    def _rendered(
+        self, seeds: Sequence[int], workspace: Workspace
+    ) -> list[NDArray[Any] | Failure]:
+        outs = [workspace.folder / f"picture{seed}.exr" for seed in seeds]
+        listed = workspace.folder / "pictures.txt"
+        lines = [f"{seed} {out}\n" for seed, out in zip(seeds, outs, strict=True)]
+        listed.write_text("".join(lines), encoding="utf-8")
+        words, left = self._words(seeds[0], outs[0], listed), self.remaining()
+        which = f"seed {seeds[0]}" + (f" to {seeds[-1]}" if len(seeds) > 1 else "")
         if left <= 0:
-            raise UnaskedError(f"seed {seed}: {NO_TIME.reason}")
-        trouble = run_program(words, self.limits, left, workspace.environment)
+            raise UnaskedError(f"{which}: {NO_TIME.reason}")
+        trouble = run_program(
+            words, self.limits, left, workspace.environment, len(seeds)
+        )
         if isinstance(trouble, Unasked):
-            raise UnaskedError(f"seed {seed}: the renderer {trouble.reason}")
-        found = self._read(seed, out) if trouble is None else trouble
-        if isinstance(found, Failure):
-            workspace.need_room(CHANNEL_BYTES * self.size[0] * self.size[1])
+            raise UnaskedError(f"{which}: the renderer {trouble.reason}")
         if trouble is not None:
-            return Failure(f"seed {seed}: the renderer {trouble.reason}")
+            self._need_room(workspace)
+            return [Failure(f"{which}: the renderer {trouble.reason}")]
+        found = [self._read(*one) for one in zip(seeds, outs, strict=True)]
+        if any(isinstance(one, Failure) for one in found):
+            self._need_room(workspace)
         return found
+
+    def _need_room(self, workspace: Workspace) -> None:
+        workspace.need_room(CHANNEL_BYTES * self.size[0] * self.size[1])
 
     def _read(self, seed: int, out: Path) -> NDArray[Any] | Failure:
         pixels = self.size[0] * self.size[1]
@@ -113,7 +158,7 @@ class Renderer:
             return Failure(f"seed {seed}: pixel ({x}, {y}) is not finite")
         return color
 
-    def _words(self, seed: int, out: Path) -> list[str]:
+    def _words(self, seed: int, out: Path, listed: Path) -> list[str]:
         width, height = self.size
         if width != height and "{size}" in self.template:
             raise UsageError(
@@ -121,7 +166,7 @@ class Renderer:
                 f" {width}x{height}; write {{width}} and {{height}}, or use --size N"
             )
         sides = (str(width), str(height), str(width))
-        given = (self.scene, str(seed), str(self.frames), *sides, str(out))
+        given = (self.scene, str(seed), str(self.frames), *sides, str(out), str(listed))
         try:
             words = shlex.split(self.template)
         except ValueError as error:

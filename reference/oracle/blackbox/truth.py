@@ -1,106 +1,89 @@
 """What the means of a picture should be: path traced, with its own error."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from restir_gi.reference.numerics.arrays import Scalars
-from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
-from restir_gi.reference.oracle.cases import UnaskedError, for_ever
-from restir_gi.reference.scene.camera import pixel_centers
-from restir_gi.reference.scene.scene import Scene
-from restir_gi.reference.scene.validation import validate
-from restir_gi.reference.transport.path_tracer import camera_radiance, first_hits
-from restir_gi.reference.transport.world import build_world
-
-TILES = 4
-"""On a side of the picture."""
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.numerics.moments import Moments
+from restir_gi.reference.oracle.blackbox.tiles import (
+    COLUMNS,
+    PLACES,
+    columns,
+    tile_means,
+)
 
 LEAST_SAMPLES = 256
 """Of each pixel: so many that the means are nearly normal."""
 
-SEED = 2**26 + 1
-"""Of the path tracer: far from what a user counts from."""
+MOST_SAMPLES = 2**16
+
+
+def rows_of(color: NDArray[np.floating]) -> Vec3s:
+    """All numbers of a picture whose moments are kept.
+
+    Parameters
+    ----------
+    color : (H, W, 3); of sides that `tiles.TILES` divides
+
+    Returns
+    -------
+    (H · W + COLUMNS, 3) float64
+        Pixels; and columns of the picture's means, three times each.
+    """
+    means = np.repeat(columns(tile_means(color))[:, None], 3, axis=1)
+    return np.concatenate([color.reshape(-1, 3).astype(np.float64), means])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Truth:
-    """Means of a picture and of its tiles.
+    """Means of a picture and of its tiles, by so many samples of each pixel.
 
     Attributes
     ----------
-    mean, standard_error : (1 + TILES²,) float64
-        Of the picture and of its tiles, as the mean over channels.
-    samples : int; of each pixel, from which the error was estimated
+    moments : Moments; of `rows_of` pictures of a sample a pixel
+    size : (int, int); width and height
     """
 
-    mean: Scalars
-    standard_error: Scalars
-    samples: int
+    moments: Moments
+    size: tuple[int, int]
 
+    @property
+    def samples(self) -> int:
+        """Of each pixel."""
+        return self.moments.count
 
-def statistics(color: NDArray[np.floating]) -> Scalars:
-    """Mean of a picture, and those of its tiles.
+    @property
+    def mean(self) -> Scalars:
+        """(COLUMNS,) float64; over all channels."""
+        found: Scalars = self.moments.mean[-COLUMNS:, 0]
+        return found
 
-    Parameters
-    ----------
-    color : (height, width, 3); of sides that `TILES` divides
+    @property
+    def deviation(self) -> Scalars:
+        """Standard deviation of one sample a pixel, (COLUMNS,) float64."""
+        found: Scalars = np.sqrt(self.moments.variance()[-COLUMNS:, 0])
+        return found
 
-    Returns
-    -------
-    (1 + TILES²,) float64; over all channels
-    """
-    grey = color.astype(np.float64).mean(axis=2)
-    height, width = (side // TILES for side in grey.shape)
-    tiles = grey.reshape(TILES, height, TILES, width).mean(axis=(1, 3)).ravel()
-    return np.concatenate([[grey.mean()], tiles])
+    @property
+    def standard_error(self) -> Scalars:
+        """(COLUMNS,) float64; of the mean."""
+        found: Scalars = self.deviation / np.sqrt(self.samples)
+        return found
 
+    @property
+    def channels(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Means of each channel and their errors, (PLACES, 3) each."""
+        shape = (PLACES, 3)
+        mean, error = self.mean[PLACES:], self.standard_error[PLACES:]
+        return mean.reshape(shape), error.reshape(shape)
 
-def path_traced(
-    scene: Scene,
-    size: tuple[int, int],
-    bounces: int,
-    samples: int,
-    remaining: Callable[[], float] = for_ever,
-) -> Truth:
-    """Indirect light by the plain path tracer, through pixel centres.
-
-    Parameters
-    ----------
-    scene : Scene; any that can be rendered
-    samples : int; of each pixel, at most
-    remaining : callable; seconds that are left: half of them are spent here
-
-    Returns
-    -------
-    Truth; the error is that of the mean of independent pictures
-
-    Raises
-    ------
-    UnaskedError
-        There was no time for `LEAST_SAMPLES`.
-    """
-    end = remaining() / 2
-    width, height = size
-    camera = replace(scene.camera, width=width, height=height)
-    world = build_world(validate(replace(scene, camera=camera)))
-    points = first_hits(world, *pixel_centers(width, height))
-    pixel = np.arange(width * height, dtype=np.uint32)
-
-    def one(number: int) -> Scalars:
-        uniforms = KeyedUniforms(pixel, number, SEED, Stream.PATH)
-        color = camera_radiance(world, points, "indirect", bounces, uniforms)
-        return statistics(color.reshape(height, width, 3))
-
-    pictures = []
-    for number in range(samples):
-        if (left := remaining()) <= 0 or left < end:
-            break
-        pictures.append(one(number))
-    if len(pictures) < min(LEAST_SAMPLES, samples):
-        raise UnaskedError("no time was left to trace the truth")
-    found = np.stack(pictures)
-    error = found.std(axis=0, ddof=1) / np.sqrt(len(found))
-    return Truth(found.mean(axis=0), error, len(found))
+    @property
+    def picture(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Means of pixels and their errors, (H, W, 3) each."""
+        width, height = self.size
+        pixels = slice(0, width * height)
+        shape = (height, width, 3)
+        error = self.moments.standard_error()
+        return self.moments.mean[pixels].reshape(shape), error[pixels].reshape(shape)
