@@ -21,7 +21,8 @@ def _not_strict(u: Bounded, w_before: Bounded, w: Bounded) -> Bounded:
 
 
 def _other_side(u: Bounded, w_before: Bounded, w: Bounded) -> Bounded:
-    return w - (constant(1.0, u) - u) * (w_before + w)
+    found = w - (constant(1.0, u) - u) * (w_before + w)
+    return choose(w_before.value == 0, w, found)
 
 
 def _never(u: Bounded, w_before: Bounded, w: Bounded) -> Bounded:
@@ -104,7 +105,7 @@ CHOICES = (
         "the past, then the pixel's own, then neighbours in their order",
         REUSE,
         departure="order",
-        backwards=True,
+        order="reversed",
     ),
     mistake(
         "one-number-for-all-decisions",

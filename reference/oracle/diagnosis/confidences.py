@@ -146,7 +146,8 @@ CONFIDENCES = (
         "M = min(Σ M, cap)",
         REUSE,
         departure="confidence",
-        cap_when="arrival",
+        cap_when="never",
+        cap_arriving="own",
     ),
     mistake(
         "capped-before-weight",

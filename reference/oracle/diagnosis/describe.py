@@ -12,8 +12,9 @@ INTRODUCTION = """\
 When a pass is wrong, it is replayed under each mistake of this page. One that
 reproduces *every* answer that the backend gave for the pass, to rounding, is named;
 if several do, all of them are, since the cases do not tell them apart; if none does,
-that is said. "Seen" says where it has happened, as far as a paper, a change or a
-discussion tells.
+sets of them are tried, and if none of those does, that is said. What brings no bias
+is marked as a departure. "Seen" says where it has happened, as far as a paper, a
+change or a discussion tells.
 """
 
 
@@ -32,5 +33,20 @@ def _paragraph(h: Hypothesis) -> str:
     passes = ", ".join(f"`{name}`" for name in h.passes)
     return (
         f"\n({h.name})=\n## {h.name}\n\n{h.mistake[0].upper()}{h.mistake[1:]}.\n\n"
-        f"- wrong: {h.wrong}\n- right: {h.right}\n- shows in: {passes}\n{seen}"
+        f"{_kind(h)}- wrong: {h.wrong}\n- right: {h.right}\n"
+        f"- shows in: {passes}{_where(h)}\n{seen}"
     )
+
+
+def _where(h: Hypothesis) -> str:
+    """With which values of a setting alone it shows."""
+    if h.only is None:
+        return ""
+    setting, values = h.only
+    return f", where `{setting}` is {' or '.join(values)}"
+
+
+def _kind(h: Hypothesis) -> str:
+    if h.declared:
+        return f"- departure where it is declared: {h.declared}\n"
+    return f"- departure: {h.departure}\n" if h.departure else ""

@@ -1,6 +1,7 @@
 """Known mistakes in the passes that stand around the resampling of a frame."""
 
 from restir_gi.reference.oracle.diagnosis.further_filters import FILTERS
+from restir_gi.reference.oracle.diagnosis.further_layouts import LAYOUT_MISTAKES
 from restir_gi.reference.oracle.diagnosis.further_packing import PACKING
 from restir_gi.reference.oracle.diagnosis.further_turns import TURNS
 from restir_gi.reference.oracle.diagnosis.hypothesis import Hypothesis, mistake
@@ -35,8 +36,8 @@ CAMERAS = (
     mistake(
         "image-mirrored",
         "the frame of the camera is of the other hand",
-        "right = (up × forward) / |up × forward|",
-        "right = (forward × up) / |forward × up|",
+        "right = (up × forward) / |up × forward|, upward = forward × right",
+        "right = (forward × up) / |forward × up|, upward = right × forward",
         VIEW,
         part=FurtherRules(mirrored=True),
     ),
@@ -190,4 +191,5 @@ FURTHER_MISTAKES: tuple[Hypothesis, ...] = (
     *FILTERS,
     *TURNS,
     *PACKING,
+    *LAYOUT_MISTAKES,
 )

@@ -5,11 +5,8 @@ import numpy as np
 from restir_gi.reference.numerics.arrays import Scalars
 from restir_gi.reference.oracle.diagnosis.hypothesis import mistake
 from restir_gi.reference.oracle.replay.further.formulas import MOST_M, packed_confidence
-from restir_gi.reference.oracle.replay.further.rules import (
-    HALVES,
-    FurtherRules,
-    Octahedron,
-)
+from restir_gi.reference.oracle.replay.further.layout_rules import Octahedron
+from restir_gi.reference.oracle.replay.further.rules import HALVES, FurtherRules
 
 PACK, UNPACK = ("pack",), ("unpack",)
 BITS = (*PACK, *UNPACK)
@@ -49,7 +46,7 @@ LAYOUTS = (
         "v in bits 15:0, u in bits 31:16",
         NORMAL_RIGHT,
         BITS,
-        part=_exchanged((6, 7), (14, 15)),
+        part=FurtherRules(octahedron=Octahedron(v_first=True)),
     ),
     mistake(
         "normals-exchanged",
@@ -109,6 +106,14 @@ NUMBERS = (
         FOLD_RIGHT,
         BITS,
         part=FurtherRules(octahedron=Octahedron(folds=False)),
+    ),
+    mistake(
+        "octahedron-not-divided",
+        "normals are taken for points of the octahedron, since they are unit vectors",
+        "(u, v) = (x, y)",
+        "(u, v) = (x, y) / (|x| + |y| + |z|)",
+        PACK,
+        part=FurtherRules(octahedron=Octahedron(divided=False)),
     ),
     mistake(
         "sign-of-0-is-0",

@@ -26,6 +26,16 @@ def mean_of_channels(color: Bounded) -> Bounded:
     return sum_of_shares(color, (1 / 3, 1 / 3, 1 / 3))
 
 
+def sum_of_channels(color: Bounded) -> Bounded:
+    """R + G + B, (N,).
+
+    Parameters
+    ----------
+    color : Bounded; (N, 3)
+    """
+    return color[:, 0] + color[:, 1] + color[:, 2]
+
+
 def red_channel(color: Bounded) -> Bounded:
     """R, (N,).
 

@@ -1,10 +1,5 @@
 """Known mistakes with merges, with floors, and with what takes part in a stream."""
 
-from collections.abc import Callable
-
-import numpy as np
-
-from restir_gi.reference.oracle.contract.fields import Value
 from restir_gi.reference.oracle.diagnosis.hypothesis import (
     REUSE,
     SHIFTED,
@@ -12,11 +7,11 @@ from restir_gi.reference.oracle.diagnosis.hypothesis import (
     Hypothesis,
     mistake,
 )
-from restir_gi.reference.oracle.diagnosis.jacobian_limits import rejected
 from restir_gi.reference.oracle.diagnosis.targets import TARGETS_IN
 from restir_gi.reference.oracle.replay.bounded import Bounded, constant
-from restir_gi.reference.oracle.replay.formulas import finalized, target, weight
-from restir_gi.reference.oracle.replay.points import ReceiverPoint, SamplePoint
+from restir_gi.reference.oracle.replay.formulas import weight
+from restir_gi.reference.oracle.replay.limits import at_least
+from restir_gi.reference.oracle.replay.target_rules import TargetRules
 from restir_gi.reference.oracle.replay.verbs import choose
 
 MERGED = "w = w_a + w_b, M = M_a + M_b"
@@ -32,43 +27,13 @@ def _one_more(a: Bounded, b: Bounded) -> Bounded:
     return a + constant(1.0, a)
 
 
-def _larger(x: Bounded, least: float) -> Bounded:
-    low = constant(least, x)
-    return Bounded(np.maximum(x.value, least), x.error + low.error, x.rounding)
-
-
 def _at_least_one(M: Bounded) -> Bounded:
-    return _larger(M, 1.0)
+    return at_least(M, 1.0)
 
 
 def _no_fireflies(p_hat: Bounded, W: Bounded, M: Bounded, J: Bounded) -> Bounded:
     w = weight(p_hat, W, M, J)
     return choose(W.value < 10, w, constant(0.0, w))
-
-
-def _divisor_at_least(
-    least: float,
-) -> Callable[[Bounded, Bounded, Bounded], Bounded]:
-    def changed(w: Bounded, p_hat: Bounded, Z: Bounded) -> Bounded:
-        return finalized(w, _larger(p_hat, least), Z)
-
-    return changed
-
-
-def _target_at_least(
-    least: float, kinds: tuple[Value, ...]
-) -> Callable[[Value, ReceiverPoint, SamplePoint], Bounded]:
-    def changed(kind: Value, x: ReceiverPoint, y: SamplePoint) -> Bounded:
-        p_hat = target(kind, x, y)
-        if kind not in kinds:
-            return p_hat
-        floor = choose(p_hat.value > 0, _larger(p_hat, least), p_hat)
-        # Either side, where rounding leaves open whether there is light.
-        unsure = (p_hat.error > 0) & ~p_hat.surely_positive & ~p_hat.surely_not_positive
-        error = np.where(unsure, np.maximum(p_hat.error, least), floor.error)
-        return Bounded(floor.value, error, floor.rounding)
-
-    return changed
 
 
 def _divisor_floor(least: float) -> Hypothesis:
@@ -78,21 +43,19 @@ def _divisor_floor(least: float) -> Hypothesis:
         f"W = Σ w / (max(p̂(y), {least:g}) Z)",
         "W = Σ w / (p̂(y) Z)",
         ("finalize", "initial", *REUSE),
-        finalized=_divisor_at_least(least),
+        divisor_least=least,
     )
 
 
-def _target_floor(word: str, kinds: tuple[Value, ...], least: float) -> Hypothesis:
-    p_hat = _target_at_least(least, kinds)
+def _target_floor(word: str, kinds: tuple[str, ...], least: float) -> Hypothesis:
     return mistake(
         f"{word}-at-least-{least:g}",
         f"the target is kept above {least:g} where there is light: right in mean",
-        f"p̂ = max(p̂, {least:g}) where p̂ > 0, in {' and '.join(map(str, kinds))}",
+        f"p̂ = max(p̂, {least:g}) where p̂ > 0, in {' and '.join(kinds)}",
         "p̂ is as small as it is",
         TARGETS_IN,
         departure="target",
-        target=p_hat,
-        reuse_target=p_hat,
+        target=TargetRules(least=least, least_in=kinds),
     )
 
 
@@ -118,7 +81,7 @@ MERGING = (
         "a merge adds 1 to M, whatever the other's M is",
         "M = M_a + 1",
         MERGED,
-        MERGES,
+        ("merge", *SPATIAL),
         merged_confidence=_one_more,
     ),
     mistake(
@@ -176,7 +139,7 @@ MERGING = (
         "w = p̂ W M J, and M counts",
         SHIFTED,
         "RTXDI #42",
-        jacobian=rejected(0.1, 10.0),
+        refused=(0.1, 10.0),
         refused_counts=False,
     ),
     *map(_divisor_floor, FLOORS),

@@ -2,10 +2,10 @@
 
 from restir_gi.reference.oracle.contract.fields import Value
 from restir_gi.reference.oracle.diagnosis.hypothesis import REUSE, SHIFTED, mistake
-from restir_gi.reference.oracle.replay.bounded import Bounded, exact
+from restir_gi.reference.oracle.replay.bounded import Bounded
 from restir_gi.reference.oracle.replay.geometry import luminance
 from restir_gi.reference.oracle.replay.points import ReceiverPoint, SamplePoint
-from restir_gi.reference.oracle.replay.verbs import choose, inner, where_positive
+from restir_gi.reference.oracle.replay.verbs import inner, where_positive
 
 W_RIGHT = "W = Σ w / (p̂(y) Z)"
 Z_RIGHT = "Z = Σ M over those that could have made the kept sample"
@@ -21,16 +21,6 @@ def _without_p_hat(w: Bounded, p_hat: Bounded, Z: Bounded) -> Bounded:
 
 def _divided_twice(w: Bounded, p_hat: Bounded, Z: Bounded) -> Bounded:
     return w / p_hat / Z / Z
-
-
-def _at_most_10(w: Bounded, p_hat: Bounded, Z: Bounded) -> Bounded:
-    W = w / p_hat / Z
-    return choose(W.value <= 10, W, exact(W.value * 0 + 10, W.rounding))
-
-
-def _at_most_4(w: Bounded, p_hat: Bounded, Z: Bounded) -> Bounded:
-    W = w / p_hat / Z
-    return choose(W.value <= 4, W, exact(W.value * 0 + 4, W.rounding))
 
 
 def _any_light(kind: Value, x: ReceiverPoint, y: SamplePoint) -> Bounded:
@@ -55,10 +45,11 @@ WEIGHTS = (
     ),
     mistake(
         "one-over-z-where-m",
-        "1/Z where 1/M is asked for",
+        "1/Z where 1/M is asked for: right in mean",
         Z_RIGHT,
         "Z = Σ M",
         SHIFTED,
+        departure="mis",
         normalization="1/Z",
     ),
     mistake(
@@ -82,19 +73,19 @@ WEIGHTS = (
         "W is cut at 10",
         "W = min(W, 10)",
         W_RIGHT,
-        ("finalize", *REUSE),
+        ("finalize", "initial", *REUSE),
         "kajiya",
         "ReSTIR_PT",
-        finalized=_at_most_10,
+        W_most=10.0,
     ),
     mistake(
         "weight-cut-at-4",
         "W is cut at 4",
         "W = min(W, 4)",
         W_RIGHT,
-        ("finalize", *REUSE),
+        ("finalize", "initial", *REUSE),
         "forge3d #177",
-        finalized=_at_most_4,
+        W_most=4.0,
     ),
     mistake(
         "divided-by-the-donors-target",
@@ -115,7 +106,8 @@ WEIGHTS = (
     ),
     mistake(
         "visibility-missing-in-z",
-        "Z counts neighbours that do not see the kept sample",
+        "Z counts neighbours that do not see the kept sample, as where it asks what the"
+        " receiver sees, which is all that it keeps",
         "domain: above the horizon and lit",
         "domain: above the horizon, lit, and visible from the neighbour",
         SHIFTED,
@@ -124,10 +116,13 @@ WEIGHTS = (
     ),
     mistake(
         "visibility-missing-in-weight",
-        "samples that the receiver does not see keep their weight",
+        "samples that the receiver does not see keep their weight; right if your"
+        " shading tests visibility, and no hidden sample is kept",
         "w = p̂ W M J",
         "w = 0 where the receiver does not see the sample",
         SHIFTED,
+        "RTXDI",
+        declared="visibility",
         visibility_in_weight=False,
     ),
     mistake(
@@ -144,7 +139,7 @@ WEIGHTS = (
         "Z adds M of the last neighbour, whose domain ever is asked",
         "Z = Σ M_last over those that hold the sample",
         Z_RIGHT,
-        SHIFTED,
+        REUSE,
         "the paper's Algorithm 4",
         counted_as="last",
     ),
@@ -153,8 +148,16 @@ WEIGHTS = (
         "Z counts reservoirs, not their samples",
         "Z = number of those that hold the sample",
         Z_RIGHT,
-        SHIFTED,
+        REUSE,
         counted_as="one",
+    ),
+    mistake(
+        "one-each-unless-empty-in-z",
+        "Z counts reservoirs that are not empty, not their samples",
+        "Z = number of those with M > 0 that hold the sample",
+        Z_RIGHT,
+        REUSE,
+        counted_as="full",
     ),
     mistake(
         "merged-confidence-in-z",
@@ -166,9 +169,9 @@ WEIGHTS = (
     ),
     mistake(
         "first-not-counted",
-        "the first reservoir of the stream is merged and not counted",
-        "Z = Σ M over all but the first",
-        Z_RIGHT,
+        "1/M leaves out the first reservoir of the stream, which is merged",
+        "Z = Σ M over all but the first, for 1/M",
+        "Z = Σ M over all, for 1/M",
         REUSE,
         "blade 5fe3230",
         counted_as="rest",
@@ -189,14 +192,6 @@ WEIGHTS = (
         SHIFTED,
         "OloEngine #1183",
         receivers_domain=True,
-    ),
-    mistake(
-        "receivers-visibility-in-z",
-        "the domain test has the receiver's visibility in place of the source's",
-        "domain: the receiver sees the sample, which it always does",
-        "domain: the source sees the sample",
-        SHIFTED,
-        visibility_in_z=False,
     ),
     mistake(
         "canonical-not-merged",

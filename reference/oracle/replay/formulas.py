@@ -1,17 +1,21 @@
 """The contract's formulas, on numbers with error bounds."""
 
+from dataclasses import dataclass
 from math import pi
 
 import numpy as np
 
-from restir_gi.reference.oracle.contract.fields import Value
 from restir_gi.reference.oracle.replay.bounded import Bounded, constant
 from restir_gi.reference.oracle.replay.geometry import (
     cosine_at,
-    luminance,
     on_both_sides,
 )
 from restir_gi.reference.oracle.replay.points import ReceiverPoint, SamplePoint
+from restir_gi.reference.oracle.replay.surface_rules import (
+    CONTRACT_SURFACES,
+    SurfaceRules,
+)
+from restir_gi.reference.oracle.replay.target_rules import TargetRules
 from restir_gi.reference.oracle.replay.verbs import (
     choose,
     inner,
@@ -19,21 +23,33 @@ from restir_gi.reference.oracle.replay.verbs import (
     times,
 )
 
-
-def target(kind: Value, x: ReceiverPoint, y: SamplePoint) -> Bounded:
-    """Target p̂, Equation 9 or 10, (N,)."""
-    if kind == "outgoing":
-        return on_both_sides(x, y, luminance(y.radiance))
-    light = luminance(x.albedo * y.radiance)
-    value = light * cosine_at(x, y) / constant(pi, light)
-    return on_both_sides(x, y, value)
+target = TargetRules()
+"""Target p̂, Equation 9 or 10."""
 
 
-def reflected(x: ReceiverPoint, y: SamplePoint) -> Bounded:
-    """Integrand f = albedo / π · cos θ · L_o, (N, 3)."""
-    cosine = cosine_at(x, y)
-    color = times(x.albedo * y.radiance, cosine / constant(pi, cosine))
-    return on_both_sides(x, y, color)
+@dataclass(frozen=True, slots=True)
+class Integrand:
+    """Integrand f cos θ L_o.
+
+    Attributes
+    ----------
+    surface : SurfaceRules; f cos θ of declared surfaces
+    """
+
+    surface: SurfaceRules = CONTRACT_SURFACES
+
+    def __call__(self, x: ReceiverPoint, y: SamplePoint) -> Bounded:
+        """Of Lambertian points albedo / π · cos θ · L_o, (N, 3)."""
+        if x.material is not None:
+            color = self.surface(x, x.material, y) * y.radiance
+        else:
+            cosine = cosine_at(x, y)
+            color = times(x.albedo * y.radiance, cosine / constant(pi, cosine))
+        return on_both_sides(x, y, color)
+
+
+reflected = Integrand()
+"""The contract's."""
 
 
 def jacobian(x_from: ReceiverPoint, x_to: ReceiverPoint, y: SamplePoint) -> Bounded:
@@ -72,7 +88,9 @@ def preference(u: Bounded, w_before: Bounded, w: Bounded) -> Bounded:
     alone = (w_before.value == 0) & (w_before.error == 0)
     S = w_before + w
     slack = w - u * S
-    lost = slack.rounding.tiny * np.abs(S.value)
+    # What has no weight has nothing to lose.
+    some = (w.value > 0) | (w.error > 0)
+    lost = np.where(some, slack.rounding.tiny * np.abs(S.value), 0.0)
     return choose(alone, w, Bounded(slack.value, slack.error + lost, slack.rounding))
 
 

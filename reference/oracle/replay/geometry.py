@@ -61,3 +61,16 @@ def on_both_sides(x: ReceiverPoint, y: SamplePoint, value: Bounded) -> Bounded:
     """
     above = where_positive(inner(x.normal, y.position - x.position), value)
     return where_positive(lit_at(x, y), above)
+
+
+def open_at_zero(side: Bounded, value: Bounded) -> Bounded:
+    """A value on both sides of a plane, and either that or 0 in the plane itself.
+
+    Parameters
+    ----------
+    side : Bounded; (N,), positive on one of them
+    value : Bounded; (N,)
+    """
+    sure = side.surely_positive | (side.value < -side.error)
+    error = np.where(sure, value.error, np.abs(value.value) + value.error)
+    return Bounded(value.value, error, value.rounding)

@@ -1,7 +1,7 @@
 """What a replay finds: numbers side by side, and decisions within rounding."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -37,7 +37,10 @@ class Compared:
         difference = np.abs(self.found.astype(np.float64) - self.expected)
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = np.where(difference > 0, difference / self.allowed, 0.0)
-        largest: Scalars = ratio.reshape(len(ratio), -1).max(axis=1, initial=0.0)
+        # Column by column: a row has few numbers, which is slow along the last axis.
+        largest = np.zeros(len(ratio))
+        for column in ratio.reshape(len(ratio), -1).T:
+            largest = np.maximum(largest, column)
         return largest
 
 
@@ -116,6 +119,20 @@ def beside(name: str, found: NDArray[Any], expected: Bounded) -> Compared:
     return Compared(name, found, expected.value, expected.error)
 
 
+def of_light(compared: Compared, light: NDArray[Any]) -> Compared:
+    """Weights that are looked at where there is light to weigh.
+
+    The target of a null is 0 wherever it is reused, and so is what it shows: nothing
+    tells its W, as long as that is no less than 0.
+
+    Parameters
+    ----------
+    light : (N, 3) array; radiance of the sample that W belongs to
+    """
+    unseen = ~light.any(axis=1) & (compared.found >= 0)
+    return replace(compared, allowed=np.where(unseen, np.inf, compared.allowed))
+
+
 def exactly(name: str, found: NDArray[Any], expected: NDArray[Any]) -> Compared:
     """A buffer beside numbers that leave no room: nothing is allowed.
 
@@ -125,6 +142,30 @@ def exactly(name: str, found: NDArray[Any], expected: NDArray[Any]) -> Compared:
     """
     wide = expected.astype(np.float64)
     return Compared(name, found, wide, np.zeros_like(wide))
+
+
+def between(
+    name: str, found: NDArray[Any], least: NDArray[Any], most: NDArray[Any]
+) -> Compared:
+    """Whole numbers, of which rounding may leave open whether they are one or another.
+
+    Parameters
+    ----------
+    found : (N, ...) array; by the backend
+    least, most : (N, ...) array; the first and the last that are right
+    """
+    return Compared(name, found, (least + most) / 2, (most - least) / 2)
+
+
+def in_rows(rows: Masks, compared: Compared) -> Compared:
+    """The same in some rows; the others are not looked at.
+
+    Parameters
+    ----------
+    rows : (N,) bool; that are looked at
+    """
+    looked_at = rows.reshape(rows.shape + (1,) * (compared.allowed.ndim - 1))
+    return replace(compared, allowed=np.where(looked_at, compared.allowed, np.inf))
 
 
 def either(name: str, found: NDArray[Any], positive: Bounded) -> Compared:

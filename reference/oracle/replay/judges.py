@@ -8,7 +8,12 @@ import numpy as np
 from restir_gi.reference.numerics.rng import pcg4d, to_unit_interval
 from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.oracle.contract.fields import Precision
-from restir_gi.reference.oracle.replay.bounded import Bounded, exact, rounding_of
+from restir_gi.reference.oracle.replay.bounded import (
+    Bounded,
+    constant,
+    exact,
+    rounding_of,
+)
 from restir_gi.reference.oracle.replay.direction import judge_direction
 from restir_gi.reference.oracle.replay.judgement import (
     Decisions,
@@ -16,19 +21,19 @@ from restir_gi.reference.oracle.replay.judgement import (
     beside,
     either,
     exactly,
+    of_light,
 )
 from restir_gi.reference.oracle.replay.neighbors import judge_neighbors, similarity
 from restir_gi.reference.oracle.replay.points import (
     ReceiverPoint,
     point_of,
     receiver_of,
+    receiver_read,
+    sample_read,
 )
-from restir_gi.reference.oracle.replay.reuse import (
-    judge_moved,
-    judge_spatial,
-    judge_temporal,
-)
+from restir_gi.reference.oracle.replay.reuse import judge_reuse
 from restir_gi.reference.oracle.replay.rules import Rules
+from restir_gi.reference.oracle.replay.stream import at_an_end
 from restir_gi.reference.oracle.replay.verbs import choose, inner
 
 Judge = Callable[[Case, Buffers, Rules, Precision], Judgement]
@@ -58,7 +63,7 @@ def _jacobian(
     x_from = ReceiverPoint(places["x_from"], none, none)
     x_to = ReceiverPoint(places["x_to"], none, none)
     y = point_of({**case.inputs, "radiance": case.inputs["normal"]}, rounding)
-    J = rules.jacobian(x_from, x_to, y)
+    J = rules.shift_jacobian(x_from, x_to, y)
     return Judgement((beside("jacobian", out["jacobian"], J),))
 
 
@@ -66,8 +71,9 @@ def _merge(case: Case, out: Buffers, rules: Rules, precision: Precision) -> Judg
     given = {n: exact(a, rounding_of(precision)) for n, a in case.inputs.items()}
     w_a, w_b = given["w_a"], given["w_b"]
     prefers = rules.preference(given["u"], w_a, w_b)
-    second = either("second", out["second"], prefers)
-    flipped = (second.found != second.expected) & (second.excess <= 1)
+    second = either("second", out["second"], _decided(prefers, w_a, w_b))
+    looked_at = ((w_a.value > 0) | (w_b.value > 0)) & ~at_an_end(given["u"])
+    flipped = (second.found != second.expected) & (second.excess <= 1) & looked_at
     differing, mean = int(flipped.sum()), _open_merges(given)
     return Judgement(
         (
@@ -81,12 +87,25 @@ def _merge(case: Case, out: Buffers, rules: Rules, precision: Precision) -> Judg
     )
 
 
+def _decided(prefers: Bounded, w_a: Bounded, w_b: Bounded) -> Bounded:
+    """A preference that never keeps a weight of 0 beside another, and any beside 0."""
+    never = (w_b.value == 0) & (prefers.value <= 0)
+    value = np.where(never, -1.0, prefers.value)
+    error = np.where(never, 0.0, prefers.error)
+    # Where both are 0 nothing is kept, and nobody looks.
+    either_way = (w_a.value == 0) & (w_b.value == 0)
+    return Bounded(value, np.where(either_way, np.inf, error), prefers.rounding)
+
+
 def _open_merges(given: Mapping[str, Bounded]) -> float:
     S = given["w_a"] + given["w_b"]
     margin = given["w_b"] - given["u"] * S
     return float(
         np.divide(
-            2 * margin.error, S.value, where=S.value > 0, out=np.zeros_like(S.value)
+            2 * margin.error,
+            S.value,
+            where=(S.value > 0) & ~at_an_end(given["u"]),
+            out=np.zeros_like(S.value),
         ).sum()
     )
 
@@ -95,7 +114,7 @@ def _finalize(
     case: Case, out: Buffers, rules: Rules, precision: Precision
 ) -> Judgement:
     given = {n: exact(a, rounding_of(precision)) for n, a in case.inputs.items()}
-    W = rules.finalized(given["w"], given["p_hat"], given["Z"])
+    W = rules.closed(given["w"], given["p_hat"], given["Z"])
     return Judgement((beside("W", out["W"], saturated(W, precision)),))
 
 
@@ -137,20 +156,24 @@ def _initial(case: Case, out: Buffers, rules: Rules, precision: Precision) -> Ju
     p_hat = rules.target(case.settings["target"], x, y)
     w = rules.fresh_weight(p_hat, pdf)
     M = rules.fresh_confidence(w)
-    W = rules.finalized(w, p_hat, M)
+    W = rules.closed(w, p_hat, M)
+    if rules.null_weight == "1/pdf":
+        some = (p_hat.value > 0) | (p_hat.error > 0)
+        W = choose(some, W, constant(1.0, pdf) / pdf)
     found = beside("p_hat", out["p_hat"], p_hat)
     # A target that rounding cannot tell from 0 may be 0, and then W is.
     unsure = ~np.isfinite(W.error)
     W = choose(unsure, Bounded(W.value, np.abs(W.value) * 2, rounding), W)
+    weights = of_light(beside("W", out["W"], W), case.inputs["radiance"])
     return Judgement(
-        (found, beside("W", out["W"], W), beside("M", out["M"], M)),
+        (found, weights, beside("M", out["M"], M)),
         {"p_hat": p_hat.value, "pdf": pdf.value},
     )
 
 
 def _shade(case: Case, out: Buffers, rules: Rules, precision: Precision) -> Judgement:
     rounding = rounding_of(precision)
-    x, y = receiver_of(case.inputs, rounding), point_of(case.inputs, rounding)
+    x, y = receiver_read(case, rounding), sample_read(case, rounding)
     W = exact(case.inputs["W"], rounding)
     f = rules.reflected(x, y)
     color = rules.shaded(f, W)
@@ -170,9 +193,9 @@ JUDGES: Mapping[str, Judge] = {
     "finalize": _finalize,
     "similar": _similar,
     "initial": _initial,
-    "temporal": judge_temporal,
-    "moved": judge_moved,
+    "temporal": judge_reuse,
+    "moved": judge_reuse,
     "neighbors": judge_neighbors,
-    "spatial": judge_spatial,
+    "spatial": judge_reuse,
     "shade": _shade,
 }

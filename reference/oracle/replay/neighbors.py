@@ -96,7 +96,7 @@ def judge_neighbors(
     for k in range(found.shape[1]):
         u = case.inputs["u"][:, k].astype(float)
         options, odds = _landings(rows, width, case.rows // width, radius, u, rounding)
-        answers = [_answer(case, rows, o, rules, rounding) for o in options]
+        answers = [alike_to(case, rows, o, rules, rounding) for o in options]
         legal = [
             _is_legal(found[:, k], o, a, rows)
             for o, a in zip(options, answers, strict=True)
@@ -139,10 +139,19 @@ def _landings(
     return options, float(np.minimum(4 * room, 1.0).sum())
 
 
-def _answer(
+def alike_to(
     case: Case, rows: Indices, row_to: Indices, rules: Rules, rounding: Rounding
 ) -> Bounded:
-    """Positive where the pixel landed on is similar."""
+    """Positive where pixels landed on are similar.
+
+    Parameters
+    ----------
+    rows, row_to : (N,) int; of the pixels that look, and that are landed on, or −1
+
+    Returns
+    -------
+    Bounded; (N,), negative outside of the image
+    """
     n = exact(case.inputs["visible_normal"], rounding)
     depth = exact(case.inputs["depth"], rounding)
     to = np.maximum(row_to, 0)

@@ -1,10 +1,11 @@
 """Points of the contract's buffers, as numbers with error bounds."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from restir_gi.reference.numerics.arrays import Indices, Masks
-from restir_gi.reference.oracle.cases import Buffers
+from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.oracle.replay.bounded import Bounded, Rounding, exact
+from restir_gi.reference.oracle.replay.materials import Material, material_of
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -14,11 +15,13 @@ class ReceiverPoint:
     Attributes
     ----------
     position, normal, albedo : Bounded; (N, 3) each
+    material : Material or None; of a declared surface; ``None`` for a Lambertian one
     """
 
     position: Bounded
     normal: Bounded
     albedo: Bounded
+    material: Material | None = None
 
     def rows(self, rows: Indices) -> "ReceiverPoint":
         """Some of the points.
@@ -27,7 +30,17 @@ class ReceiverPoint:
         ----------
         rows : (K,) int
         """
-        return ReceiverPoint(self.position[rows], self.normal[rows], self.albedo[rows])
+        material = None if self.material is None else self.material.rows(rows)
+        return ReceiverPoint(
+            self.position[rows], self.normal[rows], self.albedo[rows], material
+        )
+
+    def viewed_as(self, other: "ReceiverPoint") -> "ReceiverPoint":
+        """The points, but seen from where others are seen; if they have a view."""
+        if self.material is None or other.material is None:
+            return self
+        material = replace(self.material, view=other.material.view)
+        return replace(self, material=material)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,10 +74,13 @@ def receiver_of(
     Parameters
     ----------
     buffers : mapping of str to array
-        With ``visible_position``, ``visible_normal`` and ``albedo``.
+        With ``visible_position``, ``visible_normal`` and ``albedo``, and what a
+        declared surface has beside.
     """
     names = ("visible_position", "visible_normal", "albedo")
-    return ReceiverPoint(*(exact(buffers[prefix + name], rounding) for name in names))
+    position, normal, albedo = (exact(buffers[prefix + n], rounding) for n in names)
+    material = material_of(buffers, rounding, prefix)
+    return ReceiverPoint(position, normal, albedo, material)
 
 
 def point_of(buffers: Buffers, rounding: Rounding, prefix: str = "") -> SamplePoint:
@@ -76,6 +92,31 @@ def point_of(buffers: Buffers, rounding: Rounding, prefix: str = "") -> SamplePo
     """
     names = ("position", "normal", "radiance")
     return SamplePoint(*(exact(buffers[prefix + name], rounding) for name in names))
+
+
+def receiver_read(case: Case, rounding: Rounding, prefix: str = "") -> ReceiverPoint:
+    """Visible points of a case, to what the backend's decoder may round."""
+    x = receiver_of(case.inputs, rounding, prefix)
+    x = replace(x, normal=_read(case, f"{prefix}visible_normal", x.normal))
+    if x.material is None:
+        return x
+    view = _read(case, f"{prefix}view", x.material.view)
+    return replace(x, material=replace(x.material, view=view))
+
+
+def sample_read(case: Case, rounding: Rounding, prefix: str = "") -> SamplePoint:
+    """Sample points of a case, to what the backend's decoder may round."""
+    y = point_of(case.inputs, rounding, prefix)
+    normal = _read(case, f"{prefix}normal", y.normal)
+    radiance = _read(case, f"{prefix}radiance", y.radiance)
+    return replace(y, normal=normal, radiance=radiance)
+
+
+def _read(case: Case, name: str, x: Bounded) -> Bounded:
+    """A vector that came out of storage, (N, 3)."""
+    if not case.decoded or name not in case.decoded:
+        return x
+    return Bounded(x.value, x.error + case.decoded[name][:, None], x.rounding)
 
 
 def same_points(buffers: Buffers, y: SamplePoint) -> Masks:

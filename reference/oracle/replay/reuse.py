@@ -1,6 +1,8 @@
 """Replay of the passes that reuse samples: Algorithms 3 and 4."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -9,16 +11,20 @@ from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.oracle.contract.fields import Precision
 from restir_gi.reference.oracle.replay.bounded import (
     Bounded,
+    Rounding,
     constant,
     exact,
     rounding_of,
 )
+from restir_gi.reference.oracle.replay.cached import jacobian_by, target_by
+from restir_gi.reference.oracle.replay.chain import judge_chain
 from restir_gi.reference.oracle.replay.judgement import Judgement
+from restir_gi.reference.oracle.replay.mis import CHAINED
 from restir_gi.reference.oracle.replay.points import (
     ReceiverPoint,
     SamplePoint,
-    point_of,
-    receiver_of,
+    receiver_read,
+    sample_read,
 )
 from restir_gi.reference.oracle.replay.resampling import judge_resampling
 from restir_gi.reference.oracle.replay.rules import Rules
@@ -27,48 +33,64 @@ from restir_gi.reference.oracle.replay.slots import (
     Domain,
     Slot,
     counted_nulls,
+    in_order,
     with_hidden,
 )
+from restir_gi.reference.oracle.replay.storage import stored_sample, stored_W
 from restir_gi.reference.oracle.replay.verbs import choose
 
 
-def judge_temporal(
-    case: Case, outputs: Buffers, rules: Rules, precision: Precision
-) -> Judgement:
-    """Judge pass ``temporal``."""
-    x = receiver_of(case.inputs, rounding_of(precision))
+# A search replays the same case under hundreds of rules, of which few change what is
+# cached here.
+@lru_cache(maxsize=64)
+def _receiver(case: Case, precision: Precision, prefix: str = "") -> ReceiverPoint:
+    return receiver_read(case, rounding_of(precision), prefix)
+
+
+@lru_cache(maxsize=256)
+def _sample(case: Case, precision: Precision, prefix: str, storage: str) -> SamplePoint:
+    y = sample_read(case, rounding_of(precision), prefix)
+    return stored_sample(y, storage) if case.decoded is None else y
+
+
+@lru_cache(maxsize=256)
+def _sample_around(
+    case: Case, precision: Precision, k: int, storage: str
+) -> tuple[ReceiverPoint, SamplePoint]:
+    """Visible point of neighbour k, and its sample; those of row 0 for none."""
+    row = np.maximum(case.inputs["neighbors"][:, k], 0)
+    y = _sample(case, precision, "", storage).rows(row)
+    return _receiver(case, precision).rows(row), y
+
+
+# Candidates in the order of the contract, and how their stream ends.
+Stream = tuple[list[Slot], Closing]
+
+
+def _temporal(case: Case, rules: Rules, precision: Precision) -> Stream:
+    x = _receiver(case, precision)
     past = _reused(case, x, rules, precision, "past_", u="u")
     slots = [counted_nulls(past, rules), _new(case, x, rules, precision)]
-    closing = _closing(case, x, mis="1/M")
-    return judge_resampling(outputs, slots, closing, rules, case.random)
+    return slots, _closing(case, x, mis="1/M")
 
 
-def judge_moved(
-    case: Case, outputs: Buffers, rules: Rules, precision: Precision
-) -> Judgement:
-    """Judge pass ``moved``."""
-    rounding = rounding_of(precision)
-    x = receiver_of(case.inputs, rounding)
-    x_past = receiver_of(case.inputs, rounding, "past_")
+def _moved(case: Case, rules: Rules, precision: Precision) -> Stream:
+    x, x_past = _receiver(case, precision), _receiver(case, precision, "past_")
     visible = case.inputs["visible"]
     new, old = 0, 1  # bits of the two samples; slots are the other way round
     sees = np.stack([_bit(visible[:, 1], old), _bit(visible[:, 1], new)])
     x_from = None if rules.as_stored else x_past
     past = _reused(case, x, rules, precision, "past_", u="u", x_from=x_from)
     if not rules.as_stored:
-        past = replace(past, domain=Domain(x_past, sees))
+        past = replace(past, domain=Domain(_asked_as(x_past, x, rules), sees))
         past = with_hidden(past, _bit(visible[:, 0], old), rules)
     slots = [counted_nulls(past, rules), _new(case, x, rules, precision)]
     closing = _closing(case, x, mis=str(case.settings["mis"]))
-    slots = _taking_part(slots, rules)
-    return judge_resampling(outputs, slots, closing, rules, case.random)
+    return _taking_part(slots, rules), closing
 
 
-def judge_spatial(
-    case: Case, outputs: Buffers, rules: Rules, precision: Precision
-) -> Judgement:
-    """Judge pass ``spatial``."""
-    x = receiver_of(case.inputs, rounding_of(precision))
+def _spatial(case: Case, rules: Rules, precision: Precision) -> Stream:
+    x = _receiver(case, precision)
     neighbors = case.inputs["neighbors"]
     count = neighbors.shape[1]
     slots = [
@@ -79,12 +101,35 @@ def judge_spatial(
         slots.append(_neighbor(case, x, rules, precision, neighbors[:, k], k))
     slots = [counted_nulls(slot, rules) for slot in slots]
     closing = _closing(case, x, mis=str(case.settings["mis"]))
-    slots = _taking_part(slots, rules)
+    return _taking_part(slots, rules), closing
+
+
+STREAMS: Mapping[str, Callable[[Case, Rules, Precision], Stream]] = {
+    "temporal": _temporal,
+    "moved": _moved,
+    "spatial": _spatial,
+}
+"""What each pass that reuses samples resamples from."""
+
+
+def stream_of(case: Case, rules: Rules, precision: Precision) -> Stream:
+    """Candidates of a pass in the order of the rules, and how their stream ends."""
+    slots, closing = STREAMS[case.pass_name](case, rules, precision)
+    return in_order(slots, closing, rules.order)
+
+
+def judge_reuse(
+    case: Case, outputs: Buffers, rules: Rules, precision: Precision
+) -> Judgement:
+    """Judge pass ``temporal``, ``moved`` or ``spatial``."""
+    slots, closing = stream_of(case, rules, precision)
+    if rules.normalization in CHAINED:
+        return judge_chain(outputs, slots, closing, rules, case.random)
     return judge_resampling(outputs, slots, closing, rules, case.random)
 
 
-OWN = 1
-"""Slot of the receiver's own sample, in each of the passes."""
+PAST, OWN = 0, 1
+"""Slots of the past and of the receiver's own sample, in each of the passes."""
 
 
 def _closing(case: Case, x: ReceiverPoint, mis: str) -> Closing:
@@ -94,9 +139,10 @@ def _closing(case: Case, x: ReceiverPoint, mis: str) -> Closing:
 
 def _taking_part(slots: list[Slot], rules: Rules) -> list[Slot]:
     """Slots as the rules would have them."""
-    if not rules.canonical_merged:
-        none = constant(0.0, slots[OWN].w)
-        slots[OWN] = replace(slots[OWN], w=none, M=none)
+    for at, merged in ((PAST, rules.past_merged), (OWN, rules.canonical_merged)):
+        if not merged:
+            none = constant(0.0, slots[at].w)
+            slots[at] = replace(slots[at], w=none, M=none)
     return slots
 
 
@@ -108,10 +154,10 @@ def _bit(words: "Indices", place: int) -> Masks:
 def _new(case: Case, x: ReceiverPoint, rules: Rules, precision: Precision) -> Slot:
     """The sample that the initial pass has drawn."""
     rounding = rounding_of(precision)
-    y = point_of(case.inputs, rounding, "new_")
-    p_hat = rules.target(case.settings["target"], x, y)
+    y = _sample(case, precision, "new_", rules.storage)
+    p_hat = target_by(rules.target, case.settings["target"], x, y)
     w = rules.fresh_weight(p_hat, exact(case.inputs["new_pdf"], rounding))
-    u = exact(case.inputs["u"], rounding)
+    u = decides(case, "u", rounding)
     return Slot(y, p_hat, w, rules.fresh_confidence(w), u)
 
 
@@ -126,16 +172,50 @@ def _reused(
 ) -> Slot:
     """A reservoir of the receiver itself, or of another point in its place."""
     rounding = rounding_of(precision)
-    y = point_of(case.inputs, rounding, prefix)
+    y = _sample(case, precision, prefix, rules.storage)
     W, M = (exact(case.inputs[prefix + name], rounding) for name in ("W", "M"))
+    W = stored_W(W, rules.storage) if case.decoded is None else W
     M = rules.reused_confidence(M)
-    if rules.cap_when == "arrival":
+    if rules.cap_arriving in ("own", "all") or (rules.cap_arriving and prefix):
         M = rules.capped(M, float(case.settings["cap"]))
-    at = x_from if x_from and rules.source_target else x
-    p_hat = rules.reuse_target(case.settings["target"], at, y)
-    J = rules.jacobian(x_from, x, y) if x_from else constant(1.0, W)
+    at = _reused_at(x, x_from, rules) if x_from else x
+    p_hat = target_by(rules.target_of_reused, case.settings["target"], at, y)
+    J = constant(1.0, W)
+    if x_from:
+        J = rules.limited(jacobian_by(rules.jacobian, x_from, x, y))
     w = _weighted(rules, p_hat, W, M, J)
-    return Slot(y, p_hat, w, _trusted(rules, M, J), exact(case.inputs[u], rounding))
+    return Slot(y, p_hat, w, _trusted(rules, M, J), decides(case, u, rounding))
+
+
+def decides(
+    case: Case, name: str, rounding: Rounding, column: int | None = None
+) -> Bounded:
+    """Random numbers that decide, (N,); anywhere in [0, 1) where nobody gave them.
+
+    A backend with a generator of its own is judged so: each choice that has a chance
+    is one that it may make.
+
+    Parameters
+    ----------
+    column : int, optional; of a buffer with a column for each neighbour
+    """
+    if name not in case.inputs:
+        half = np.full(case.rows, 0.5)
+        return Bounded(half, half, rounding)
+    u = case.inputs[name]
+    return exact(u if column is None else u[:, column], rounding)
+
+
+def _reused_at(x: ReceiverPoint, x_from: ReceiverPoint, rules: Rules) -> ReceiverPoint:
+    """Where the target of a reused sample is evaluated."""
+    if rules.source_target:
+        return x_from
+    return x.viewed_as(x_from) if rules.views == "source" else x
+
+
+def _asked_as(x_from: ReceiverPoint, x: ReceiverPoint, rules: Rules) -> ReceiverPoint:
+    """A source, as the domain test asks it."""
+    return x_from.viewed_as(x) if rules.views == "receiver" else x_from
 
 
 def _trusted(rules: Rules, M: Bounded, J: Bounded) -> Bounded:
@@ -150,8 +230,10 @@ def _weighted(
 ) -> Bounded:
     """Weight of a reservoir, exactly 0 for an empty one, whatever J is."""
     none = np.zeros_like(W.value)
-    full = (W.value > 0) & ((p_hat.value > 0) | (p_hat.error > 0))
     w = rules.weight(p_hat, W, M, J)
+    # A mistake may give light to what has no target, but not by a J that is none.
+    lit = (p_hat.value > 0) | (p_hat.error > 0) | np.isfinite(w.value)
+    full = (W.value > 0) & lit
     return choose(full, w, Bounded(none, none, W.rounding))
 
 
@@ -165,24 +247,27 @@ def _neighbor(
 ) -> Slot:
     rounding = rounding_of(precision)
     there, row = row >= 0, np.maximum(row, 0)
-    y: SamplePoint = point_of(case.inputs, rounding).rows(row)
-    x_from = x.rows(row)
+    x_from, y = _sample_around(case, precision, k, rules.storage)
     W, M = (exact(case.inputs[name][row], rounding) for name in ("W", "M"))
+    W = stored_W(W, rules.storage) if case.decoded is None else W
     none = constant(0.0, M)
     there = there | rules.none_is_first
     M = rules.reused_confidence(choose(there | rules.rejected_counts, M, none))
-    at = x_from if rules.source_target else x
-    p_hat = rules.reuse_target(case.settings["target"], at, y)
+    if rules.cap_arriving == "all":
+        M = rules.capped(M, float(case.settings["cap"]))
+    at = _reused_at(x, x_from, rules)
+    p_hat = target_by(rules.target_of_reused, case.settings["target"], at, y)
     trusted = M * constant(rules.neighbor_trust, M) if rules.neighbor_trust != 1 else M
-    J = rules.jacobian(x_from, x, y)
+    J = rules.limited(jacobian_by(rules.jacobian, x_from, x, y))
     w = choose(there, _weighted(rules, p_hat, W, trusted, J), none)
     M = _trusted(rules, M, J)
-    u = case.inputs["u_neighbors"][:, 0 if rules.shared_decision else k]
+    u = decides(case, "u_neighbors", rounding, 0 if rules.shared_decision else k)
     if rules.shared_decision == "all":
-        u = case.inputs["u_own"]
+        u = decides(case, "u_own", rounding)
     visible = case.inputs["visible"]
     count = case.inputs["neighbors"].shape[1]
     bits = [count + 1, 0, *range(1, count + 1)]  # of the slots: past, own, neighbours
     sees = np.stack([_bit(visible[:, 1 + k], bit) & there for bit in bits])
-    slot = Slot(y, p_hat, w, M, exact(u, rounding), Domain(x_from, sees))
+    domain = Domain(_asked_as(x_from, x, rules), sees)
+    slot = Slot(y, p_hat, w, M, u, domain)
     return with_hidden(slot, _bit(visible[:, 0], 1 + k), rules)

@@ -1,5 +1,6 @@
 """Competitors in a stream, as a replay sees them."""
 
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -73,23 +74,95 @@ def nothing(like: Bounded) -> Bounded:
     return Bounded(none, none, like.rounding)
 
 
-def backwards(slots: list[Slot], closing: Closing) -> tuple[list[Slot], Closing]:
-    """The stream from its end; each place keeps its random number.
+@dataclass(frozen=True, slots=True)
+class StreamOrder:
+    """Who comes when in a stream, and whose random number decides on it.
+
+    Attributes
+    ----------
+    first : tuple of str; 'past', 'own' and 'neighbors', as they come
+    turned : bool; neighbours come in reverse
+    in_place : bool
+        A number belongs to a place in the stream, not to a reservoir.  The past has
+        none of its own: it takes that of the first, which needs none.
+    """
+
+    first: tuple[str, str, str]
+    turned: bool = False
+    in_place: bool = False
+
+    def of(self, count: int, own: int) -> tuple[list[int], list[int]]:
+        """Slots in this order, and for each the slot whose number decides on it."""
+        neighbors = [k for k in range(1, count) if k != own]
+        places = {
+            "past": [0],
+            "own": [own],
+            "neighbors": neighbors[::-1] if self.turned else neighbors,
+        }
+        order = [k for name in self.first for k in places[name]]
+        if self.in_place:
+            return order, list(range(count))
+        return order, [k or order[0] for k in order]
+
+
+BLOCKS: Mapping[str, tuple[str, str, str]] = {
+    "": ("past", "own", "neighbors"),
+    "own-first": ("own", "past", "neighbors"),
+    "past-last": ("own", "neighbors", "past"),
+    "own-last": ("past", "neighbors", "own"),
+    "neighbors-first": ("neighbors", "past", "own"),
+    "neighbors-own-past": ("neighbors", "own", "past"),
+}
+
+
+def _orders() -> Iterator[tuple[str, StreamOrder]]:
+    """Orders by their names, that of the contract left out."""
+    for name, blocks in BLOCKS.items():
+        for turned in (False, True):
+            word = "-".join(filter(None, [name or "neighbors", "turned" * turned]))
+            yield word, StreamOrder(blocks, turned)
+            yield f"{word}-in-place", StreamOrder(blocks, turned, True)
+
+
+# Numbers of places and of reservoirs are the same where no neighbour moves.
+SAME = ("neighbors", "neighbors-in-place", "own-first-in-place")
+
+ORDERS: Mapping[str, StreamOrder] = {
+    "reversed": StreamOrder(BLOCKS["neighbors-own-past"], True, True),
+    **{
+        name: order
+        for name, order in _orders()
+        if name not in (*SAME, "neighbors-own-past-turned-in-place")
+    },
+}
+"""Orders of a stream other than the contract's."""
+
+
+def in_order(
+    slots: list[Slot], closing: Closing, order: str
+) -> tuple[list[Slot], Closing]:
+    """The stream in another order.
 
     Whoever is asked about the samples is asked in the new order.
 
     Parameters
     ----------
     slots : list of Slot; in the order of the contract
+    order : str; 'contract', or a name of `ORDERS`
     """
-    found = [replace(b, u=a.u) for a, b in zip(slots, slots[::-1], strict=True)]
+    if order == "contract":
+        return slots, closing
+    chosen, numbers = ORDERS[order].of(len(slots), closing.canonical)
+    found = [
+        replace(slots[k], u=slots[n].u) for k, n in zip(chosen, numbers, strict=True)
+    ]
     turned = [
-        replace(slot, domain=replace(slot.domain, sees=slot.domain.sees[::-1]))
+        replace(slot, domain=replace(slot.domain, sees=slot.domain.sees[chosen]))
         if slot.domain
         else slot
         for slot in found
     ]
-    return turned, replace(closing, canonical=len(slots) - 1 - closing.canonical)
+    return turned, replace(closing, canonical=chosen.index(closing.canonical))
 
 
 def with_hidden(slot: Slot, seen: Masks, rules: Rules) -> Slot:

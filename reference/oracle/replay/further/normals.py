@@ -5,8 +5,8 @@ from numpy.typing import NDArray
 
 from restir_gi.reference.numerics.arrays import Masks, Scalars, Vec3s, length, normalize
 from restir_gi.reference.oracle.replay.bounded import Bounded, Rounding, constant, exact
+from restir_gi.reference.oracle.replay.further.layout_rules import Octahedron
 from restir_gi.reference.oracle.replay.further.numbers import unit
-from restir_gi.reference.oracle.replay.further.rules import Octahedron
 from restir_gi.reference.oracle.replay.judgement import Compared
 from restir_gi.reference.oracle.replay.verbs import choose
 from restir_gi.reference.resampling.packing.octahedral import (
@@ -36,6 +36,7 @@ def as_written(
     """
     if octahedron == Octahedron():
         return (_turned(name, decode_normal(codes), given, rounding),)
+    codes = codes[:, ::-1] if octahedron.v_first else codes
     return _coded(name, codes, given.astype(np.float64), octahedron, rounding)
 
 
@@ -59,7 +60,7 @@ def _turned(name: str, read: Vec3s, given: Vec3s, rounding: Rounding) -> Compare
 def _coded(
     name: str, codes: Codes, given: Vec3s, octahedron: Octahedron, rounding: Rounding
 ) -> tuple[Compared, ...]:
-    total = np.abs(given).sum(axis=1)
+    total = np.abs(given).sum(axis=1) if octahedron.divided else np.ones(len(given))
     u, v = (given[:, i] / np.where(total > 0, total, 1.0) for i in range(2))
     if octahedron.folds:
         below, signs = given[:, 2] < 0, (_sign(u, octahedron), _sign(v, octahedron))
@@ -117,6 +118,7 @@ def as_read(codes: Codes, octahedron: Octahedron, rounding: Rounding) -> Bounded
         coordinates.
     """
     kind = np.int16 if octahedron.signed else np.uint16
+    codes = codes[:, ::-1] if octahedron.v_first else codes
     whole = np.maximum(codes.astype(kind).astype(np.int32), -UNIT)
     steps = exact(np.full(len(codes), octahedron.steps), rounding)
     u, v = (exact(whole[:, i], rounding) / steps for i in range(2))

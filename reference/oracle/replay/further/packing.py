@@ -1,13 +1,22 @@
 """Replay of reservoirs in bits: any code passes that is read as it should be."""
 
+from collections.abc import Callable, Mapping
+
 import numpy as np
-from numpy.typing import NDArray
 
 from restir_gi.reference.numerics.arrays import Scalars
 from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.oracle.contract.fields import Precision
-from restir_gi.reference.oracle.replay.bounded import rounding_of
+from restir_gi.reference.oracle.contract.packing import (
+    PAPER,
+    RESTIR_PT,
+    RTXDI,
+    RTXDI_PATH,
+)
+from restir_gi.reference.oracle.replay.bounded import Rounding, rounding_of
+from restir_gi.reference.oracle.replay.further import rtxdi, rtxdi_path
 from restir_gi.reference.oracle.replay.further.normals import as_read, as_written
+from restir_gi.reference.oracle.replay.further.records import copied, records, single
 from restir_gi.reference.oracle.replay.further.rules import FurtherRules, further
 from restir_gi.reference.oracle.replay.judgement import (
     Compared,
@@ -18,16 +27,25 @@ from restir_gi.reference.oracle.replay.judgement import (
 from restir_gi.reference.oracle.replay.rules import Rules
 from restir_gi.reference.resampling.packing import paper
 
-SINGLE, SMALL_SINGLE = 2.0**-24, float(np.finfo(np.float32).tiny)
-"""Relative error of a float32; smaller ones may be flushed to 0."""
-
 HALF, SMALL_HALF = 2.0**-11, 2.0**-25
 """Relative error of a float16, and absolute error of one below 2⁻¹⁴."""
 
 NORMAL_HALF, FIRST_BEYOND = 2.0**-14, 65520.0
 """Smallest normal float16, and what the nearest one of is infinity."""
 
-MOST_HALF, MOST_SINGLE = 65504.0, float(np.finfo(np.float32).max)
+MOST_HALF = 65504.0
+
+LAST = {PAPER: "seed", RESTIR_PT: "age"}
+"""What stands in the last word of 48 bytes."""
+
+Compare = Callable[[Buffers, Buffers, FurtherRules, Rounding], tuple[Compared, ...]]
+
+PACKED: Mapping[str, Compare] = {RTXDI: rtxdi.packed, RTXDI_PATH: rtxdi_path.packed}
+UNPACKED: Mapping[str, Compare] = {
+    RTXDI: rtxdi.unpacked,
+    RTXDI_PATH: rtxdi_path.unpacked,
+}
+"""Comparisons of the layouts that do not have the paper's 48 bytes."""
 
 
 def judge_pack(
@@ -40,8 +58,11 @@ def judge_pack(
     where both are near enough.
     """
     part, given, rounding = further(rules), case.inputs, rounding_of(precision)
-    codes = _records(outputs["words"], part)
-    x_v, _, r, seed = paper.unpack(codes)
+    layout = str(case.settings.get("layout", PAPER))
+    if layout in PACKED:
+        return Judgement(PACKED[layout](given, outputs, part, rounding))
+    codes = records(outputs["words"], "<u2", part.halves, paper.RESERVOIR)
+    x_v, _, r, last = paper.unpack(codes)
     singles = (
         ("visible_position", codes["x_v"], x_v),
         ("position", codes["x_s"], r.y.position),
@@ -50,7 +71,7 @@ def judge_pack(
     octahedron = part.octahedron
     return Judgement(
         (
-            *(_single(name, raw, read, given[name]) for name, raw, read in singles),
+            *(single(name, raw, read, given[name]) for name, raw, read in singles),
             _halved(codes["L_o"], r.y.radiance, given["radiance"], part),
             *as_written(
                 "visible_normal",
@@ -61,7 +82,7 @@ def judge_pack(
             ),
             *as_written("normal", codes["n_s"], given["normal"], octahedron, rounding),
             _counted(r.M, part.packed_confidence(given["M"].astype(np.float64))),
-            exactly("seed", seed, given["seed"]),
+            exactly(LAST[layout], last, given[LAST[layout]]),
         )
     )
 
@@ -71,12 +92,15 @@ def judge_unpack(
 ) -> Judgement:
     """Judge pass ``unpack``.
 
-    All but the normals is exact; a float32 below the smallest normal number may be
-    flushed to 0.
+    All but the normals is exact, and LogLuv; a float32 below the smallest normal number
+    may be flushed to 0.
     """
     part, rounding = further(rules), rounding_of(precision)
-    codes = _records(case.inputs["words"], part)
-    x_v, _, r, seed = paper.unpack(codes)
+    layout = str(case.settings.get("layout", PAPER))
+    if layout in UNPACKED:
+        return Judgement(UNPACKED[layout](case.inputs, outputs, part, rounding))
+    codes = records(case.inputs["words"], "<u2", part.halves, paper.RESERVOIR)
+    x_v, _, r, last = paper.unpack(codes)
     n_v, n_s = (as_read(codes[n], part.octahedron, rounding) for n in ("n_v", "n_s"))
     radiance, M = r.y.radiance, r.M
     if not part.small_halves_kept:
@@ -85,32 +109,16 @@ def judge_unpack(
         M = codes["M"].astype(np.int16).astype(np.float64)
     return Judgement(
         (
-            _copied("visible_position", outputs, x_v),
+            copied("visible_position", outputs, x_v),
             beside("visible_normal", outputs["visible_normal"], n_v),
-            _copied("position", outputs, r.y.position),
+            copied("position", outputs, r.y.position),
             beside("normal", outputs["normal"], n_s),
             exactly("radiance", outputs["radiance"], radiance),
-            _copied("W", outputs, r.W),
+            copied("W", outputs, r.W),
             exactly("M", outputs["M"], M),
-            exactly("seed", outputs["seed"], seed),
+            exactly(LAST[layout], outputs[LAST[layout]], last),
         )
     )
-
-
-def _records(words: NDArray[np.uint32], part: FurtherRules) -> NDArray[np.void]:
-    """Half words back at the places that the layout has for them."""
-    halves = np.ascontiguousarray(words, "<u4").view("<u2")[:, list(part.halves)]
-    return np.ascontiguousarray(halves).view(paper.RESERVOIR)[:, 0]
-
-
-def _single(name: str, raw: Scalars, read: Scalars, given: Scalars) -> Compared:
-    """Numbers of float32, which are never infinite nor NaN."""
-    wide = given.astype(np.float64)
-    held = np.clip(wide, -MOST_SINGLE, MOST_SINGLE)
-    allowed = np.maximum(np.abs(held) * SINGLE, SMALL_SINGLE)
-    found = np.where(np.isfinite(raw), read, np.inf)
-    saturated = np.abs(wide) > MOST_SINGLE
-    return Compared(f"words: {name}", found, held, np.where(saturated, 0.0, allowed))
 
 
 def _halved(
@@ -147,8 +155,3 @@ def _without_small(x: Scalars) -> Scalars:
 def _counted(read: Scalars, held: Scalars) -> Compared:
     allowed = np.where(held == np.rint(held), 0.0, 0.5)
     return Compared("words: M", read, held, allowed)
-
-
-def _copied(name: str, outputs: Buffers, expected: Scalars) -> Compared:
-    small = np.abs(expected) < SMALL_SINGLE
-    return Compared(name, outputs[name], expected, np.where(small, SMALL_SINGLE, 0.0))

@@ -15,34 +15,19 @@ from restir_gi.reference.oracle.replay.further.formulas import (
     roulette_tile,
     tail_weight,
 )
+from restir_gi.reference.oracle.replay.further.layout_rules import (
+    OCTAHEDRON,
+    PATH_RULES,
+    RTXDI_RULES,
+    Octahedron,
+    PathRules,
+    RtxdiRules,
+)
 from restir_gi.reference.oracle.replay.geometry import luminance
 from restir_gi.reference.oracle.replay.rules import Rules
 
 HALVES = 24
 """Half words of a packed reservoir, the low one of each word first."""
-
-
-@dataclass(frozen=True, slots=True)
-class Octahedron:
-    """Normals as two integers.
-
-    Attributes
-    ----------
-    folds : bool; the lower half is folded outward, over the sides of the upper one
-    steps : int; code of the coordinate 1
-    toward_zero : bool; rounded toward 0, not to nearest
-    runs_over : bool; the sign of a negative u fills the bits of v
-    signed : bool; codes are read as numbers with a sign
-    normalized : bool; what was read is made a unit vector
-    """
-
-    folds: bool = True
-    sign_of_zero: int = 1
-    steps: int = 32767
-    toward_zero: bool = False
-    runs_over: bool = False
-    signed: bool = True
-    normalized: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,14 +67,16 @@ class FurtherRules:
     history_asked : bool; who has no history draws in every frame
     roulette_tile, tail_weight : callable
         Of the roulette, as the functions of `formulas`.
-    halves : tuple of int
-        At which half word of 48 bytes each half word of the layout stands.
     octahedron : Octahedron; how normals are written and read
+    halves : tuple of int
+        Of layouts of 48 bytes, as all that follows but the last two: at which half word
+        each half word of the layout stands.
     half_toward_zero, half_overflows : bool
         Channels are rounded toward 0; those too large become infinity.
     small_halves_kept : bool; halves below 2⁻¹⁴ do not become 0
     packed_confidence : callable; as the function of `formulas`
     confidence_signed : bool; M is read as a number with a sign
+    rtxdi, rtxdi_path : RtxdiRules and PathRules; of these layouts
     """
 
     pixel_place: float = 0.5
@@ -122,13 +109,15 @@ class FurtherRules:
     history_asked: bool = True
     roulette_tile: Callable[[Indices, Indices, int], Indices] = roulette_tile
     tail_weight: Callable[[Bounded], Bounded] = tail_weight
+    octahedron: Octahedron = OCTAHEDRON
     halves: tuple[int, ...] = tuple(range(HALVES))
-    octahedron: Octahedron = Octahedron()
     half_toward_zero: bool = False
     half_overflows: bool = False
     small_halves_kept: bool = True
     packed_confidence: Callable[[Scalars], Scalars] = packed_confidence
     confidence_signed: bool = False
+    rtxdi: RtxdiRules = RTXDI_RULES
+    rtxdi_path: PathRules = PATH_RULES
 
 
 def further(rules: Rules) -> FurtherRules:

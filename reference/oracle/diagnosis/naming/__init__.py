@@ -1,0 +1,1 @@
+"""Sentences about wrong numbers: what they are in place of right."""
