@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from restir_gi.reference.numerics.arrays import Masks, Scalars
 from restir_gi.reference.oracle.contract.fields import (
     Field,
+    Pass,
     Passes,
     Precision,
     Value,
@@ -34,6 +36,12 @@ class Case:
         rounding leaves open are rare, and are counted against a budget.
     width : int or None
         Rows are the pixels of an image of that width; ``None`` where they are not.
+    beyond : (N,) bool or None
+        Rows beyond the working range, with numbers that no scene has; ``None``: no row.
+    decoded : mapping of str to (N,) float64, or None
+        Inputs are what came out of the backend's own storage, so that nothing is lost
+        once more as they are read.  For some it says by how much the backend's numbers
+        may differ where its decoder rounds.  ``None``: they are the numbers themselves.
     """
 
     name: str
@@ -42,11 +50,45 @@ class Case:
     inputs: Buffers
     random: bool = False
     width: int | None = None
+    beyond: Masks | None = None
+    decoded: Mapping[str, Scalars] | None = None
 
     @property
     def rows(self) -> int:
         """N."""
         return len(next(iter(self.inputs.values())))
+
+    @property
+    def tells_numbers(self) -> bool:
+        """Whether the random numbers of a pass that decides are among its inputs."""
+        return not set(_missing_numbers(self))
+
+    @property
+    def within(self) -> Masks:
+        """(N,) bool: rows within the working range."""
+        return np.ones(self.rows, bool) if self.beyond is None else ~self.beyond
+
+
+NUMBERS = {"temporal": ("u",), "moved": ("u",), "spatial": ("u_own", "u_neighbors")}
+"""Random numbers by which passes decide, where they are given."""
+
+
+def _missing_numbers(case: Case) -> tuple[str, ...]:
+    names = NUMBERS.get(case.pass_name, ())
+    return tuple(name for name in names if name not in case.inputs)
+
+
+def with_numbers(case: Case) -> Buffers:
+    """Inputs of a case, with random numbers where a backend has its own."""
+    missing = _missing_numbers(case)
+    if not missing:
+        return case.inputs
+    rng, inputs = np.random.default_rng(0), dict(case.inputs)
+    for name in missing:
+        columns = inputs["neighbors"].shape[1:] if name == "u_neighbors" else ()
+        numbers = rng.random((case.rows, *columns), np.float32)
+        inputs[name] = numbers.astype(inputs["visible_position"].dtype)
+    return inputs
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,10 +98,12 @@ class Failure:
     Attributes
     ----------
     timed_out : bool; it took longer than one call may
+    output : str; the end of what it wrote to stdout and stderr, and its traceback
     """
 
     reason: str
     timed_out: bool = False
+    output: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,12 +132,17 @@ def for_ever() -> float:
     return inf
 
 
+def pass_of(passes: Passes, case: Case) -> Pass:
+    """The pass that a case asks, with the buffers that are given with its settings."""
+    return passes[case.pass_name].given_with(case.settings)
+
+
 def output_shapes(passes: Passes, case: Case) -> dict[str, tuple[int, ...]]:
     """Shapes of the buffers that a case asks for, by name.
 
     They are in the order of the contract; terms come last.
     """
-    found = passes[case.pass_name]
+    found = pass_of(passes, case)
     counts = _counts(found.inputs, case)
     return {
         f.name: (case.rows, *(_columns(c, counts) for c in f.columns))
@@ -106,12 +155,12 @@ def refused(
 ) -> Failure | None:
     """Why outputs cannot be judged, if they cannot.
 
-    Names, type, shape, and that all reals are finite, in this order.  Of terms only
-    type and shape, where they are given.
+    Names, type, shape, and that all reals within the working range are finite, in this
+    order.  Of terms only type and shape, where they are given.
     """
-    shapes = output_shapes(passes, case)
-    wanted_fields = passes[case.pass_name].outputs
-    terms = [f for f in passes[case.pass_name].terms if f.name in outputs]
+    asked, shapes = pass_of(passes, case), output_shapes(passes, case)
+    wanted_fields = asked.outputs
+    terms = [f for f in asked.terms if f.name in outputs]
     for field in (*wanted_fields, *terms):
         what = f"{case.name}: {field.name}"
         if field.name not in outputs:
@@ -131,16 +180,34 @@ def refused(
             )
         if field in terms or field.kind != "real":
             continue
-        if not np.isfinite(found).all():
-            return Failure(_not_finite(what, found))
+        bad = not_finite(found) & case.within
+        if bad.any():
+            row = int(np.flatnonzero(bad)[0])
+            count = int(bad.sum())
+            text = f"{what} holds {not_a_number(found[row])} in {count} rows"
+            return Failure(f"{text}, the first is {row}")
     return None
 
 
-def _not_finite(what: str, found: NDArray[Any]) -> str:
-    bad = ~np.isfinite(found).reshape(len(found), -1).all(axis=1)
-    row = int(np.flatnonzero(bad)[0])
-    word = "NaN" if np.isnan(found[row]).any() else "infinity"
-    return f"{what} holds {word} in {int(bad.sum())} rows, the first is {row}"
+def not_finite(found: NDArray[Any]) -> Masks:
+    """Rows with a number that is none, (N,) bool.
+
+    Parameters
+    ----------
+    found : (N, ...) array; of any type
+    """
+    bad: Masks = ~np.isfinite(found).reshape(len(found), -1).all(axis=1)
+    return bad
+
+
+def not_a_number(found: NDArray[Any]) -> str:
+    """Whether a row holds NaN or infinity.
+
+    Parameters
+    ----------
+    found : array; of one row, not all finite
+    """
+    return "NaN" if np.isnan(found).any() else "infinity"
 
 
 def _counts(inputs: tuple[Field, ...], case: Case) -> dict[str, int]:
@@ -149,7 +216,7 @@ def _counts(inputs: tuple[Field, ...], case: Case) -> dict[str, int]:
         column: case.inputs[f.name].shape[1 + place]
         for f in inputs
         for place, column in enumerate(f.columns)
-        if column == "K"
+        if column == "K" and f.name in case.inputs
     }
 
 

@@ -18,6 +18,11 @@ from numpy.typing import NDArray
 from restir_gi.reference.oracle.backends.backend import Backend
 from restir_gi.reference.oracle.backends.open import open_backend
 from restir_gi.reference.oracle.backends.running import Limits
+from restir_gi.reference.oracle.backends.selected import (
+    EVERYTHING,
+    SelectedBackend,
+    Selection,
+)
 from restir_gi.reference.oracle.cases import NO_TIME, UnaskedError
 from restir_gi.reference.oracle.contract.fields import Precision
 from restir_gi.reference.oracle.ladder import distribution_step, statistical_levels
@@ -39,11 +44,13 @@ class Reached:
     ----------
     name : str; object, file or command line, the same everywhere
     precision : 'float32' or 'float64'; of a command line
+    selection : Selection; passes that are asked
     """
 
     name: str
     limits: Limits
     precision: Precision
+    selection: Selection = EVERYTHING
 
     def open(self) -> Backend:
         """Of this process, opened once, and closed when the process ends.
@@ -57,7 +64,7 @@ class Reached:
 def _opened(reached: Reached) -> Backend:
     backend = open_backend(reached.name, reached.limits, reached.precision)
     atexit.register(backend.close)
-    return backend
+    return SelectedBackend(backend, reached.selection)
 
 
 def batch(reached: Reached, seed: int) -> NDArray[np.float64]:
@@ -67,7 +74,8 @@ def batch(reached: Reached, seed: int) -> NDArray[np.float64]:
     :func:`restir_gi.reference.oracle.levels.means.replicates`.
     """
     backend = reached.open()
-    return replicates(Asker(whole_contract(), backend), backend.precision, seed)
+    ask, mis = Asker(whole_contract(), backend), reached.selection.mis
+    return replicates(ask, backend.precision, seed, mis)
 
 
 def distribution(reached: Reached, scene: str) -> LevelStep:

@@ -9,7 +9,7 @@ import OpenEXR
 from numpy.typing import NDArray
 
 from restir_gi.reference.images.exr_parts import decode
-from restir_gi.reference.oracle.cases import Case, Failure, output_shapes
+from restir_gi.reference.oracle.cases import Case, Failure, output_shapes, pass_of
 from restir_gi.reference.oracle.contract.fields import Passes, dtype_of
 from restir_gi.reference.oracle.raw import MOST_MORE, MOST_TIMES, outputs_size
 from restir_gi.reference.system.errors import UsageError
@@ -46,8 +46,8 @@ def read_frames(
         return Failure(f"{case.name}: {error}")
     parts = {part.name(): part.channels for part in decoded}
     found: dict[str, NDArray[Any]] = {}
-    shapes = output_shapes(passes, case)
-    for field in (*passes[case.pass_name].outputs, *passes[case.pass_name].terms):
+    asked, shapes = pass_of(passes, case), output_shapes(passes, case)
+    for field in (*asked.outputs, *asked.terms):
         if field.name not in parts:
             continue
         shape, channels = shapes[field.name], parts[field.name]

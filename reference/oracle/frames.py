@@ -1,6 +1,7 @@
 """Cases of whole frames: what the passes are given in real scenes."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,7 @@ from restir_gi.reference.oracle.prepared_frame import (
 )
 from restir_gi.reference.oracle.visibility import made_it
 from restir_gi.reference.passes.pixels import sees
-from restir_gi.reference.resampling.reservoir import Samples
+from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
 
 
 def frame_cases(at: PreparedFrame, precision: Precision) -> Iterator[Case]:
@@ -40,7 +41,8 @@ def frame_cases(at: PreparedFrame, precision: Precision) -> Iterator[Case]:
         return Case(name, pass_name, settings, given(inputs, precision), True, size)
 
     surface = at.last.visible.surface
-    x, new = receivers(at), prefixed("new", samples(at.initial.y))
+    x, y = receivers(at), _with_geometry(at, at.initial.y)
+    new = prefixed("new", samples(y))
     pdf = at.initial.pdf
     u = np.stack(at.uniforms(Stream.INITIAL).draw(0)[1:3], axis=1)
     for source in ("uniform", "cosine"):
@@ -49,17 +51,24 @@ def frame_cases(at: PreparedFrame, precision: Precision) -> Iterator[Case]:
         inputs = {"visible_normal": up, "u": u}
         yield case("direction", source, {"source": source}, inputs)
     for kind in ("scattered", "outgoing"):
-        inputs = x | samples(at.initial.y) | {"pdf": pdf}
+        inputs = x | samples(y) | {"pdf": pdf}
         yield case("initial", kind, {"target": kind}, inputs)
 
-    past = prefixed("past", reservoirs(at.last.temporal))
+    own, spatial_past = (
+        _as_a_loop_has_them(at, r, cap)
+        for r, cap in (
+            (at.last.temporal, CAPS["temporal"]),
+            (at.last.spatial, CAPS["spatial"]),
+        )
+    )
+    past = prefixed("past", reservoirs(own))
     decides = {"new_pdf": pdf, "u": at.uniforms(Stream.TEMPORAL).draw(0)[0]}
     settings: dict[str, Value] = {"target": "scattered", "cap": CAPS["temporal"]}
     yield case("temporal", "", settings, x | past | new | decides)
 
-    rows = np.where(at.neighbors[:, 0] >= 0, at.neighbors[:, 0], np.arange(size * size))
+    rows = past_rows(at)
     history = prefixed("past", receivers(at, rows))
-    moved = prefixed("past", reservoirs(take(at.last.temporal, rows)))
+    moved = prefixed("past", reservoirs(take(own, rows)))
     visible = {"visible": _who_sees_when_moved(at, rows)}
     for mis in ("1/Z", "1/M"):
         settings = {"target": "scattered", "cap": CAPS["moved"], "mis": mis}
@@ -72,8 +81,7 @@ def frame_cases(at: PreparedFrame, precision: Precision) -> Iterator[Case]:
     inputs = {"visible_normal": x["visible_normal"], "depth": depth, "u": places}
     yield case("neighbors", "", {"width": size, **SIMILARITY}, inputs)
 
-    spatial = x | reservoirs(at.last.temporal)
-    spatial |= prefixed("past", reservoirs(at.last.spatial))
+    spatial = x | reservoirs(own) | prefixed("past", reservoirs(spatial_past))
     spatial |= {
         "neighbors": at.neighbors,
         "visible": _who_sees(at),
@@ -84,9 +92,31 @@ def frame_cases(at: PreparedFrame, precision: Precision) -> Iterator[Case]:
         settings = {"target": kind, "cap": CAPS["spatial"], "mis": mis}
         yield case("spatial", f"{mis.replace('/', '')}-{kind}", settings, spatial)
 
-    kept = reservoirs(at.last.spatial)
+    kept = reservoirs(spatial_past)
     del kept["M"]
     yield case("shade", "", {}, x | kept)
+
+
+def past_rows(at: PreparedFrame) -> Indices:
+    """The pixel that each was before, in cases of pass ``moved``: a neighbour, (N,)."""
+    first = at.neighbors[:, 0]
+    return np.where(first >= 0, first, np.arange(len(first)))
+
+
+def _as_a_loop_has_them(at: PreparedFrame, r: Reservoirs, cap: float) -> Reservoirs:
+    """Reservoirs under a cap, which changes M alone; nulls are somewhere."""
+    return replace(r, y=_with_geometry(at, r.y), M=np.minimum(r.M, cap))
+
+
+def _with_geometry(at: PreparedFrame, y: Samples) -> Samples:
+    """Samples of which nulls, too, lie where a path could have met something."""
+    surface = at.last.visible.surface
+    null = (~y.radiance.any(axis=1) & ~y.normal.any(axis=1) & surface.hit)[:, None]
+    return replace(
+        y,
+        position=np.where(null, surface.position + surface.normal, y.position),
+        normal=np.where(null, -surface.normal, y.normal),
+    )
 
 
 def _sees(

@@ -3,13 +3,13 @@
 Beside the index and the raw buffers of :mod:`restir_gi.reference.oracle.raw` a folder
 holds ``manifest.json``, and for each case ``in.npz``, ``expected.npz``,
 ``expected/*.raw`` and, where its rows are the pixels of an image, ``frame.exr`` with a
-part for each buffer.  A backend writes ``out/*.raw``, or ``out.npz``, or
-``out/out.exr``.
+part for each buffer; of a case that a backend has failed ``found.npz`` is what it gave.
+A backend writes ``out/*.raw``, or ``out.npz``, or ``out/out.exr``.
 """
 
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -19,23 +19,28 @@ from numpy.typing import NDArray
 
 from restir_gi.reference.oracle.buffers import given
 from restir_gi.reference.oracle.builtin.backend import BuiltIn
-from restir_gi.reference.oracle.cases import Case
+from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.oracle.contract.fields import Passes, Precision
+from restir_gi.reference.oracle.contract.surfaces import SURFACE
 from restir_gi.reference.oracle.exact.registry import limits_of
 from restir_gi.reference.oracle.exr_frames import write_frames
 from restir_gi.reference.oracle.levels.exact import exact_outputs, examined_exactly
+from restir_gi.reference.oracle.levels.grades import graded
 from restir_gi.reference.oracle.levels.kernels import kernel_probes
 from restir_gi.reference.oracle.levels.lattice import lattice_probes
 from restir_gi.reference.oracle.levels.probe import Probe
 from restir_gi.reference.oracle.levels.replayed import replayed
+from restir_gi.reference.oracle.levels.rows import row_probes
+from restir_gi.reference.oracle.levels.surfaces import surface_kernel_probes
 from restir_gi.reference.oracle.parts import parts
 from restir_gi.reference.oracle.raw import read_cases, write_cases
+from restir_gi.reference.oracle.verdict import Verdict
 from restir_gi.reference.system.errors import UsageError
 from restir_gi.reference.system.files import make_folder, read_file, write_file
 from restir_gi.reference.system.leftovers import scratch_folder, sweep
 from restir_gi.reference.system.version import project_version
 
-MANIFEST, FORM = "manifest.json", "restir-golden 1"
+MANIFEST, FORM, FOUND = "manifest.json", "restir-golden 1", "found.npz"
 
 
 def expected(
@@ -76,6 +81,7 @@ def write_golden(
     probes: list[Probe],
     about: dict[str, Any],
     tell: Callable[[int, int, str], None],
+    found: Mapping[str, Buffers] | None = None,
 ) -> list[str]:
     """Write a golden folder.
 
@@ -94,6 +100,8 @@ def write_golden(
         manifest is replaced, and everything else in it is kept.
     about : dict; what the manifest says of scene, size and seed
     tell : callable; told how many cases are done, of how many
+    found : mapping of str to Buffers, optional
+        What a backend gave for a case, which is kept beside what it should give.
     """
     is_new = False
     try:
@@ -105,7 +113,10 @@ def write_golden(
             cases = [probe.case for probe in probes]
             write_cases(new, passes, precision, cases)
             for number, probe in enumerate(probes):
-                _write_case(new / probe.case.name, precision, probe)
+                place = new / probe.case.name
+                _write_case(place, precision, probe)
+                if (outputs := (found or {}).get(probe.case.name)) is not None:
+                    np.savez_compressed(place / FOUND, allow_pickle=False, **outputs)
                 tell(number + 1, len(probes), "cases")
             manifest = {
                 "form": FORM,
@@ -124,6 +135,40 @@ def write_golden(
             with suppress(OSError):  # it is in use, unless nothing came of it
                 folder.rmdir()
     return sorted(kept)
+
+
+def write_failing(
+    folder: Path, passes: Passes, verdict: Verdict, backend: str
+) -> list[str]:
+    """Keep the cases that are wrong as a golden folder, with what the backend gave.
+
+    Those that are wrong at extremes alone are among them.
+
+    Returns the names of the cases; where there are none, nothing is written.
+
+    Raises UsageError: the folder holds something else, or cannot be written.
+
+    Parameters
+    ----------
+    backend : str; as the manifest names it
+    """
+    wrong = {
+        answer.probe.case.name: answer
+        for timed in verdict.steps
+        for answer in timed.step.answers
+        if answer.finding and (not answer.finding.passed or answer.finding.at_extremes)
+    }
+    if wrong:
+        write_golden(
+            folder,
+            passes,
+            verdict.precision,
+            [answer.probe for answer in wrong.values()],
+            {"failed": backend},
+            lambda done, total, unit: None,
+            {name: a.outputs for name, a in wrong.items() if a.outputs is not None},
+        )
+    return list(wrong)
 
 
 def read_golden(folder: Path) -> tuple[Precision, list[Probe]]:
@@ -151,11 +196,14 @@ def read_golden(folder: Path) -> tuple[Precision, list[Probe]]:
             " restir golden"
         ) from error
     precision, cases = read_cases(folder)
+    declared = any(SURFACE.name in case.settings for case in cases)
     known = {
         probe.case.name: probe
         for probe in (
             *kernel_probes(precision),
+            *(surface_kernel_probes(precision) if declared else ()),
             *lattice_probes(precision),
+            *row_probes(precision),
             *(probe for part in parts() for probe in part.probes(precision)),
         )
     }
@@ -173,7 +221,8 @@ def read_golden(folder: Path) -> tuple[Precision, list[Probe]]:
             entry["width"],
         )
         if case.name in known:
-            probes.append(Probe(entry["rung"], full, known[case.name].examine))
+            examine = known[case.name].examine
+            probes.append(Probe(entry["rung"], graded(full), examine))
         else:
             probes.append(replayed(entry["rung"], full))
     return precision, probes
@@ -210,7 +259,7 @@ def _files_of_ours(folder: Path) -> list[str]:
     if not folder.exists():
         return []
     if not folder.is_dir():
-        raise UsageError(f"--out {folder} is not a folder; name one")
+        raise UsageError(f"{folder} is not a folder; name one")
     sweep(folder)
     try:
         if not any(folder.iterdir()):
@@ -220,12 +269,12 @@ def _files_of_ours(folder: Path) -> list[str]:
             raise ValueError
     except (UsageError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise UsageError(
-            f"--out {folder} holds other files than golden data; name another"
+            f"{folder} holds other files than golden data; name another"
         ) from error
     listed = manifest.get("files")
     if not isinstance(listed, list) or not all(isinstance(n, str) for n in listed):
         raise UsageError(
-            f"--out {folder} comes from a version that did not list its files; delete"
+            f"{folder} comes from a version that did not list its files; delete"
             " it, or name another"
         )
     return [name for name in listed if _is_ours(folder, name)]
@@ -257,7 +306,7 @@ def _replace(
     for name in made:
         if name not in old and os.path.lexists(folder / name):
             raise UsageError(
-                f"--out {folder} holds {name}, which is not golden data; name another"
+                f"{folder} holds {name}, which is not golden data; name another"
             )
     last = folder / MANIFEST
     before = read_file(last) if last.exists() else None

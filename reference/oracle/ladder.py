@@ -5,63 +5,143 @@ from dataclasses import replace
 from functools import lru_cache, partial
 
 from restir_gi.reference.oracle.backends.backend import Backend
+from restir_gi.reference.oracle.backends.selected import (
+    SelectedBackend,
+    lacks,
+    selected,
+    selection_of,
+)
 from restir_gi.reference.oracle.contract.fields import Passes, Precision
+from restir_gi.reference.oracle.contract.surfaces import SURFACE
 from restir_gi.reference.oracle.diagnosis.hypothesis import Departure
 from restir_gi.reference.oracle.frames import frame_cases
 from restir_gi.reference.oracle.levels.distribution import SCENES as DISTRIBUTION_SCENES
 from restir_gi.reference.oracle.levels.distribution import same_distribution
+from restir_gi.reference.oracle.levels.grades import graded
 from restir_gi.reference.oracle.levels.kernels import kernel_probes
-from restir_gi.reference.oracle.levels.lattice import lattice_probes
+from restir_gi.reference.oracle.levels.lattice import lattice_step
 from restir_gi.reference.oracle.levels.means import Batches, Mean, mean_over_runs
 from restir_gi.reference.oracle.levels.probe import Finding, Probe
 from restir_gi.reference.oracle.levels.relations import relations_of
 from restir_gi.reference.oracle.levels.replayed import replayed
-from restir_gi.reference.oracle.levels.spheres import furnace, half_lit
-from restir_gi.reference.oracle.loop import Ask
-from restir_gi.reference.oracle.parts import Frames, no_frames, parts
+from restir_gi.reference.oracle.levels.rows import row_probes
+from restir_gi.reference.oracle.levels.spheres import (
+    LONG,
+    furnace,
+    half_lit,
+    long_furnace,
+    long_half_lit,
+    long_run,
+)
+from restir_gi.reference.oracle.levels.surfaces import SCENE as SURFACE_SCENE
+from restir_gi.reference.oracle.levels.surfaces import (
+    surface_kernel_probes,
+    surface_row_probes,
+    surface_scene_probes,
+)
+from restir_gi.reference.oracle.loop import Ask, LoopFrame
+from restir_gi.reference.oracle.parts import SEED, Frames, Part, no_frames, parts
 from restir_gi.reference.oracle.prepared_frame import SCENES, prepare_frame
-from restir_gi.reference.oracle.steps import Level, LevelStep, asked, taken
+from restir_gi.reference.oracle.steps import (
+    Level,
+    LevelStep,
+    MeasuredBias,
+    asked,
+    taken,
+)
 from restir_gi.reference.scene.catalogue.registry import find_scene
 
-SIZE, SEED = 48, 1
+SIZE = 48
+
+SUMS_OF_M: tuple[Departure, ...] = ("target", "mis", "domain", "storage")
+"""Under which a pixel inside a sphere is no mean of what was met, weighted with M: that
+needs p̂ = f, weights that divide by sums of M, all samples shifted, and kept as they
+are."""
+
+THE_MEAN: tuple[Departure, ...] = (*SUMS_OF_M, "bias")
+"""Under which nothing is proved of the mean inside a sphere."""
+
+SAME_NUMBERS: tuple[Departure, ...] = (
+    "confidence",
+    *THE_MEAN,
+    "visibility",
+)
+"""Under which the distribution of the estimate is another one, or M is."""
+
+LOOP = ("direction", "temporal", "spatial", "shade")
+"""Passes of the frame loop of the spheres and of whole runs."""
+
+FRAME = ("direction", "initial", "temporal", "moved", "neighbors", "spatial", "shade")
+"""Passes that are asked about frames of scenes."""
 
 
-def ladder(passes: Passes, backend: Backend) -> Iterator[Level]:
+def ladder(passes: Passes, backend: Backend, seed: int = SEED) -> Iterator[Level]:
     """Levels of a backend that can be asked.
+
+    Parameters
+    ----------
+    seed : int; of all rows that are random
 
     Yields
     ------
     level, title : str; of the next step
     callable; takes it
     """
-    precision = backend.precision
+    backend, precision = selected(backend), backend.precision
+    of_one_case = backend.selection.case is not None
+    surfaces = backend.selection.declares(SURFACE.name)
 
     def level_of(
         level: str, title: str, probes: Callable[[], Sequence[Probe]]
     ) -> Level:
         return level, title, lambda: asked(level, title, passes, backend, probes())
 
-    questions = [(part, part.probes(precision)) for part in parts()]
+    questions = [
+        (part, _probes_of(part, backend, seed))
+        for part in parts()
+        if not backend.lacks(*(one.name for one in part.passes))
+    ]
 
     def of_parts(level: str) -> Iterator[Level]:
         for part, probes in questions:
             chosen = [probe for probe in probes if probe.level == level]
             if chosen:
                 more = part.frames if level == "L3" else no_frames
-                about = level, part.title, chosen, more
+                about = level, part.title, chosen, more, seed
                 take = partial(_asked_of_part, passes, backend, *about)
                 yield level, part.title, take
 
-    yield level_of("L0", "kernels", partial(kernel_probes, precision))
+    yield level_of("L0", "kernels", partial(kernel_probes, precision, seed))
+    if surfaces:
+        of_kernels = partial(surface_kernel_probes, precision, seed)
+        yield level_of("L0", "declared surfaces", of_kernels)
     yield from of_parts("L0")
-    yield level_of("L1", "lattices", partial(lattice_probes, precision))
+    yield "L1", "lattices", partial(lattice_step, passes, backend)
     yield from of_parts("L1")
-    yield "L2", "spheres", partial(_spheres, passes, backend)
-    yield "L2", "relations", partial(_relations, passes, backend)
+    if not of_one_case and not backend.lacks(*LOOP):
+        yield "L2", "spheres", partial(_spheres, passes, backend)
+        yield from _long_spheres(passes, backend)
+    if not of_one_case and not backend.lacks(*FRAME):
+        yield "L2", "relations", partial(_relations, passes, backend, seed)
     yield from of_parts("L2")
-    for scene in SCENES:
-        yield level_of("L3", scene, partial(scene_probes, scene, precision))
+    if not backend.lacks(*FRAME):
+        yield level_of("L3", "designed rows", partial(row_probes, precision, seed))
+    if surfaces:
+        of_rows = partial(surface_row_probes, precision, seed)
+        of_scene = partial(surface_scene_probes, precision, seed)
+        yield level_of("L3", "declared surfaces", of_rows)
+        yield level_of("L3", SURFACE_SCENE, of_scene)
+    for scene in SCENES if not backend.lacks(*FRAME) else ():
+        yield level_of("L3", scene, partial(scene_probes, scene, precision, seed))
     yield from of_parts("L3")
+
+
+def _probes_of(part: Part, backend: SelectedBackend, seed: int) -> list[Probe]:
+    """Probes of a part, and those of values that have to be declared, if any are."""
+    found = part.probes(backend.precision, seed)
+    if not backend.selection.more:
+        return found
+    return found + part.more(backend.precision, seed)
 
 
 def _asked_of_part(
@@ -71,11 +151,12 @@ def _asked_of_part(
     title: str,
     probes: list[Probe],
     frames: Frames,
+    seed: int,
 ) -> LevelStep:
     """A step of a part: frames are made for a backend that has the passes alone."""
     step = asked(level, title, passes, backend, probes)
     names = {a.probe.case.pass_name for a in step.answers if a.finding is not None}
-    more = frames(backend.precision, frozenset(names))
+    more = frames(backend.precision, frozenset(names), seed)
     if not more:
         return step
     rest = asked(level, title, passes, backend, more)
@@ -109,7 +190,9 @@ def statistical_levels(
     level, title : str; of the next step
     callable; takes it
     """
-    yield "L4", "mean", partial(_mean, passes, backend, remaining, batches)
+    if lacks(backend, LOOP):
+        return
+    yield from _means(passes, backend, remaining, batches)
     for scene in DISTRIBUTION_SCENES:
         here = partial(distribution_step, passes, backend, scene)
         yield (
@@ -158,45 +241,94 @@ def scene_probes(
 
 
 def _spheres(passes: Passes, backend: Backend) -> LevelStep:
-    tests = [partial(test, precision=backend.precision) for test in (furnace, half_lit)]
-    return taken("L2", "spheres", passes, backend, tests, ("target",))
+    precision, mis = backend.precision, selection_of(backend).mis
+    spheres = furnace, half_lit
+    tests = [partial(test, precision=precision, mis=mis) for test in spheres]
+    return taken("L2", "spheres", passes, backend, tests, THE_MEAN)
 
 
-def _relations(passes: Passes, backend: Backend) -> LevelStep:
-    at = prepare_frame(find_scene(SCENES[0]), SIZE // 2, SEED)
-    tests = [
+def _long_spheres(passes: Passes, backend: Backend) -> Iterator[Level]:
+    """Two steps of one run, of which the second relies on how M is capped as well."""
+    run: list[list[LoopFrame]] = []
+    titles = [
+        f"{sphere} of {LONG.frames} frames" for sphere in ("furnace", "half-lit sphere")
+    ]
+
+    def furnace_of_run(ask: Ask) -> Finding:
+        run.append(long_run(ask, backend.precision, selection_of(backend).mis))
+        return long_furnace(run[0], backend.precision)
+
+    def take_furnace() -> LevelStep:
+        return taken("L2", titles[0], passes, backend, [furnace_of_run], THE_MEAN)
+
+    def take_half_lit() -> LevelStep:
+        findings = [long_half_lit(frames, backend.precision) for frames in run]
+        relies_on: tuple[Departure, ...] = ("confidence", *THE_MEAN)
+        return LevelStep("L2", titles[1], findings=findings, relies_on=relies_on)
+
+    yield "L2", titles[0], take_furnace
+    yield "L2", titles[1], take_half_lit
+
+
+def _relations(passes: Passes, backend: SelectedBackend, seed: int) -> LevelStep:
+    at = prepare_frame(find_scene(SCENES[0]), SIZE // 2, seed)
+    # One by one: what a first test shows to be missing is not asked again.
+    tests = (
         test
         for case in frame_cases(at, backend.precision)
-        for test in relations_of(case)
-    ]
-    departures: tuple[Departure, ...] = ("confidence", "target")
+        for test in relations_of(graded(case))
+        if not backend.lacks(case.pass_name)
+    )
+    departures: tuple[Departure, ...] = ("confidence", "target", "storage", "bias")
     return taken("L2", "relations", passes, backend, tests, departures)
 
 
-def _mean(
+def _means(
     passes: Passes,
     backend: Backend,
     remaining: Callable[[], float],
     batches: Batches | None,
-) -> LevelStep:
+) -> Iterator[Level]:
+    """Two steps of the same runs; the second stands in where the bound is void."""
     found: list[Mean] = []
 
     def test(ask: Ask) -> Finding:
-        found.append(mean_over_runs(ask, backend.precision, remaining, batches))
+        about = backend.precision, remaining, batches
+        mis = selection_of(backend).mis
+        found.append(mean_over_runs(ask, *about, mis=mis))
         return found[0].finding
 
-    step = taken("L4", "mean", passes, backend, [test], ("target",))
-    if not found:
+    def take_bets() -> LevelStep:
+        step = taken("L4", "mean", passes, backend, [test], THE_MEAN)
+        for mean in found:
+            step = replace(
+                step,
+                title=f"mean of {mean.runs} runs",
+                certified=mean.certified,
+                more=mean.more,
+                measured=MeasuredBias(mean.off, mean.error, mean.runs),
+            )
         return step
-    title = f"mean of {found[0].runs} runs"
-    return replace(step, title=title, certified=found[0].certified, more=found[0].more)
+
+    def take_variance() -> LevelStep:
+        return LevelStep(
+            "L4",
+            "mean by its variance",
+            findings=[mean.by_variance for mean in found],
+            relies_on=("bias",),
+            only_under=SUMS_OF_M,
+        )
+
+    yield "L4", "mean", take_bets
+    yield "L4", "mean by its variance", take_variance
 
 
 def distribution_step(passes: Passes, backend: Backend, scene: str) -> LevelStep:
     """Step of the distribution test in one scene, of level L4."""
 
     def test(ask: Ask) -> Finding:
-        return same_distribution(ask, backend.precision, scene).finding
+        mis = selection_of(backend).mis
+        return same_distribution(ask, backend.precision, scene, mis=mis).finding
 
-    departures: tuple[Departure, ...] = ("confidence", "target")
-    return taken("L4", f"distribution in {scene}", passes, backend, [test], departures)
+    title = f"distribution in {scene}"
+    return taken("L4", title, passes, backend, [test], SAME_NUMBERS)

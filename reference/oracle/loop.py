@@ -64,10 +64,12 @@ class LoopFrame:
     ----------
     color : (N, 3); indirect light
     spatial : mapping of str to array; reservoirs that were shown
+    radiance : (N, 3); of the new samples
     """
 
     color: Vec3s
     spatial: Buffers
+    radiance: Vec3s
 
 
 Ask = Callable[[Case], Buffers]
@@ -129,7 +131,8 @@ def run_frames(
         )
         # Equation 8.
         kept = {name: spatial[name] for name in ("position", "normal", "radiance", "W")}
-        shown.append(LoopFrame(call("shade", x | kept)["color"], spatial))
+        color = call("shade", x | kept)["color"]
+        shown.append(LoopFrame(color, spatial, new["new_radiance"]))
     return shown
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from importlib.metadata import entry_points
 from pkgutil import resolve_name
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from numpy.typing import NDArray
 
@@ -23,15 +23,45 @@ from restir_gi.reference.system.errors import UsageError
 if TYPE_CHECKING:
     from restir_gi.reference.oracle.levels.probe import Probe
 
+SEED = 1
+"""Of rows that are random, unless another is asked for."""
+
 GROUP = "restir.passes"
 OWN = ("restir_gi.reference.oracle.levels.further_part:FURTHER_PART",)
 
 PassFunction = Callable[..., dict[str, NDArray[Any]]]
-Frames = Callable[[Precision, frozenset[str]], "list[Probe]"]
 
 
-def no_frames(precision: Precision, names: frozenset[str]) -> "list[Probe]":
+class Probes(Protocol):
+    """What a backend is asked of a part, on any levels."""
+
+    def __call__(self, precision: Precision, seed: int = SEED, /) -> "list[Probe]":
+        """Questions, with rows that depend on the seed wherever they are random."""
+
+
+class Frames(Protocol):
+    """What takes longer to make, of level L3."""
+
+    def __call__(
+        self, precision: Precision, names: frozenset[str], seed: int = SEED, /
+    ) -> "list[Probe]":
+        """Questions about passes that have answered the others of that level.
+
+        Parameters
+        ----------
+        names : frozenset of str; of the passes
+        """
+
+
+def no_frames(
+    precision: Precision, names: frozenset[str], seed: int = SEED
+) -> "list[Probe]":
     """No probes: those of the part are soon made."""
+    return []
+
+
+def nothing_more(precision: Precision, seed: int = SEED) -> "list[Probe]":
+    """No probes: no setting of the part has to be declared."""
     return []
 
 
@@ -49,21 +79,25 @@ class Part:
     own : mapping of str to callable
         The project's own passes: a precision, the buffers and the settings give the
         outputs.
-    probes : callable; from a precision to what a backend is asked, on any levels
+    probes : callable
+        From a precision and a seed to what a backend is asked, on any levels.
     hypotheses : tuple of Hypothesis
         Known mistakes; `Rules.part` holds what these judges calculate with.
     frames : callable
-        What takes longer to make, for level L3: from a precision, and the names of the
-        passes that have answered the probes of that level.
+        What takes longer to make, for level L3: from a precision, the names of the
+        passes that have answered the probes of that level, and a seed.
+    more : callable
+        As ``probes``: what only a backend is asked that declares values of settings.
     """
 
     title: str
     passes: tuple[Pass, ...]
     judges: Mapping[str, Judge]
     own: Mapping[str, PassFunction]
-    probes: "Callable[[Precision], list[Probe]]"
+    probes: Probes
     hypotheses: tuple[Hypothesis, ...] = field(default=())
-    frames: "Frames" = no_frames
+    frames: Frames = no_frames
+    more: Probes = nothing_more
 
 
 @cache

@@ -60,15 +60,20 @@ class PreparedFrame:
         return KeyedUniforms(pixel, FRAMES, self.seed, stream)
 
 
-def prepare_frame(scene: Scene, size: int, seed: int) -> PreparedFrame:
+def prepare_frame(
+    scene: Scene, size: int, seed: int, kinds: tuple[Kind, ...] = (Kind.LAMBERTIAN,)
+) -> PreparedFrame:
     """Render the frames before, and draw the samples of the next, with size² rows.
 
-    Raises UsageError: the scene has materials that are not diffuse, which the contract
-    does not cover.
+    Raises UsageError: the scene has other materials, which the contract does not cover.
+
+    Parameters
+    ----------
+    kinds : tuple of Kind; of the materials, as they are sorted
     """
     camera = replace(scene.camera, width=size, height=size)
     world = build_world(validate(replace(scene, camera=camera)))
-    if world.materials.kinds != (Kind.LAMBERTIAN,):
+    if world.materials.kinds != kinds:
         raise UsageError(
             f"scene {scene.name!r} has materials that are not diffuse; the"
             f" contract covers diffuse ones only: name a scene such as {SCENES[0]}"

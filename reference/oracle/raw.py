@@ -21,13 +21,19 @@ import os
 from collections.abc import Iterable
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 from zipfile import ZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
-from restir_gi.reference.oracle.cases import Case, Failure, Outcome, output_shapes
+from restir_gi.reference.oracle.cases import (
+    Case,
+    Failure,
+    Outcome,
+    output_shapes,
+    pass_of,
+)
 from restir_gi.reference.oracle.contract.fields import (
     Passes,
     Precision,
@@ -65,7 +71,7 @@ def write_cases(
             path = f"{case.name}/in/{name}.raw"
             _write(folder / path, np.ascontiguousarray(array).tobytes())
             lines.append(_line("in", name, array.dtype, array.shape, path))
-        asked = passes[case.pass_name]
+        asked = pass_of(passes, case)
         words = dict.fromkeys(asked.outputs, "out") | dict.fromkeys(asked.terms, "may")
         for field, word in words.items():
             shape = output_shapes(passes, case)[field.name]
@@ -92,8 +98,10 @@ def read_cases(folder: Path) -> tuple[Precision, list[Case]]:
         if " ".join(words[0]) != FORM or words[1][0] != "precision":
             raise ValueError
         precision: Any = words[1][1]
+        if precision not in get_args(Precision):
+            raise ValueError
         return precision, list(_cases(folder, words[2:]))
-    except (ValueError, IndexError) as error:
+    except (ValueError, IndexError, TypeError) as error:  # also of a type or a shape
         raise UsageError(
             f"{folder / INDEX} is not an index of cases; it begins with {FORM!r}"
         ) from error
@@ -110,7 +118,8 @@ def read_outputs(
         if os.path.lexists(packed):
             return _unpack(packed, passes, precision, case)
     found: dict[str, NDArray[Any]] = {}
-    for field in (*passes[case.pass_name].outputs, *passes[case.pass_name].terms):
+    asked = pass_of(passes, case)
+    for field in (*asked.outputs, *asked.terms):
         path = folder / case.name / "out" / f"{field.name}.raw"
         if not os.path.lexists(path):
             continue
@@ -133,7 +142,7 @@ def read_outputs(
 
 def outputs_size(passes: Passes, precision: Precision, case: Case) -> int:
     """Bytes of the outputs and terms that a case asks for."""
-    asked, shapes = passes[case.pass_name], output_shapes(passes, case)
+    asked, shapes = pass_of(passes, case), output_shapes(passes, case)
     return sum(
         int(np.prod(shapes[field.name])) * dtype_of(field.kind, precision).itemsize
         for field in (*asked.outputs, *asked.terms)
@@ -189,12 +198,12 @@ def _value(text: str) -> Value:
 def _unpack(path: Path, passes: Passes, precision: Precision, case: Case) -> Outcome:
     """Outputs of an NPZ, of which no more is read than was asked for."""
     most = MOST_TIMES * outputs_size(passes, precision, case) + MOST_MORE
-    fields = (*passes[case.pass_name].outputs, *passes[case.pass_name].terms)
+    asked = pass_of(passes, case)
     found: dict[str, NDArray[Any]] = {}
     try:
         with ZipFile(BytesIO(read_file(path, most))) as file:
             names = set(file.namelist())
-            for field in fields:
+            for field in (*asked.outputs, *asked.terms):
                 member = f"{field.name}.npy"
                 if member not in names:
                     continue

@@ -1,7 +1,7 @@
 """Steps of the ladder, and asking a backend."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -14,12 +14,36 @@ from restir_gi.reference.oracle.cases import (
     Failure,
     Unasked,
     UnaskedError,
+    pass_of,
     refused,
 )
 from restir_gi.reference.oracle.contract.fields import Passes
 from restir_gi.reference.oracle.diagnosis.hypothesis import Departure
 from restir_gi.reference.oracle.levels.probe import Answer, Finding, Probe, examined
 from restir_gi.reference.oracle.loop import Ask
+
+
+@dataclass(frozen=True, slots=True)
+class MeasuredBias:
+    """Bias of the mean of whole runs.
+
+    Attributes
+    ----------
+    relative, error : float; to the truth, and its standard error
+    runs : int; independent ones
+    """
+
+    relative: float
+    error: float
+    runs: int
+
+    @property
+    def text(self) -> str:
+        """In words."""
+        return (
+            f"{100 * self.relative:+.2g} % ± {100 * self.error:.1g} % of the mean of"
+            f" {self.runs} runs inside a sphere (measured)"
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,7 +58,10 @@ class LevelStep:
     more : str; what more time would buy; empty where it buys nothing
     relies_on : tuple of str
         Departures from the contract under which its findings say nothing.
+    only_under : tuple of str
+        Departures of which there must be one: it stands in for what they make void.
     unasked : list of str; calls of which nothing is known, and why, a line each
+    measured : MeasuredBias or None; of the mean, where whole runs were made
     """
 
     level: str
@@ -44,7 +71,14 @@ class LevelStep:
     certified: float | None = None
     more: str = ""
     relies_on: tuple[Departure, ...] = ()
+    only_under: tuple[Departure, ...] = ()
     unasked: list[str] = field(default_factory=list)
+    measured: MeasuredBias | None = None
+
+    def binds(self, kinds: Set[str]) -> bool:
+        """Whether its findings hold for a backend that departs in these ways."""
+        wanted = not self.only_under or bool(kinds & set(self.only_under))
+        return wanted and not kinds & set(self.relies_on)
 
     @property
     def faults(self) -> list[str]:
@@ -98,12 +132,19 @@ the loop has four."""
 
 
 class Asker:
-    """Asks a backend case by case; what it lacks, the built-in one answers."""
+    """Asks a backend case by case; what it lacks, the built-in one answers.
+
+    Attributes
+    ----------
+    answered : dict of str to int; calls that the backend has answered, of each pass
+    lacked : int; calls that the built-in one answered
+    """
 
     def __init__(self, passes: Passes, backend: Backend) -> None:
         self._passes, self._backend = passes, backend
-        self._own = BuiltIn(backend.precision)
-        self._built_in, self.answered = 0, 0
+        self._standing_in = BuiltIn(backend.precision)
+        self.lacked = 0
+        self.answered: dict[str, int] = {}
 
     def __call__(self, case: Case) -> Buffers:
         """Outputs of a case, of the right form, by the backend or the built-in one.
@@ -121,18 +162,18 @@ class Asker:
         if isinstance(outcome, Unasked):
             raise UnaskedError(f"{case.name}: {outcome.reason}")
         if outcome is None:
-            self._built_in += 1
-            if self._built_in >= PATIENCE and not self.answered:
+            self.lacked += 1
+            if self.lacked >= PATIENCE and not self.answered:
                 raise NothingOfItsOwnError
-            own: Buffers = getattr(self._own, case.pass_name)(
+            own: Buffers = getattr(self._standing_in, case.pass_name)(
                 **case.inputs, **case.settings
             )
             return own
-        self.answered += 1
+        self.answered[case.pass_name] = self.answered.get(case.pass_name, 0) + 1
         if not isinstance(outcome, Failure):
             bad = refused(self._passes, case, self._backend.precision, outcome)
             if bad is None:
-                asked = self._passes[case.pass_name].outputs
+                asked = pass_of(self._passes, case).outputs
                 return {field.name: outcome[field.name] for field in asked}
             outcome = bad
         raise NoAnswerError(outcome.reason)
@@ -167,5 +208,14 @@ def taken(
             unasked.append(str(reason))
             continue
         if ask.answered:
-            found.append(finding)
+            found.append(_with_own_passes(finding, ask))
     return LevelStep(level, title, findings=found, relies_on=relies_on, unasked=unasked)
+
+
+def _with_own_passes(finding: Finding, ask: Asker) -> Finding:
+    """Which passes can be wrong, where not all of the loop are the backend's own."""
+    finding = replace(finding, asked=tuple(ask.answered))
+    if finding.passed or not ask.lacked:
+        return finding
+    own = ", ".join(ask.answered)
+    return replace(finding, text=f"{finding.text}; the backend's own here: {own}")

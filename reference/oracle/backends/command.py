@@ -81,7 +81,7 @@ class ProgramBackend:
         if isinstance(trouble, Failure) and trouble.timed_out:
             self._too_slow.add(case.pass_name)
         if isinstance(trouble, Failure) and isinstance(outcome, Failure):
-            return outcome
+            return replace(outcome, output=trouble.output)
         if trouble is NO_TIME:
             return trouble
         return replace(trouble, reason=f"{case.name}: the program {trouble.reason}")

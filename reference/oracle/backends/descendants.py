@@ -35,6 +35,19 @@ def marked(mark: str) -> list[int]:
     return found
 
 
+def alive_in(group: int) -> bool:
+    """Whether a process of a group still runs; no if the system does not tell."""
+    with suppress(OSError):
+        for name in os.listdir(PROCESSES):
+            if not name.isdigit():
+                continue
+            with suppress(OSError), open(f"{PROCESSES}/{name}/stat", "rb") as file:
+                state, _, its_group = file.read().rpartition(b")")[2].split()[:3]
+                if int(its_group) == group and state not in (b"Z", b"X"):
+                    return True
+    return False
+
+
 def end_marked(mark: str) -> int:
     """End all processes that have inherited a mark.
 

@@ -4,6 +4,12 @@ from typing import Any
 
 import numpy as np
 
+from restir_gi.reference.oracle.backends.offer import (
+    Offer,
+    declaration_of,
+    offer_of,
+    shown_traceback,
+)
 from restir_gi.reference.oracle.cases import (
     NO_TIME,
     Case,
@@ -24,11 +30,19 @@ class InsideBackend:
         The backend.  If it takes the process down, the tests go with it; a call that
         does not return cannot be stopped.
     remaining : callable; seconds that are left: no call begins after that
+    names : tuple of str; passes of the contract, to see which of them it has
     """
 
-    def __init__(self, target: Any, remaining: Remaining = for_ever) -> None:
+    def __init__(
+        self,
+        target: Any,
+        remaining: Remaining = for_ever,
+        names: tuple[str, ...] = (),
+    ) -> None:
         self._target, self.remaining = target, remaining
+        self.offer: Offer | None = offer_of(target, names) if names else None
         self.precision: Precision = getattr(target, "precision", "float32")
+        self.declaration = declaration_of(target)
 
     def run(self, passes: Passes, cases: list[Case]) -> list[Outcome]:
         """Outcome of each case."""
@@ -49,6 +63,9 @@ class InsideBackend:
         try:
             outputs = method(**inputs, **case.settings)
             return {name: np.asarray(array) for name, array in dict(outputs).items()}
+        except NotImplementedError:
+            return None
         except Exception as error:
             words = " ".join(str(error).split())
-            return Failure(f"{case.name}: {type(error).__name__}: {words}")
+            reason = f"{case.name}: {type(error).__name__}: {words}"
+            return Failure(reason, output=shown_traceback(error))

@@ -19,6 +19,7 @@ def open_backend(
     limits: Limits,
     precision: Precision,
     remaining: Remaining = for_ever,
+    names: tuple[str, ...] = (),
 ) -> Backend:
     """Reach a backend.
 
@@ -28,14 +29,15 @@ def open_backend(
     Parameters
     ----------
     remaining : callable; seconds that are left: no call lasts longer
+    names : tuple of str; passes of the contract, to see which of them an object has
     """
     if not isinstance(backend, str):
-        inside: Backend = InsideBackend(backend, remaining)
+        inside: Backend = InsideBackend(backend, remaining, names)
         return backend if hasattr(backend, "run") else inside
     if PLACE in backend:
         return ProgramBackend(backend, limits, precision, remaining)
     if is_python(backend):
-        return PythonBackend(backend, limits, remaining)
+        return PythonBackend(backend, limits, remaining, names)
     every = (
         f"{', '.join(backend_names())}, module:object, file.py[:object], a command"
         f" line with {PLACE}, or a golden folder"

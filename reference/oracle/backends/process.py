@@ -1,5 +1,6 @@
 """A Python backend in a process of its own, started again when it dies."""
 
+import json
 import os
 import queue
 import subprocess
@@ -9,12 +10,14 @@ import time
 from contextlib import suppress
 from dataclasses import replace
 from itertools import takewhile
-from typing import IO
+from typing import IO, Any
 
+from restir_gi.reference.oracle.backends.offer import Offer
 from restir_gi.reference.oracle.backends.running import (
     LastWords,
     Limits,
     how_it_ended,
+    shown_output,
     started,
     stop,
 )
@@ -48,6 +51,7 @@ class PythonBackend:
     ----------
     spec : str; as :func:`restir_gi.reference.oracle.backends.find.find_object` takes it
     remaining : callable; seconds that are left: no call lasts longer
+    names : tuple of str; passes of the contract, to see which of them it has
 
     Raises
     ------
@@ -58,8 +62,15 @@ class PythonBackend:
     """
 
     def __init__(
-        self, spec: str, limits: Limits, remaining: Remaining = for_ever
+        self,
+        spec: str,
+        limits: Limits,
+        remaining: Remaining = for_ever,
+        names: tuple[str, ...] = (),
     ) -> None:
+        self._names = names
+        self.offer: Offer | None = None
+        self.declaration: Any = None
         self._spec, self._limits, self.remaining = spec, limits, remaining
         self._too_slow: set[str] = set()
         self._workspace = Workspace("cases")
@@ -122,7 +133,7 @@ class PythonBackend:
                 if word == "end":
                     outcome = read_outputs(folder, passes, self.precision, case)
                 else:
-                    outcome = Failure(f"{case.name}: {reason or answer}")
+                    outcome = self._failed(case, reason or answer)
                 if isinstance(outcome, Failure):
                     size = outputs_size(passes, self.precision, case)
                     self._workspace.need_room(size)
@@ -130,6 +141,12 @@ class PythonBackend:
             else:
                 self._answer(self._limits.seconds)  # done
         return found
+
+    def _failed(self, case: Case, answer: str) -> Failure:
+        """A call that raised, as the worker tells it."""
+        reason, traceback = json.loads(answer)
+        said = "\n".join(filter(None, (shown_output(self._said), traceback)))
+        return Failure(f"{case.name}: {reason}", output=said)
 
     def _fatal(self, case: Case, answer: Failure | Unasked) -> Failure | Unasked:
         self._workspace.need_room()
@@ -145,10 +162,15 @@ class PythonBackend:
             self._process.stdin.write(f"{line}\n".encode())
             self._process.stdin.flush()
 
+    @property
+    def _about(self) -> list[str]:
+        """Arguments of the worker."""
+        return [self._spec, str(self._limits.memory), *self._names]
+
     def _start(self) -> Precision:
         worker = "restir_gi.reference.oracle.backends.worker"
         self._process = started(
-            [sys.executable, "-m", worker, self._spec, str(self._limits.memory)],
+            [sys.executable, "-m", worker, *self._about],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -168,8 +190,11 @@ class PythonBackend:
         except BaseException:
             self._stop()
             raise
-        if answer in ("ready float32", "ready float64"):
-            return "float64" if answer == "ready float64" else "float32"
+        if isinstance(answer, str) and answer.startswith("ready "):
+            told = json.loads(answer.removeprefix("ready "))
+            precision, offer, self.declaration = told
+            self.offer = Offer.from_plain(offer) if self._names else None
+            return "float64" if precision == "float64" else "float32"
         self._stop()
         if isinstance(answer, Unasked):
             raise UnaskedError(f"backend {self._spec}: while it loads, {answer.reason}")
@@ -189,8 +214,10 @@ class PythonBackend:
         except (queue.Empty, subprocess.TimeoutExpired):
             if left < allowed:
                 return NO_TIME
-            return Failure(f"gave no answer within {allowed:g} s", timed_out=True)
-        return how_it_ended(code, self._said.last_line())
+            reason = f"gave no answer within {allowed:g} s"
+            return Failure(reason, True, shown_output(self._said))
+        last = self._said.last_line()
+        return how_it_ended(code, last, shown_output(self._said))
 
     def _stop(self) -> None:
         stop(self._process)

@@ -4,11 +4,13 @@ import os
 import signal
 import subprocess
 import threading
+import time
 from contextlib import suppress
 from dataclasses import dataclass
 from errno import EAGAIN, EMFILE, ENFILE, ENOMEM
 from typing import IO, Any
 
+from restir_gi.reference.oracle.backends.descendants import alive_in
 from restir_gi.reference.oracle.cases import NO_TIME, Failure, Unasked
 from restir_gi.reference.system.errors import UsageError
 
@@ -23,8 +25,14 @@ LARGEST_FILE = 2**30
 LAST_BYTES = 4096
 """Of what a process says, that are kept."""
 
-SHORTLY = 0.5
-"""Seconds within which what an ended process has said is there."""
+SHOWN = 1024
+"""Characters of that, and of a traceback, that a report shows."""
+
+SHORTLY, SOON = 0.5, 0.02
+"""Seconds within which what a process has said is there: an ended one, a living one."""
+
+DYING = 1.0
+"""Seconds that children of a killed process have to be gone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,9 +119,16 @@ class LastWords:
         not waited for.
         """
         self._reader.join(SHORTLY)
-        text = self._kept.decode(errors="replace")
-        lines = [line.strip() for line in text.splitlines() if line.strip()]
+        lines = [line.strip() for line in self.text().splitlines() if line.strip()]
         return lines[-1][:200] if lines else ""
+
+    def settle(self) -> None:
+        """Wait a moment for what a living process has written just now."""
+        self._reader.join(SOON)
+
+    def text(self) -> str:
+        """What is kept so far."""
+        return self._kept.decode(errors="replace")
 
     def _read(self) -> None:
         with suppress(OSError, ValueError), self._stream:
@@ -143,26 +158,39 @@ def run_program(
     process = started(
         words,
         stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         env=environment,
         preexec_fn=(lambda: bind(limits.memory)) if resource is not None else None,
         start_new_session=True,
     )
     try:
+        assert process.stdout is not None
         assert process.stderr is not None
-        said = LastWords(process.stderr)
+        printed, said = LastWords(process.stdout), LastWords(process.stderr)
         allowed = limits.seconds * calls
         code = process.wait(min(allowed, left, threading.TIMEOUT_MAX))
     except subprocess.TimeoutExpired:
         stop(process)
         if left < allowed:
             return NO_TIME
-        return Failure(f"did not end within {allowed:g} s", timed_out=True)
+        reason = f"did not end within {allowed:g} s"
+        return Failure(reason, True, shown_output(printed, said))
     except BaseException:
         stop(process)
         raise
-    return None if code == 0 else how_it_ended(code, said.last_line())
+    if code == 0:
+        return None
+    last = said.last_line()
+    return how_it_ended(code, last, shown_output(printed, said))
+
+
+def shown_output(*streams: LastWords) -> str:
+    """The end of what a process has written to each of its streams."""
+    for stream in streams:
+        stream.settle()
+    texts = [stream.text().strip()[-SHOWN:] for stream in streams]
+    return "\n".join(text for text in texts if text)
 
 
 def stop(process: "subprocess.Popen[bytes]") -> None:
@@ -179,9 +207,13 @@ def stop(process: "subprocess.Popen[bytes]") -> None:
     with suppress(OSError):
         process.kill()
     process.wait()
+    # Its children die a moment later, and must not be taken for what it left running.
+    end = time.monotonic() + DYING
+    while alive_in(process.pid) and time.monotonic() < end:
+        time.sleep(0.01)
 
 
-def how_it_ended(code: int, last_words: str) -> Failure | Unasked:
+def how_it_ended(code: int, last_words: str, output: str = "") -> Failure | Unasked:
     """Why a process is no more.
 
     "was killed by SIGSEGV", "ended with exit code 1: MemoryError", ... Nothing is known
@@ -190,6 +222,7 @@ def how_it_ended(code: int, last_words: str) -> Failure | Unasked:
     Parameters
     ----------
     code : int; as `subprocess` gives it: negative for a signal
+    output : str; what it has written
     """
     if code < 0:
         try:
@@ -198,6 +231,6 @@ def how_it_ended(code: int, last_words: str) -> Failure | Unasked:
             name = f"signal {-code}"
         if name == "SIGKILL":
             return Unasked("was killed by SIGKILL from outside (out of memory?)")
-        return Failure(f"was killed by {name}")
+        return Failure(f"was killed by {name}", output=output)
     words = f": {last_words}" if last_words else ""
-    return Failure(f"ended with exit code {code}{words}")
+    return Failure(f"ended with exit code {code}{words}", output=output)

@@ -1,11 +1,13 @@
 """The other side of a process boundary: runs a Python backend on folders of cases.
 
 Started by :mod:`restir_gi.reference.oracle.backends.process`.  On stdin comes the path
-of a folder a line; on the real stdout go ``ready PRECISION``, then for each case
-``begin``, and ``end``, ``absent`` or ``failed`` with a reason, then ``done``.  What the
-backend prints itself goes to stderr.
+of a folder a line; on the real stdout go ``ready`` with the precision, what the
+backend offers and its declaration, then for each case ``begin``, and ``end``,
+``absent`` or ``failed`` with a reason and a traceback, then ``done``; what stands after
+these words is JSON.  What the backend prints itself goes to stderr.
 """
 
+import json
 import os
 import sys
 from pathlib import Path
@@ -14,17 +16,23 @@ from typing import Any, TextIO
 import numpy as np
 
 from restir_gi.reference.oracle.backends.find import find_object
+from restir_gi.reference.oracle.backends.offer import (
+    declaration_of,
+    offer_of,
+    shown_traceback,
+)
 from restir_gi.reference.oracle.backends.running import bind
 from restir_gi.reference.oracle.cases import Case
 from restir_gi.reference.oracle.raw import read_cases
 
 
-def main(spec: str, memory: int) -> None:
+def main(spec: str, memory: int, names: tuple[str, ...]) -> None:
     """Serve until stdin ends.
 
     Parameters
     ----------
     memory : int, bytes; that it may use
+    names : tuple of str; passes of the contract
     """
     bind(memory)
     channel = os.fdopen(os.dup(1), "w", buffering=1, errors="backslashreplace")
@@ -32,6 +40,7 @@ def main(spec: str, memory: int) -> None:
     try:
         backend = find_object(spec)
         precision = getattr(backend, "precision", "float32")
+        declaration = declaration_of(backend)
         if precision not in ("float32", "float64"):
             raise ValueError(
                 f"its precision is {precision!r}, and should be 'float32' or 'float64'"
@@ -39,7 +48,8 @@ def main(spec: str, memory: int) -> None:
     except Exception as error:
         _say(channel, f"failed cannot be loaded: {_words(error)}")
         return
-    _say(channel, f"ready {precision}")
+    offer = offer_of(backend, names).as_plain()
+    _say(channel, f"ready {json.dumps([precision, offer, declaration])}")
     for line in sys.stdin:
         folder = Path(line.rstrip("\n"))
         for case in read_cases(folder)[1]:
@@ -56,8 +66,12 @@ def _run(backend: Any, folder: Path, case: Case) -> str:
         outputs = method(**case.inputs, **case.settings)
         arrays = {name: np.asarray(array) for name, array in dict(outputs).items()}
         np.savez(folder / case.name / "out.npz", allow_pickle=False, **arrays)
+    except NotImplementedError:
+        return "absent"
     except Exception as error:
-        return f"failed {_words(error)}"
+        for stream in (sys.stdout, sys.stderr):
+            stream.flush()
+        return f"failed {json.dumps([_words(error), shown_traceback(error)])}"
     return "end"
 
 
@@ -76,4 +90,4 @@ def _say(channel: TextIO, text: str) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], int(sys.argv[2]))
+    main(sys.argv[1], int(sys.argv[2]), tuple(sys.argv[3:]))

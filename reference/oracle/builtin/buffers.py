@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from restir_gi.reference.numerics.arrays import Masks, Scalars
+from restir_gi.reference.oracle.builtin.surfaces import surface_pixels
 from restir_gi.reference.oracle.builtin.world import Known, surface_of, world_of
 from restir_gi.reference.oracle.contract.fields import Precision, dtype_of
+from restir_gi.reference.oracle.contract.surfaces import LAMBERTIAN
 from restir_gi.reference.passes.pixels import Pixels
 from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
 from restir_gi.reference.settings import UNBIASED
@@ -64,20 +66,27 @@ def reservoirs_of(buffers: Arrays, prefix: str = "") -> Reservoirs:
     return Reservoirs(samples_of(buffers, prefix), W, M)
 
 
-def pixels_of(buffers: Arrays, kind: Any, known: Sequence[Known] = ()) -> Pixels:
+def pixels_of(
+    buffers: Arrays,
+    kind: Any,
+    known: Sequence[Known] = (),
+    surface: str = LAMBERTIAN,
+) -> Pixels:
     """Pixels among buffers."""
+    if surface != LAMBERTIAN:
+        return surface_pixels(buffers, kind, surface, known)
     points = surface_of(
         buffers["visible_position"], buffers["visible_normal"], buffers["albedo"]
     )
     return Pixels(world_of(known), points, replace(UNBIASED, target=kind))
 
 
-def target_of(kind: Any, buffers: Arrays) -> Scalars:
+def target_of(kind: Any, buffers: Arrays, surface: str = LAMBERTIAN) -> Scalars:
     """Target of sample points at visible points.
 
     Returns (N,); in the precision of the buffers.
     """
-    return pixels_of(buffers, kind).target(samples_of(buffers))
+    return pixels_of(buffers, kind, surface=surface).target(samples_of(buffers))
 
 
 def reservoirs_out(precision: Precision, r: Reservoirs) -> dict[str, Array]:

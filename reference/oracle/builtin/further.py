@@ -21,15 +21,10 @@ from restir_gi.reference.options.replay import Replay
 from restir_gi.reference.options.reprojection import reproject
 from restir_gi.reference.options.roulette import tail_weight
 from restir_gi.reference.options.validation import validated
-from restir_gi.reference.oracle.builtin.buffers import (
-    Array,
-    as_real,
-    reservoirs_out,
-    samples_of,
-)
+from restir_gi.reference.oracle.builtin.buffers import Array, as_real
+from restir_gi.reference.oracle.builtin.packing import pack, unpack
 from restir_gi.reference.oracle.builtin.world import surface_of
 from restir_gi.reference.oracle.contract.fields import Precision, dtype_of
-from restir_gi.reference.resampling.packing import paper
 from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
 from restir_gi.reference.resampling.suffix import Suffix
 from restir_gi.reference.scene.camera import Camera, camera_rays, view_depth
@@ -204,31 +199,6 @@ def _roulette(
     return {"weight": as_real(precision, weight)}
 
 
-def _pack(
-    precision: Precision,
-    visible_position: Array,
-    visible_normal: Array,
-    W: Array,
-    M: Array,
-    seed: Array,
-    **sample: Array,
-) -> dict[str, Array]:
-    r = Reservoirs(samples_of(sample), W, M)
-    codes = paper.pack(visible_position, visible_normal, r, seed)
-    return {"words": codes.view("<u4").reshape(-1, 12)}
-
-
-def _unpack(precision: Precision, words: Array) -> dict[str, Array]:
-    codes = np.ascontiguousarray(words).view(paper.RESERVOIR)[:, 0]
-    x_v, n_v, r, seed = paper.unpack(codes)
-    return {
-        "visible_position": as_real(precision, x_v),
-        "visible_normal": as_real(precision, n_v),
-        **reservoirs_out(precision, r),
-        "seed": seed,
-    }
-
-
 FURTHER: Mapping[str, Callable[..., dict[str, Array]]] = {
     "gbuffer": _gbuffer,
     "reproject": _reproject,
@@ -236,6 +206,6 @@ FURTHER: Mapping[str, Callable[..., dict[str, Array]]] = {
     "boiling": _boiling,
     "checkerboard": _checkerboard,
     "roulette": _roulette,
-    "pack": _pack,
-    "unpack": _unpack,
+    "pack": pack,
+    "unpack": unpack,
 }

@@ -14,6 +14,7 @@ from restir_gi.reference.numerics.sampling import (
 )
 from restir_gi.reference.oracle.builtin.buffers import Array, as_real, target_of
 from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.contract.surfaces import LAMBERTIAN
 from restir_gi.reference.passes.gbuffer import similar
 from restir_gi.reference.resampling.reservoir import Candidates, choose_second, finalize
 from restir_gi.reference.resampling.shift import reconnection_jacobian
@@ -43,9 +44,10 @@ def _direction(
 def _target(
     precision: Precision,
     target: str,
+    surface: str = LAMBERTIAN,
     **buffers: Array,
 ) -> dict[str, Array]:
-    return {"p_hat": as_real(precision, target_of(target, buffers))}
+    return {"p_hat": as_real(precision, target_of(target, buffers, surface))}
 
 
 def _jacobian(

@@ -17,8 +17,14 @@ from restir_gi.reference.oracle.builtin.buffers import (
     samples_of,
     target_of,
 )
+from restir_gi.reference.oracle.builtin.surfaces import (
+    SurfaceFrame,
+    SurfacePixels,
+    surface_points,
+)
 from restir_gi.reference.oracle.builtin.world import Known, surface_of
 from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.contract.surfaces import LAMBERTIAN
 from restir_gi.reference.passes.initial import InitialSamples
 from restir_gi.reference.passes.neighbors import find_neighbors
 from restir_gi.reference.passes.pixels import FrameReservoirs, Pixels
@@ -36,9 +42,13 @@ from restir_gi.reference.settings import UNBIASED
 
 
 def _initial(
-    precision: Precision, pdf: Array, target: str, **buffers: Array
+    precision: Precision,
+    pdf: Array,
+    target: str,
+    surface: str = LAMBERTIAN,
+    **buffers: Array,
 ) -> dict[str, Array]:
-    p_hat = as_real(precision, target_of(target, buffers))
+    p_hat = as_real(precision, target_of(target, buffers, surface))
     c = initial_candidates(p_hat, p_hat, pdf)
     r = finalize(c, c.M)
     return {"p_hat": p_hat, "W": as_real(precision, r.W), "M": as_real(precision, r.M)}
@@ -50,9 +60,10 @@ def _temporal(
     u: Array,
     target: str,
     cap: float,
+    surface: str = LAMBERTIAN,
     **buffers: Array,
 ) -> dict[str, Array]:
-    q = pixels_of(buffers, target)
+    q = pixels_of(buffers, target, surface=surface)
     past = reservoirs_of(buffers, "past_")
     kept = temporal_resampling(q, _new(buffers, new_pdf), past, u, cap=cap)
     return reservoirs_out(precision, kept)
@@ -66,6 +77,7 @@ def _moved(
     target: str,
     cap: float,
     mis: PaperMis,
+    surface: str = LAMBERTIAN,
     **buffers: Array,
 ) -> dict[str, Array]:
     rows = np.arange(len(u))
@@ -77,13 +89,8 @@ def _moved(
         for viewer in (0, 1)
         for k, y in enumerate(samples)
     ]
-    q = pixels_of(buffers, target, known)
-    x_past = surface_of(
-        buffers["past_visible_position"],
-        buffers["past_visible_normal"],
-        buffers["past_albedo"],
-    )
-    x_past = replace(x_past, primitive=x_past.primitive + np.int32(count))
+    q = pixels_of(buffers, target, known, surface)
+    x_past = _past_points(buffers, surface, count)
     past = _frame(q, x_past, reservoirs_of(buffers, "past_")).neighbors(q, rows)
     new = _new(buffers, new_pdf)
     kept = temporal_resampling(q, new, past, u, cap=cap, mis=mis)
@@ -121,9 +128,11 @@ def _spatial(
     target: str,
     cap: float,
     mis: PaperMis,
+    surface: str = LAMBERTIAN,
     **buffers: Array,
 ) -> dict[str, Array]:
-    q = pixels_of(buffers, target, _known(buffers, neighbors, visible))
+    known = _known(buffers, neighbors, visible)
+    q = pixels_of(buffers, target, known, surface)
     own, past = reservoirs_of(buffers), reservoirs_of(buffers, "past_")
     frame = _frame(q, q.points, own)
     around = [
@@ -137,10 +146,13 @@ def _spatial(
 def _shade(
     precision: Precision,
     W: Array,
+    surface: str = LAMBERTIAN,
     **buffers: Array,
 ) -> dict[str, Array]:
-    q = pixels_of(buffers, "scattered")
+    q = pixels_of(buffers, "scattered", surface=surface)
     r = Reservoirs(samples_of(buffers), W, W)
+    if isinstance(q, SurfacePixels):
+        return {"color": as_real(precision, q.shown(r.y, W))}
     return {"color": as_real(precision, shade(q.world, q.points, r))}
 
 
@@ -149,9 +161,22 @@ def _new(buffers: Arrays, pdf: Array) -> InitialSamples:
     return InitialSamples(y, pdf, np.ones_like(pdf), np.zeros_like(y.radiance))
 
 
+def _past_points(buffers: Arrays, surface: str, count: int) -> SurfacePoints:
+    """Points of the past, numbered after as many receivers."""
+    if surface != LAMBERTIAN:
+        return surface_points(buffers, "past_", count)
+    x = surface_of(
+        buffers["past_visible_position"],
+        buffers["past_visible_normal"],
+        buffers["past_albedo"],
+    )
+    return replace(x, primitive=x.primitive + np.int32(count))
+
+
 def _frame(q: Pixels, points: SurfacePoints, r: Reservoirs) -> FrameReservoirs:
     depth = np.ones(len(r.W), r.W.dtype)
-    return FrameReservoirs(q.world, VisiblePoints(points, depth), r)
+    frame = SurfaceFrame if isinstance(q, SurfacePixels) else FrameReservoirs
+    return frame(q.world, VisiblePoints(points, depth), r)
 
 
 def _known(buffers: Arrays, neighbors: Array, visible: Array) -> list[Known]:

@@ -106,8 +106,15 @@ class _Buffers:
     emitters: None = None
 
 
-def world_of(known: Sequence[Known] = ()) -> World:
-    """A world that answers from buffers, as far as the passes look at it."""
+def world_of(
+    known: Sequence[Known] = (), materials: MaterialTable | None = None
+) -> World:
+    """A world that answers from buffers, as far as the passes look at it.
+
+    Parameters
+    ----------
+    materials : MaterialTable, optional; diffuse ones unless others are given
+    """
     nothing = Known(np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros(0, bool))
     parts = [nothing, *known]
     joined = Known(
@@ -116,7 +123,7 @@ def world_of(known: Sequence[Known] = ()) -> World:
         np.concatenate([part.seen for part in parts]),
     )
     # Black points may be among the buffers: their target is asked, not their material.
-    table = replace(diffuse_table(), plain=False)
+    table = materials or replace(diffuse_table(), plain=False)
     keys = _keys(joined.viewer, joined.position)
     order = np.argsort(keys, kind="stable")
     written = WrittenVisibility(take(joined, order), keys[order])

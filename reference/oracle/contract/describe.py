@@ -1,8 +1,14 @@
 """The contract as a page of the documentation."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
-from restir_gi.reference.oracle.contract.fields import Field, Pass, Passes
+from restir_gi.reference.oracle.contract.fields import (
+    Field,
+    Pass,
+    Passes,
+    Setting,
+)
+from restir_gi.reference.oracle.contract.surfaces import MATERIAL, PAGE
 from restir_gi.reference.oracle.exact.registry import limits_of
 
 INTRODUCTION = """\
@@ -34,9 +40,25 @@ open; how often that happens is counted against what chance allows.
 
 **Rows that are not there.** A reservoir with W = 0 and M = 0 is empty; a sample with
 radiance 0 is a null, and one with pdf 0 has w = 0. Where all weights of a stream are 0
-nothing is kept: W = 0, M counts, and which sample stands in the row is not looked at. A
-quotient by 0 is 0, whether the denominator is exactly 0 or has rounded to it. Outputs
-are finite.
+nothing is kept: M counts, W = 0, and which sample stands in the row is not looked at. W
+of a row whose sample is a null is not looked at either, as long as it is no less than
+0: p̂ of a null is 0 wherever it is reused, so that nothing shows it. Where p̂ is 0
+although there is light, as on a black surface, W must be 0: another receiver may
+reflect that light. A quotient by 0 is 0, whether the denominator is exactly 0 or has
+rounded to it. Outputs are finite.
+
+**Inputs** are those that a loop of frames can make: confidences are at most the caps of
+the passes that they come from, samples are valid where they were stored, and a null has
+a place and a normal like any other. Random rows depend on a seed.
+
+**Two grades.** A row is beyond the working range where one of its numbers is such that
+no scene has it: points less than 1e-6 m apart, or less than 1e-6 of their own size;
+more than 1e6 m; one point 1e4 times as far from a sample as another; a cosine between 0
+and 1e-4; a row without a normal; radiances, densities and W that are not 0 and outside
+of 1e-7 to 1e7, targets and weights outside of 1e-16 to 1e16, confidences outside of
+1e-3 to 1e5, depths outside of 1e-6 to 1e6 m, widths of lobes outside of 0.02 to 1.
+Products of numbers within stay inside float32, in any order. What is wrong beyond
+alone, NaN too, is told, and fails only where extremes are asked for.
 
 **Limits.** What a kernel gives at the ends of its numbers stands beneath its pass: no
 finite input may give NaN or infinity. How exact the project's own kernels are there, in
@@ -44,6 +66,14 @@ half, single and double precision, stands in [Extremes](../explanation/extremes.
 
 **Terms.** What is marked "may" nobody has to give. It is not judged; where a pass is
 wrong, the report shows it beside what it should be.
+
+**Declared settings.** Values that stand behind "declared" are asked only of a backend
+that [declares](declaration.md) them; all others it has, unless it declares which it
+has, or raises `NotImplementedError`. A buffer that is "given where" a setting has a
+value is no argument of other calls.
+
+**Choices** that differ from what stands here may be [declared](declaration.md) as well:
+each pass is then held against the formula that the backend says it has.
 
 **Random numbers** are given as `u`. Whoever wants to make them: u of dimension d of
 stream s of a pixel is the four lanes of `random` with the key (pixel, frame, seed, 64
@@ -57,25 +87,52 @@ How to connect a backend, and the form of the files, stands in
 [How-to](../howto/index.md).
 """
 
+HEAD = "| | name | shape | kind | meaning |\n|---|---|---|---|---|\n"
+PREFIXES = ("", "past_")
+"""Of buffers of visible points."""
+
 
 def describe(passes: Passes) -> str:
     """Page of the contract, in Markdown."""
-    return INTRODUCTION + "".join(_section(one) for one in passes.values())
+    return "".join((INTRODUCTION, _surfaces(), *map(_section, passes.values())))
+
+
+def _surfaces() -> str:
+    return f"{PAGE}\n{HEAD}" + "".join(_row("in", field) for field in MATERIAL)
 
 
 def _section(one: Pass) -> str:
     lines = [f"\n## `{one.name}`\n\n{one.summary}. {one.source}\n\n"]
     lines.append("```text\n" + one.formula + "\n```\n\n")
-    lines.append("| | name | shape | kind | meaning |\n|---|---|---|---|---|\n")
-    lines += [_row("in", field) for field in one.inputs]
+    lines.append(HEAD)
+    lines += _inputs(one.inputs)
     lines += [
-        f"| setting | `{s.name}` | | {_cell(s.values)} | {_cell(s.meaning)} |\n"
+        f"| setting | `{s.name}` | | {_cell(_values(s))} | {_cell(s.meaning)} |\n"
         for s in one.settings
     ]
     lines += [_row("out", field) for field in one.outputs]
     lines += [_row("may", field) for field in one.terms]
+    if one.clauses:
+        lines.append("\nWhat the cases look at, one thing at a time:\n\n")
+        lines += [f"- {clause}\n" for clause in one.clauses]
     lines += [_limits(name, defined) for name, defined in limits_of(one.name).items()]
     return "".join(lines)
+
+
+def _inputs(fields: Iterable[Field]) -> Iterator[str]:
+    """A row for each buffer, and one for all that a declared surface adds."""
+    materials = {f"{prefix}{field.name}" for field in MATERIAL for prefix in PREFIXES}
+    told: set[str] = set()
+    for field in fields:
+        if field.name not in materials:
+            yield _row("in", field)
+            continue
+        prefix = next(p for p in reversed(PREFIXES) if field.name.startswith(p))
+        if prefix not in told:
+            told.add(prefix)
+            name = f"`{prefix}{MATERIAL[0].name}` …"
+            where = "of a declared surface, see [Surfaces](#surfaces)"
+            yield f"| in | {name} | | | {where} |\n"
 
 
 def _limits(kernel: str, defined: Mapping[str, str]) -> str:
@@ -88,7 +145,18 @@ def _limits(kernel: str, defined: Mapping[str, str]) -> str:
 def _row(word: str, field: Field) -> str:
     shape = _shape(("N", *field.columns))
     meaning = _cell(field.meaning)
+    if field.only is not None:
+        setting, values = field.only
+        meaning += f"; given where `{setting}` is {' or '.join(values)}"
     return f"| {word} | `{field.name}` | {shape} | {field.kind} | {meaning} |\n"
+
+
+def _values(setting: Setting) -> str:
+    """What a setting may be, and what it may be for backends that declare it."""
+    if not setting.more:
+        return setting.values
+    words = f"{setting.values}; declared: {' | '.join(setting.more)}"
+    return f"{words}; left out where {setting.default}" if setting.default else words
 
 
 def _shape(sizes: Iterable[int | str]) -> str:

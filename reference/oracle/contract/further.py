@@ -8,8 +8,9 @@ from restir_gi.reference.oracle.contract.fields import (
     real,
     vector,
 )
-from restir_gi.reference.oracle.contract.groups import RECEIVER, RESERVOIR
+from restir_gi.reference.oracle.contract.groups import RESERVOIR
 from restir_gi.reference.oracle.contract.kernels import SIMILAR
+from restir_gi.reference.oracle.contract.packing import PACK, UNPACK
 
 WIDTH = Setting("width", "pixels", "of the image; row = y · width + x")
 FRAME = Setting("frame", "whole number, 0 to 2²⁷ − 1", "of now")
@@ -61,6 +62,17 @@ GBUFFER = Pass(
     ),
     settings=CAMERA,
     source="[Ouyang21, section 5], for flat triangles and one ray through the centre",
+    clauses=(
+        "rays go through the centres of pixels",
+        "y counts downwards, x to the right",
+        "the angle of view is the horizontal one",
+        "up is made orthogonal to the view",
+        "the depth is along the axis",
+        "nothing behind the pinhole is hit",
+        "the normal is turned to the side that is seen",
+        "triangles are met from both sides",
+        "all is 0 where there is no hit",
+    ),
 )
 
 REPROJECT = Pass(
@@ -84,6 +96,17 @@ REPROJECT = Pass(
     outputs=(index("row", "of the last frame, or −1"),),
     settings=(*CAMERA, *SIMILAR.settings),
     source="[Ouyang21, section 5]; the rows are all pixels of the image, in order",
+    clauses=(
+        "the place is cut off to a whole pixel",
+        "places outside of the image have no row",
+        "points behind the pinhole have no row",
+        "misses have no row",
+        "the normal is that of the place before",
+        "the depth is that of the place before",
+        "the depths differ by max_depth of the larger at most",
+        "the angle of view is the horizontal one",
+        "up is made orthogonal to the view",
+    ),
 )
 
 VALIDATION = Pass(
@@ -105,6 +128,14 @@ VALIDATION = Pass(
     outputs=WEIGHTS,
     settings=(Setting("tolerance", "number, 0 to 1", "relative change of luminance"),),
     source="[Ouyang21, section 4.3]",
+    clauses=(
+        "the tolerance is relative to the larger luminance",
+        "luminance has the weights of Rec. 709",
+        "samples that became darker, and brighter, are cleared",
+        "nulls stay",
+        "a sample that is no longer met is cleared",
+        "M is cleared too",
+    ),
 )
 
 BOILING = Pass(
@@ -121,6 +152,14 @@ BOILING = Pass(
     outputs=WEIGHTS,
     settings=(WIDTH, Setting("strength", "number above 0, to 1", "of the filter")),
     source="the rows are all pixels of the image, in order",
+    clauses=(
+        "light is luminance times W",
+        "luminance has the weights of Rec. 709",
+        "the mean is that of pixels with light",
+        "tiles have 16 × 16 pixels and are cut off",
+        "the limit has the strength in both factors",
+        "M is cleared too",
+    ),
 )
 
 CHECKERBOARD = Pass(
@@ -136,6 +175,11 @@ CHECKERBOARD = Pass(
     ),
     outputs=(bits("draws", "1 or 0"),),
     settings=(WIDTH, FRAME),
+    clauses=(
+        "the half changes from frame to frame",
+        "rows and columns take turns",
+        "pixels without history draw",
+    ),
 )
 
 ROULETTE = Pass(
@@ -156,50 +200,12 @@ ROULETTE = Pass(
         Setting("probability", "number above 0, to 1", "share of tiles that go on"),
     ),
     source="[Ouyang21, section 5]",
-)
-
-FIELDS = (*RECEIVER[:2], *RESERVOIR, bits("seed", "what the path was drawn with"))
-WORDS = bits("words", "48 bytes, as twelve little-endian words", 12)
-
-_LAYOUT = (
-    "words 0 to 2: visible_position, three float32; 3: visible_normal; "
-    "4 to 6: position; 7: normal; 8: red in bits 15:0, green in 31:16; "
-    "9: blue in bits 15:0, M in 31:16; 10: W, float32; 11: seed;\n"
-)
-
-PACK = Pass(
-    name="pack",
-    summary="A reservoir in 48 bytes",
-    formula=(
-        _LAYOUT + "red, green, blue of the radiance are float16, M is a uint16;\n"
-        "normals: s = |x| + |y| + |z|, (u, v) = (x, y) / s, and where z < 0 (u, v) = "
-        "((1 − |v|) sign u, (1 − |u|) sign v), with sign 0 = +1; the int16 of 32767 u "
-        "in bits 15:0, of 32767 v in 31:16, in two's complement; (0, 0) for a normal "
-        "of 0;\n"
-        "all rounded to nearest; what is too large becomes the largest number of its "
-        "field, never infinity; a positive M becomes at least 1;\n"
-        "judged as pass unpack reads it.  Errors: positions and W relative 2⁻²⁴; a "
-        "channel relative 2⁻¹¹, below 2⁻¹⁴ absolute 2⁻²⁵; normals 6.474e-5 radians; M "
-        "1/2, and none where it is whole; seed none"
+    clauses=(
+        "tiles decide together, and are cut off at the right",
+        "the frame and the seed are in the key",
+        "what goes on is divided by the probability",
+        "u = probability does not go on",
     ),
-    inputs=FIELDS,
-    outputs=(WORDS,),
-    source="docs/reference/packing.md; fields of [Ouyang21, section 5]",
-)
-
-UNPACK = Pass(
-    name="unpack",
-    summary="A reservoir from 48 bytes",
-    formula=(
-        _LAYOUT + "normals: (u, v) from two int16, −32768 read as −32767, divided by "
-        "32767; z = 1 − |u| − |v|; where z < 0, (u, v) = ((1 − |v|) sign u, "
-        "(1 − |u|) sign v); (u, v, z) normalized;\n"
-        "numbers as they stand, also subnormal halves; infinity is read as the largest "
-        "number of its field, with its sign, and NaN as 0"
-    ),
-    inputs=(WORDS,),
-    outputs=FIELDS,
-    source="docs/reference/packing.md",
 )
 
 FURTHER_PASSES = (

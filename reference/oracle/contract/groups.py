@@ -1,11 +1,13 @@
 """Groups of buffers that several passes share."""
 
+from dataclasses import replace
+
 from restir_gi.reference.oracle.contract.fields import Field, real, vector
 
 RECEIVER = (
     vector("visible_position", "visible point x, m"),
     vector("visible_normal", "unit normal at x, on the side that is seen"),
-    vector("albedo", "reflectance of the visible point, which is Lambertian"),
+    vector("albedo", "reflectance of the visible point's diffuse part"),
 )
 
 SAMPLE = (
@@ -28,6 +30,4 @@ def prefixed(prefix: str, fields: tuple[Field, ...]) -> tuple[Field, ...]:
     ----------
     prefix : str; put before each name, with an underscore
     """
-    return tuple(
-        Field(f"{prefix}_{f.name}", f.columns, f.kind, f.meaning) for f in fields
-    )
+    return tuple(replace(f, name=f"{prefix}_{f.name}") for f in fields)

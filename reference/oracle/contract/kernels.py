@@ -2,6 +2,7 @@
 
 from restir_gi.reference.oracle.contract.fields import Pass, Setting, bits, real, vector
 from restir_gi.reference.oracle.contract.groups import RECEIVER, SAMPLE
+from restir_gi.reference.oracle.contract.surfaces import MATERIAL, SURFACE
 
 SOURCE = Setting(
     "source", "uniform | cosine", "density of the directions on the hemisphere"
@@ -9,6 +10,13 @@ SOURCE = Setting(
 TARGET = Setting(
     "target", "scattered | outgoing", "Equation 9, or Equation 10 of the paper"
 )
+
+SCATTERS = (
+    "a declared surface has its lobe beside the diffuse part",
+    "a declared surface takes F at the half vector",
+    "a declared surface is 0 where the view is below the horizon",
+)
+"""Clauses of passes that evaluate f."""
 
 RANDOM = Pass(
     name="random",
@@ -27,6 +35,10 @@ RANDOM = Pass(
         real("u", "numbers in [0, 1), multiples of 2⁻²⁴", 4),
     ),
     source="[Jarzynski20, Listing 5]",
+    clauses=(
+        "each word of the key changes the numbers",
+        "u takes the upper 24 bits of a word",
+    ),
 )
 
 DIRECTION = Pass(
@@ -47,6 +59,12 @@ DIRECTION = Pass(
     ),
     settings=(SOURCE,),
     source="[Ouyang21, Alg. 2, line 3]",
+    clauses=(
+        "the cosine with the normal is that of the source",
+        "the density is that of the source",
+        "the azimuth is 2π u₁",
+        "directions leave on the side of the normal",
+    ),
 )
 
 TARGET_FUNCTION = Pass(
@@ -55,12 +73,22 @@ TARGET_FUNCTION = Pass(
     formula=(
         "ω = (x_s − x) / |x_s − x|, luminance Y = 0.2126 R + 0.7152 G + 0.0722 B;\n"
         "scattered: p̂ = Y(albedo / π · L_o) · cos θ;  outgoing: p̂ = Y(L_o);\n"
-        "both 0 unless the sample is above the horizon, n·ω > 0, and lit, n_s·ω < 0"
+        "both 0 unless the sample is above the horizon, n·ω > 0, and lit, n_s·ω < 0;\n"
+        "a declared surface has f, of which Surfaces tells, in place of albedo / π"
     ),
-    inputs=(*RECEIVER, *SAMPLE),
+    inputs=(*RECEIVER, *MATERIAL, *SAMPLE),
     outputs=(real("p_hat", "target, without visibility"),),
-    settings=(TARGET,),
+    settings=(TARGET, SURFACE),
+    joins=(("visible_position", "position"),),
     source="[Ouyang21, Eq. 9 and 10]",
+    clauses=(
+        "scattered has albedo, cos θ and 1/π",
+        "outgoing has none of them",
+        "luminance has the weights of Rec. 709",
+        "0 where the sample is below the horizon",
+        "0 where the sample shows its back",
+        *SCATTERS,
+    ),
 )
 
 JACOBIAN = Pass(
@@ -81,13 +109,23 @@ JACOBIAN = Pass(
         ),
     ),
     source="[Ouyang21, Eq. 11]",
+    joins=(("x_from", "position"), ("x_to", "position")),
+    clauses=(
+        "the cosines are those at x_s, the receiver's above",
+        "the distances are squared, the source's above",
+        "J is not limited",
+        "the back of the patch counts as its front",
+        "0 where cos φ_from or cos φ_to is 0",
+        "0 where points touch",
+    ),
 )
 
 MERGE = Pass(
     name="merge",
     summary="Whether the second of two candidates is kept",
     formula=(
-        "second where u (w_a + w_b) < w_b, and where w_a = 0 < w_b;\n"
+        "second where u (w_a + w_b) < w_b, and where w_a = 0 < w_b; where both are 0 "
+        "nothing is kept, and second is not looked at;\n"
         "w = w_a + w_b; M = M_a + M_b"
     ),
     inputs=(
@@ -103,6 +141,12 @@ MERGE = Pass(
         real("M", "sum of both"),
     ),
     source="[Ouyang21, Alg. 1, lines 6 to 10]",
+    clauses=(
+        "the second is kept where u (w_a + w_b) < w_b",
+        "a weight is kept beside 0, whatever u is",
+        "a weight of 0 is never kept beside another",
+        "w and M are sums, M of what has no weight too",
+    ),
 )
 
 FINALIZE = Pass(
@@ -122,6 +166,12 @@ FINALIZE = Pass(
         ),
     ),
     source="[Ouyang21, Eq. 7]",
+    clauses=(
+        "w is divided by Z and by p̂",
+        "W is not limited",
+        "0 where p̂ is 0",
+        "0 where Z is 0",
+    ),
 )
 
 SIMILAR = Pass(
@@ -143,6 +193,11 @@ SIMILAR = Pass(
         Setting("max_depth", "number", "relative difference of the depths"),
     ),
     source="[Ouyang21, section 4.2]",
+    clauses=(
+        "the normals differ by max_angle at most",
+        "the depths differ by max_depth of the larger at most",
+        "0 where a depth is 0",
+    ),
 )
 
 KERNELS = (RANDOM, DIRECTION, TARGET_FUNCTION, JACOBIAN, MERGE, FINALIZE, SIMILAR)

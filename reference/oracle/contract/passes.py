@@ -14,10 +14,16 @@ from restir_gi.reference.oracle.contract.groups import (
     SAMPLE,
     prefixed,
 )
-from restir_gi.reference.oracle.contract.kernels import TARGET
+from restir_gi.reference.oracle.contract.kernels import SCATTERS, TARGET
+from restir_gi.reference.oracle.contract.surfaces import MATERIAL, SURFACE
 
 CAP = Setting("cap", "number, at least 1", "limit of M, when the reservoir is closed")
 MIS = Setting("mis", "1/M | 1/Z", "what the sum of weights is divided by")
+
+
+JOINED = (("visible_position", "position"),)
+HERE_PAST = ("visible_position", "past_position")
+HERE_NEW = ("visible_position", "new_position")
 
 
 def _stream(count: int | str) -> tuple[Field, ...]:
@@ -33,15 +39,45 @@ INITIAL = Pass(
     name="initial",
     summary="Algorithm 2: a new sample becomes a reservoir",
     formula="w = p̂ / pdf, W = w / p̂, M = 1 for nulls too; W = 0 where w is",
-    inputs=(*RECEIVER, *SAMPLE, real("pdf", "source density of the sample, 1/sr")),
+    inputs=(
+        *RECEIVER,
+        *MATERIAL,
+        *SAMPLE,
+        real("pdf", "source density of the sample, 1/sr"),
+    ),
     outputs=(
         real("p_hat", "target of the sample"),
         real("W", "contribution weight, sr"),
         real("M", "confidence"),
     ),
-    settings=(TARGET,),
+    settings=(TARGET, SURFACE),
     source="[Ouyang21, Alg. 2]",
+    joins=JOINED,
+    clauses=(
+        "the target is the one that is asked for",
+        "W has the density of its row",
+        "nulls count",
+        "W = 0 where pdf is 0",
+        "W = 0 where p̂ is 0 although there is light",
+    ),
 )
+
+MEETING = (
+    "the target is the one that is asked for",
+    "the past has w₀ = p̂ W₀ M₀",
+    "the new sample has the density of its row",
+    "w₁ = 0 where pdf is 0",
+    "the new sample is kept where u (w₀ + w₁) < w₁",
+    "the new sample is kept where w₀ = 0 < w₁",
+    "W is divided by the target of what is kept",
+    "Z counts both, before the cap",
+    "nulls count, in the past and now",
+    "an empty past does not count",
+    "M is capped when it is stored",
+    "M counts where nothing is kept",
+    "W = 0 where nothing is kept although there is light",
+)
+"""Clauses of Algorithm 3, whether or not the past has moved."""
 
 TEMPORAL = Pass(
     name="temporal",
@@ -53,15 +89,18 @@ TEMPORAL = Pass(
     ),
     inputs=(
         *RECEIVER,
+        *MATERIAL,
         *prefixed("past", RESERVOIR),
         *prefixed("new", SAMPLE),
         real("new_pdf", "source density of the new sample, 1/sr"),
         real("u", "number in [0, 1)"),
     ),
     outputs=RESERVOIR,
-    settings=(TARGET, CAP),
+    settings=(TARGET, CAP, SURFACE),
     source="[Ouyang21, Alg. 3], with w rebuilt after the cap",
+    joins=(HERE_PAST, HERE_NEW),
     terms=_stream(2),
+    clauses=MEETING,
 )
 
 MOVED = Pass(
@@ -73,13 +112,15 @@ MOVED = Pass(
         " and where w₀ = 0 < w₁;\n"
         "1/M: Z = M₀ + 1;  1/Z: Z = M₀ + 1 where the kept sample is in the domain of"
         " x_past, else 1;\n"
-        "y is in the domain of x_past where p̂(y) > 0 there, with its normal and albedo,"
-        " and x_past sees y;\n"
+        "y is in the domain of x_past where p̂(y) > 0 there, with its own normal, albedo"
+        " and declared surface, and x_past sees y;\n"
         "W = (w₀ + w₁) / (p̂(y) Z), M = min(M₀ + 1, cap), whatever x sees"
     ),
     inputs=(
         *RECEIVER,
+        *MATERIAL,
         *prefixed("past", RECEIVER),
+        *prefixed("past", MATERIAL),
         *prefixed("past", RESERVOIR),
         *prefixed("new", SAMPLE),
         real("new_pdf", "source density of the new sample, 1/sr"),
@@ -92,9 +133,30 @@ MOVED = Pass(
         real("u", "number in [0, 1)"),
     ),
     outputs=RESERVOIR,
-    settings=(TARGET, CAP, MIS),
+    settings=(TARGET, CAP, MIS, SURFACE),
     source="[Ouyang21, Alg. 3 and Eq. 11]",
+    joins=(
+        HERE_PAST,
+        HERE_NEW,
+        ("past_visible_position", "past_position"),
+        ("past_visible_position", "new_position"),
+    ),
     terms=_stream(2),
+    clauses=(
+        *MEETING,
+        "w has the Jacobian of the shift",
+        "J is not limited",
+        "w = 0 where the receiver does not see the sample",
+        "M of what is not seen counts",
+        "w = 0 below the horizon and where the back is seen",
+        "the sum is divided as it is asked for",
+        "the domain asks the horizon of the source",
+        "the domain asks on which side the sample shines",
+        "the domain asks what the source sees",
+        "the domain asks the albedo of the source",
+        "the domain asks the view of the source",
+        "who made the sample is in the domain",
+    ),
 )
 
 NEIGHBORS = Pass(
@@ -121,6 +183,17 @@ NEIGHBORS = Pass(
         Setting("max_depth", "number", "relative difference of the depths"),
     ),
     source="[Ouyang21, section 5]",
+    clauses=(
+        "the radius is a share of the width",
+        "offsets are uniform on the disk",
+        "offsets are rounded to the nearest whole",
+        "−1 outside of the image",
+        "−1 where the pixel is not similar",
+        "the radius halves after a failure",
+        "the radius does not fall below the least",
+        "the pixel itself is −1",
+        "the pixel itself does not halve the radius",
+    ),
 )
 
 SPATIAL = Pass(
@@ -133,12 +206,13 @@ SPATIAL = Pass(
         "all the same; neighbour −1 has w = 0 and M = 0;\n"
         "a candidate is kept where u (w_before + w) < w, and where w_before = 0 < w;\n"
         "1/M: Z = Σ M;  1/Z: Z = Σ M over those that hold the kept sample; a neighbour "
-        "does where p̂(y) > 0 at its visible point, with its normal and albedo, and it "
-        "sees the sample; past and own always do;\n"
+        "does where p̂(y) > 0 at its visible point, with its own normal, albedo and "
+        "declared surface, and it sees the sample; past and own always do;\n"
         "W = Σ w / (p̂(y) Z), and then M = min(Σ M, cap)"
     ),
     inputs=(
         *RECEIVER,
+        *MATERIAL,
         *RESERVOIR,
         *prefixed("past", RESERVOIR),
         index("neighbors", "row of each neighbour, or −1", "K"),
@@ -153,20 +227,59 @@ SPATIAL = Pass(
         real("u_neighbors", "that decide on the neighbours", "K"),
     ),
     outputs=RESERVOIR,
-    settings=(TARGET, CAP, MIS),
+    settings=(TARGET, CAP, MIS, SURFACE),
     source="[Ouyang21, Alg. 4], where the weight is multiplied by the Jacobian",
+    joins=(*JOINED, HERE_PAST),
     terms=_stream("K+2"),
+    clauses=(
+        "the target is the one that is asked for",
+        "reused samples have w = p̂ W M",
+        "the stream is past, own and neighbours in order",
+        "each decision has a number of its own",
+        "a candidate is kept where u (w_before + w) < w",
+        "W is divided by the target of what is kept",
+        "Z adds the M of each, before the cap",
+        "nulls count",
+        "empty rows do not count",
+        "a neighbour −1 has no weight and no M",
+        "past and own are always in the domain",
+        "M is capped when it is stored",
+        "M counts where nothing is kept",
+        "W = 0 where nothing is kept although there is light",
+        "w has the Jacobian of the shift",
+        "J is not limited",
+        "w = 0 where the receiver does not see the sample",
+        "M of what is not seen counts",
+        "w = 0 below the horizon and where the back is seen",
+        "the sum is divided as it is asked for",
+        "the domain asks the horizon of the source",
+        "the domain asks on which side the sample shines",
+        "the domain asks what the source sees",
+        "the domain asks the albedo of the source",
+        "the domain asks the view of the source",
+        "who made the sample is in the domain",
+    ),
 )
 
 SHADE = Pass(
     name="shade",
     summary="The estimate of the pixel's indirect light",
     formula="color = albedo / π · cos θ · L_o · W, 0 where the sample is below the "
-    "horizon or shows its back",
-    inputs=(*RECEIVER, *SAMPLE, RESERVOIR[3]),
+    "horizon or shows its back;\n"
+    "a declared surface has f, of which Surfaces tells, in place of albedo / π",
+    inputs=(*RECEIVER, *MATERIAL, *SAMPLE, RESERVOIR[3]),
     outputs=(real("color", "indirect radiance towards the camera, W/(m² sr)", 3),),
+    settings=(SURFACE,),
     source="[Ouyang21, Eq. 8]",
+    joins=JOINED,
     terms=(real("term_f", "integrand f = albedo / π · cos θ · L_o", 3),),
+    clauses=(
+        "the integrand has albedo, cos θ and 1/π",
+        "the integrand is multiplied by W",
+        "0 where the sample is below the horizon",
+        "0 where the sample shows its back",
+        *SCATTERS,
+    ),
 )
 
 FRAME_PASSES = (INITIAL, TEMPORAL, MOVED, NEIGHBORS, SPATIAL, SHADE)

@@ -9,12 +9,16 @@ from restir_gi.reference.oracle.exact.draws import Draws, weights
 from restir_gi.reference.oracle.exact.kernel import Inputs, Kernel, Row
 from restir_gi.reference.oracle.exact.numbers import Exact, exact
 from restir_gi.reference.resampling.jacobian_limits import clamp_jacobian, within_limit
-from restir_gi.reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
 from restir_gi.reference.resampling.pairwise import (
     pairwise_canonical,
     pairwise_neighbor,
 )
-from restir_gi.reference.transport.light_mis import balance
+from restir_gi.reference.resampling.reservoir import (
+    balance_heuristic,
+    one_over_m,
+    one_over_z,
+)
+from restir_gi.reference.transport.direct_light import balance
 
 SOURCES = 8
 LIMIT, CAP = 10.0, 30.0

@@ -20,7 +20,8 @@ _LUMINANCE = tuple(EXACT.mpf(str(w)) for w in luminance_weights())
 _WHITE = tabulate([Lambertian((1.0, 1.0, 1.0))])
 
 
-def _luminance(color: Vector) -> Exact:
+def luminance_of(color: Vector) -> Exact:
+    """Luminance of a colour."""
     r, g, b = (literal(w, color[0].type) for w in _LUMINANCE)
     return color[0] * r + color[1] * g + color[2] * b
 
@@ -106,7 +107,7 @@ def _run_reflected(given: Inputs) -> Vec3s:
     return reflected(_WHITE, *_points(given))
 
 
-def _toward(row: Row) -> tuple[Vector, Exact, bool]:
+def way_to_sample(row: Row) -> tuple[Vector, Exact, bool]:
     """x_s − x, its inner product with n, and whether light can go that way."""
     toward = minus(row["position"], row["visible_position"])
     along = inner(row["visible_normal"], toward)
@@ -114,9 +115,9 @@ def _toward(row: Row) -> tuple[Vector, Exact, bool]:
 
 
 def _scattered(row: Row) -> Exact:
-    toward, along, lit = _toward(row)
+    toward, along, lit = way_to_sample(row)
     a, light = row["albedo"], row["radiance"]
-    color = _luminance((a[0] * light[0], a[1] * light[1], a[2] * light[2]))
+    color = luminance_of((a[0] * light[0], a[1] * light[1], a[2] * light[2]))
     if not lit:
         return along * 0
     distance = inner(toward, toward).sqrt()
@@ -124,12 +125,12 @@ def _scattered(row: Row) -> Exact:
 
 
 def _outgoing(row: Row) -> Exact:
-    _, along, lit = _toward(row)
-    return _luminance(row["radiance"]) if lit else along * 0
+    _, along, lit = way_to_sample(row)
+    return luminance_of(row["radiance"]) if lit else along * 0
 
 
 def _reflected(row: Row) -> Vector:
-    toward, along, lit = _toward(row)
+    toward, along, lit = way_to_sample(row)
     if not lit:
         return along * 0, along * 0, along * 0
     one_over = 1 / inner(toward, toward).sqrt()
@@ -173,7 +174,7 @@ LUMINANCE = Kernel(
     "",
     lambda draws: {"radiance": draws.color("radiance")},
     _run_luminance,
-    lambda row: _luminance(row["radiance"]),
+    lambda row: luminance_of(row["radiance"]),
     {"radiance at its limits": "as exact as what underflows", "no light": "0"},
 )
 

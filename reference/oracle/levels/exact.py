@@ -12,11 +12,8 @@ from restir_gi.reference.oracle.contract.fields import Precision
 from restir_gi.reference.oracle.exact.numbers import Exact
 from restir_gi.reference.oracle.levels.exact_formulas import FORMULAS, rows_of
 from restir_gi.reference.oracle.levels.probe import Finding
-from restir_gi.reference.oracle.levels.replayed import replayed
+from restir_gi.reference.oracle.levels.replayed import examined_by_replay, found_in
 from restir_gi.reference.oracle.replay.judgement import Judgement
-
-PLACES = {"float32": 9, "float64": 17}
-"""Decimals that tell any two numbers of a type apart."""
 
 
 # A case is asked of many backends, and its exact numbers stay the same.
@@ -77,27 +74,9 @@ def judged_exactly(case: Case, judgement: Judgement) -> Judgement:
 def examined_exactly(case: Case, outputs: Buffers, precision: Precision) -> Finding:
     """Examine a kernel's answer beside exact numbers.
 
-    Passed where each number is within the replay's bound of the exact one; with the
-    judgement that says so.
+    Passed where each number within the working range is within the replay's bound of
+    the exact one; with the judgement that says so.
     """
-    judged = replayed("L0", case).examine(case, outputs, precision)
+    judged = examined_by_replay(case, outputs, precision)
     assert judged.judgement is not None
-    judgement = judged_exactly(case, judged.judgement)
-    if judgement.wrong.any():
-        return Finding(False, _told(case, judgement, precision), judgement)
-    if judgement.passed:
-        return Finding(True, judgement=judgement)
-    return Finding(False, judged.text, judgement)
-
-
-def _told(case: Case, judgement: Judgement, precision: Precision) -> str:
-    worst = max(judgement.compared, key=lambda c: float(c.excess.max()))
-    row = int(worst.excess.argmax())
-    found, expected = (np.ravel(a[row]) for a in (worst.found, worst.expected))
-    column = int(np.abs(found.astype(np.float64) - expected).argmax())
-    places = PLACES[precision]
-    return (
-        f"{case.name}: {int(judgement.wrong.sum())} of {case.rows} rows are wrong; in"
-        f" row {row} {worst.name} is {found[column]:.{places}g} instead of"
-        f" {expected[column]:.{places}g}"
-    )
+    return found_in(case, judged_exactly(case, judged.judgement), precision)

@@ -10,18 +10,15 @@ from restir_gi.reference.numerics.arrays import Scalars, Vec3s
 from restir_gi.reference.oracle.buffers import given
 from restir_gi.reference.oracle.cases import Case
 from restir_gi.reference.oracle.contract.fields import Precision
-
-STEP = 2.0**-24
-"""Between the numbers that pass ``random`` gives."""
+from restir_gi.reference.oracle.levels.draws import STEP
 
 
-def direction_case(source: str, precision: Precision) -> Case:
+def direction_case(rng: np.random.Generator, source: str, precision: Precision) -> Case:
     """Directions about axes, normals beside the poles and the equator, and others.
 
     The first row of each normal is the origin of its azimuths, and so leans away from
     it.
     """
-    rng = np.random.default_rng(2027)
     ends = [0.0, STEP, 0.5, 1 - STEP]
     corners = list(product(ends, [*ends, 0.25]))
     others = rng.integers(0, 2**24, (12, 2)) * STEP

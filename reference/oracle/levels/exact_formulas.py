@@ -11,6 +11,7 @@ from typing import Any
 
 from restir_gi.reference.oracle.cases import Case
 from restir_gi.reference.oracle.contract.fields import Value
+from restir_gi.reference.oracle.contract.surfaces import SURFACE
 from restir_gi.reference.oracle.exact.geometry import similarity
 from restir_gi.reference.oracle.exact.kernel import Kernel, Row
 from restir_gi.reference.oracle.exact.numbers import UNROUNDED, Exact, exactly
@@ -28,6 +29,10 @@ from restir_gi.reference.oracle.exact.targets import (
     SCATTERED,
 )
 from restir_gi.reference.oracle.exact.weights import CHOICE, CONFIDENCE, FINALIZE
+from restir_gi.reference.oracle.levels.exact_surfaces import (
+    surface_reflected,
+    surface_target,
+)
 
 Settings = Mapping[str, Value]
 Formula = Callable[[Row, Settings], dict[str, Any]]
@@ -75,11 +80,17 @@ def _direction(row: Row, settings: Settings) -> dict[str, Any]:
 
 
 def _target(row: Row, settings: Settings) -> dict[str, Any]:
+    if SURFACE.name in settings and settings["target"] == "scattered":
+        return {"p_hat": surface_target(row, settings[SURFACE.name])}
     return {"p_hat": TARGETS[settings["target"]].formula(row)}
 
 
 def _shade(row: Row, settings: Settings) -> dict[str, Any]:
-    return {"color": tuple(c * row["W"] for c in REFLECTED.formula(row))}
+    if SURFACE.name in settings:
+        f = surface_reflected(row, settings[SURFACE.name])
+    else:
+        f = REFLECTED.formula(row)
+    return {"color": tuple(c * row["W"] for c in f)}
 
 
 def _jacobian(row: Row, settings: Settings) -> dict[str, Any]:

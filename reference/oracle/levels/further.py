@@ -1,12 +1,10 @@
-"""Cases of the further passes: made here, without a scene, always the same."""
+"""Cases of the further passes: made here, without a scene, the same for a seed."""
 
 from collections.abc import Iterator
-from itertools import product
 from typing import Any
 
 import numpy as np
 
-from restir_gi.reference.numerics.arrays import normalize
 from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
 from restir_gi.reference.oracle.buffers import given
 from restir_gi.reference.oracle.cases import Case
@@ -17,21 +15,22 @@ from restir_gi.reference.oracle.levels.further_views import (
     Parts,
     gbuffer_cases,
     reproject_cases,
-    unit_vectors,
 )
-from restir_gi.reference.resampling.packing import paper
-from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
+from restir_gi.reference.oracle.levels.layouts import layout_cases
+from restir_gi.reference.oracle.levels.packing import packing_cases
+from restir_gi.reference.oracle.parts import SEED
 
 
-def further_cases(precision: Precision) -> list[Case]:
+def further_cases(precision: Precision, seed: int = SEED) -> list[Case]:
     """Cases of all further passes, with the extremes, in the order of the contract.
 
     Parameters
     ----------
     precision : 'float32' or 'float64'
         In which the inputs are given; most are numbers that float32 holds.
+    seed : int; of all rows that are random
     """
-    rng = np.random.default_rng(2027)
+    rng = np.random.default_rng([2027, seed])
     makers = (
         gbuffer_cases,
         reproject_cases,
@@ -39,7 +38,7 @@ def further_cases(precision: Precision) -> list[Case]:
         _boiling,
         _checkerboard,
         _roulette,
-        _packing,
+        packing_cases,
     )
     return [
         _case(name, settings, inputs, precision)
@@ -48,10 +47,38 @@ def further_cases(precision: Precision) -> list[Case]:
     ]
 
 
-RANDOM = {"reproject", "reproject-beside", "roulette"}
+def declared_cases(precision: Precision, seed: int = SEED) -> list[Case]:
+    """Cases with values of settings that have to be declared.
+
+    Parameters
+    ----------
+    precision : 'float32' or 'float64'; as for `further_cases`
+    seed : int; of all rows that are random
+    """
+    rng = np.random.default_rng([2029, seed])
+    return [
+        _case(name, settings, inputs, precision)
+        for name, settings, inputs in layout_cases(rng)
+    ]
+
+
+RANDOM = {
+    "reproject",
+    "reproject-aslant",
+    "reproject-line",
+    "reproject-beside",
+    "roulette",
+}
 """Whose decisions hang on numbers that were drawn."""
 
-WHOLE_FRAMES = {"gbuffer", "reproject", "boiling", "boiling-edge", "checkerboard-even"}
+WHOLE_FRAMES = {
+    "gbuffer",
+    "reproject",
+    "boiling",
+    "boiling-edge",
+    "boiling-line",
+    "checkerboard-even",
+}
 
 
 def _case(
@@ -76,8 +103,12 @@ def _validation(rng: np.random.Generator) -> Iterator[Parts]:
     then = 10.0 ** rng.uniform(-4, 3, (ROWS, 3)) * (rng.random((ROWS, 1)) < 0.9)
     factor = rng.choice([1.0, 1.0, 0.0, rng.uniform()], ROWS)
     factor = np.where(factor > 0, rng.uniform(0.8, 1.25, ROWS), factor)
-    now = then * np.where(rng.random(ROWS) < 0.3, 1.0, factor)[:, None]
-    now[::7] *= rng.uniform(0.8, 1.25, now[::7].shape)
+    # Brighter, and darker, by more than a tenth of then, or of now, but not of both.
+    factor[1::8] = rng.uniform(1.1, 1 / 0.9, len(factor[1::8]))
+    factor[2::8] = rng.uniform(0.9, 1 / 1.1, len(factor[2::8]))
+    factor[3::8] = 1.0
+    now = then * factor[:, None]
+    now[::4] = then[::4] * rng.uniform(0.6, 1.6, now[::4].shape)
     now[::31] += 1e-3  # light where there was none
     inputs = {
         "W": 10.0 ** rng.uniform(-3, 3, ROWS) * (rng.random(ROWS) < 0.9),
@@ -88,12 +119,18 @@ def _validation(rng: np.random.Generator) -> Iterator[Parts]:
         "null": (rng.random(ROWS) < 0.1).astype(np.uint32),
     }
     yield "validation", {"tolerance": 0.1}, inputs
+    colours = then * rng.uniform(0.6, 1.6, then.shape)
+    changed = inputs | {"radiance_now": colours}
+    yield "validation-colours", {"tolerance": 0.2}, changed
     # Nothing may change; and a change that is just as large as it may be.
-    scale = 10.0 ** rng.uniform(-30, 30, (ROWS, 1))
+    scale = 10.0 ** rng.uniform(-3, 3, (ROWS, 1))
     even = np.arange(ROWS)[:, None] % 2 == 0
     extremes = inputs | {"radiance_then": then * scale, "radiance_now": then * scale}
     yield "validation-none", {"tolerance": 0.0}, extremes
     edge = np.float32(then) * np.where(even, 0.75, 0.7)
+    # And changes that are smaller than most tolerances, down to a tenth of this one.
+    small = 10.0 ** rng.uniform(np.log10(0.025), np.log10(0.25), (ROWS, 1))
+    edge[::4] = (np.float32(then) * (1 - small))[::4]
     yield "validation-edge", {"tolerance": 0.25}, inputs | {"radiance_now": edge}
 
 
@@ -102,13 +139,23 @@ def _boiling(rng: np.random.Generator) -> Iterator[Parts]:
     rows = width * height
     y, x = np.divmod(np.arange(rows), width)
     inputs = {
-        "radiance": 10.0 ** rng.normal(0, 0.5, (rows, 3)),
+        "radiance": 10.0 ** rng.normal(0, 0.7, (rows, 3)),
         "W": 10.0 ** (rng.normal(0, 0.5, rows) + y / 8) * (rng.random(rows) < 0.8),
         "M": rng.integers(0, 30, rows).astype(float),
     }
+    # In other tiles, before some of them have little light, and some none at all.
+    bright = {name: array.copy() for name, array in inputs.items()}
+    yield "boiling-narrow", {"width": width // 2, "strength": 0.95}, bright
     inputs["radiance"][x < 16] *= 0.01
-    inputs["W"][x >= 48] = 0.0  # no light at all
+    inputs["W"][x >= 48] = 0.0
     yield "boiling", {"width": width, "strength": 0.5}, inputs
+    # One line of pixels, of an odd number.
+    line = {
+        "radiance": 10.0 ** rng.normal(0, 0.7, (331, 3)),
+        "W": 10.0 ** rng.normal(0, 1.0, 331) * (rng.random(331) < 0.8),
+        "M": rng.integers(0, 30, 331).astype(float),
+    }
+    yield "boiling-line", {"width": 331, "strength": 0.8}, line
     # All alike but for one pixel of each tile, a hundredth below or above the limit of
     # r times the mean: k of n has that where k n / (n - 1 + k) = r.
     strength = 0.6
@@ -145,50 +192,3 @@ def _roulette(rng: np.random.Generator) -> Iterator[Parts]:
     inputs = {"pixel": np.arange(0, 300 * 200, 59)}
     base = {"width": 300, "frame": 3, "seed": 1, "probability": p}
     yield "roulette-equal", base, inputs
-
-
-def _packing(rng: np.random.Generator) -> Iterator[Parts]:
-    inputs = {
-        "visible_position": rng.normal(size=(ROWS, 3)) * 100,
-        "visible_normal": unit_vectors(rng, ROWS),
-        "position": rng.normal(size=(ROWS, 3)) * 100,
-        "normal": unit_vectors(rng, ROWS),
-        "radiance": 10.0 ** rng.uniform(-4, 4, (ROWS, 3)),
-        "W": 10.0 ** rng.uniform(-9, 9, ROWS) * (rng.random(ROWS) < 0.9),
-        "M": rng.integers(0, 500, ROWS).astype(float),
-        "seed": rng.integers(0, 2**32, ROWS, np.uint32),
-    }
-    yield "pack", {}, inputs
-    axes = np.array(list(product((-1.0, 0.0, 1.0), repeat=3)))  # also 0: a null
-    some = axes[np.arange(ROWS) % len(axes)]
-    ends = [0.0, 2.0**-25, 6e-8, 6.2e-5, 1.0, 65504.0, 65519.0, 65520.0, 1e6, 1e30]
-    counts = [0.0, 0.25, 1.0, 1.5, 499.7, 65534.7, 65535.0, 65536.0, 1e9]
-    extremes = inputs | {
-        "visible_normal": normalize(some),
-        "normal": normalize(some + 1e-5 * rng.normal(size=some.shape)),
-        "radiance": rng.choice(ends, (ROWS, 3)),
-        "W": rng.choice([0.0, 1e-37, 1.0, 3.4e38], ROWS),
-        "M": rng.choice(counts, ROWS),
-    }
-    yield "pack-extremes", {}, extremes
-
-    r = Reservoirs(
-        Samples(inputs["position"], inputs["normal"], inputs["radiance"]),
-        inputs["W"],
-        inputs["M"],
-    )
-    at = (inputs["visible_position"], inputs["visible_normal"])
-    codes = paper.pack(*at, r, inputs["seed"])
-    yield "unpack", {}, {"words": codes.view("<u4").reshape(-1, 12)}
-    # All codes of normals and of halves; no infinite numbers.
-    wild = codes.copy()
-    ends16 = [-32768, -32767, -20000, -1, 0, 1, 12767, 32767]
-    wild["n_v"], wild["n_s"] = rng.choice(ends16, (2, ROWS, 2))
-    wild["M"] = rng.integers(0, 2**16, ROWS)
-    halves = rng.integers(0, 2**16, (ROWS, 3), np.uint16).view(np.float16)
-    wild["L_o"] = np.where(np.isfinite(halves), halves, 0)
-    yield "unpack-extremes", {}, {"words": wild.view("<u4").reshape(-1, 12)}
-    # Infinity and NaN, which `pack` does not write and others do.
-    wild["L_o"] = rng.choice(np.array([np.inf, -np.inf, np.nan, 1], "f2"), (ROWS, 3))
-    wild["W"] = rng.choice(np.array([np.inf, np.nan, 1], "f4"), ROWS)
-    yield "unpack-infinite", {}, {"words": wild.view("<u4").reshape(-1, 12)}

@@ -4,15 +4,19 @@ from restir_gi.reference.oracle.builtin.further import FURTHER
 from restir_gi.reference.oracle.contract.fields import Precision
 from restir_gi.reference.oracle.contract.further import FURTHER_PASSES
 from restir_gi.reference.oracle.diagnosis.further import FURTHER_MISTAKES
-from restir_gi.reference.oracle.levels.further import further_cases
+from restir_gi.reference.oracle.levels.further import declared_cases, further_cases
 from restir_gi.reference.oracle.levels.probe import Probe
 from restir_gi.reference.oracle.levels.replayed import replayed
-from restir_gi.reference.oracle.parts import Part
+from restir_gi.reference.oracle.parts import SEED, Part
 from restir_gi.reference.oracle.replay.further.judges import FURTHER_JUDGES
 
 
-def _probes(precision: Precision) -> list[Probe]:
-    return [replayed("L0", case) for case in further_cases(precision)]
+def _probes(precision: Precision, seed: int = SEED) -> list[Probe]:
+    return [replayed("L0", case) for case in further_cases(precision, seed)]
+
+
+def _more(precision: Precision, seed: int = SEED) -> list[Probe]:
+    return [replayed("L0", case) for case in declared_cases(precision, seed)]
 
 
 FURTHER_PART = Part(
@@ -22,4 +26,5 @@ FURTHER_PART = Part(
     own=FURTHER,
     probes=_probes,
     hypotheses=FURTHER_MISTAKES,
+    more=_more,
 )

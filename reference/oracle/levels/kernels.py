@@ -2,13 +2,15 @@
 
 from functools import lru_cache
 from itertools import product
+from math import radians
 
 import numpy as np
 
-from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.numerics.arrays import Scalars, Vec3s, normalize
 from restir_gi.reference.oracle.buffers import given
 from restir_gi.reference.oracle.cases import Buffers, Case
-from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.contract.fields import Precision, Value
+from restir_gi.reference.oracle.levels.draws import ends_of_u, spread, unit_vectors
 from restir_gi.reference.oracle.levels.exact import examined_exactly
 from restir_gi.reference.oracle.levels.exact_extremes import (
     direction_case,
@@ -16,16 +18,19 @@ from restir_gi.reference.oracle.levels.exact_extremes import (
     similar_extremes,
     target_extremes,
 )
+from restir_gi.reference.oracle.levels.grades import graded
 from restir_gi.reference.oracle.levels.probe import Finding, Probe
 from restir_gi.reference.oracle.levels.replayed import replayed
 from restir_gi.reference.oracle.levels.worst import worst_cases
+from restir_gi.reference.oracle.parts import SEED, whole_contract
+from restir_gi.reference.oracle.working_range import where_beyond
 
 ROWS = 2048
 
 
 # The same cases for every backend, so that their exact numbers are calculated once.
 @lru_cache(maxsize=4)
-def kernel_probes(precision: Precision, seed: int = 2026) -> tuple[Probe, ...]:
+def kernel_probes(precision: Precision, seed: int = SEED) -> tuple[Probe, ...]:
     """One probe of level L0 for each kernel, and more where it has extremes.
 
     All but ``random``, which is integer, are held against exact numbers, which are
@@ -35,7 +40,7 @@ def kernel_probes(precision: Precision, seed: int = 2026) -> tuple[Probe, ...]:
     ----------
     seed : int; of the rows that are no extremes
     """
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng([2025, seed])
     words = _random(rng, precision)
     cases = [
         _target(rng, precision, "scattered"),
@@ -45,9 +50,10 @@ def kernel_probes(precision: Precision, seed: int = 2026) -> tuple[Probe, ...]:
         _merge(rng, precision),
         _merge_extremes(precision),
         _finalize(rng, precision),
-        _similar(rng, precision),
-        direction_case("uniform", precision),
-        direction_case("cosine", precision),
+        _similar(rng, precision, ROWS, 25.0, 0.05),
+        _similar(rng, precision, ROWS // 4, 70.0, 0.4),
+        direction_case(rng, "uniform", precision),
+        direction_case(rng, "cosine", precision),
         target_extremes("scattered", precision),
         target_extremes("outgoing", precision),
         similar_extremes(precision),
@@ -55,14 +61,9 @@ def kernel_probes(precision: Precision, seed: int = 2026) -> tuple[Probe, ...]:
     ]
     return (
         replayed("L0", words),
-        *(Probe("L0", case, examined_exactly) for case in cases),
-        Probe("L0", _jacobian_extremes(precision), _total),
+        *(Probe("L0", graded(case), examined_exactly) for case in cases),
+        Probe("L0", graded(_jacobian_extremes(precision)), _total),
     )
-
-
-def _unit(v: Vec3s) -> Vec3s:
-    unit: Vec3s = v / np.linalg.norm(v, axis=1)[:, None]
-    return unit
 
 
 def _random(rng: np.random.Generator, precision: Precision) -> Case:
@@ -72,44 +73,63 @@ def _random(rng: np.random.Generator, precision: Precision) -> Case:
     return Case("kernel-random", "random", {}, given(inputs, precision))
 
 
-def _points(rng: np.random.Generator) -> dict[str, Scalars]:
-    """Visible points and sample points of all kinds, pure colours among them."""
-    x = rng.normal(size=(ROWS, 3))
-    scale = 2.0 ** rng.integers(-10, 11, (ROWS, 1))
-    pure = rng.random((2, ROWS, 3)) < 0.8
+def light_points(rng: np.random.Generator, rows: int = ROWS) -> dict[str, Scalars]:
+    """Visible points and sample points of all kinds, pure colours among them.
+
+    Returns dict of str to (N, 3) float64; buffers, with places in m.
+    """
+    x = rng.normal(size=(rows, 3))
+    scale = 2.0 ** rng.integers(-10, 11, (rows, 1))
+    pure = rng.random((2, rows, 3)) < 0.8
     return {
         "visible_position": x,
-        "visible_normal": _unit(rng.normal(size=(ROWS, 3))),
-        "albedo": rng.random((ROWS, 3)) * pure[0],
-        "position": x + scale * rng.normal(size=(ROWS, 3)),
-        "normal": _unit(rng.normal(size=(ROWS, 3))),
+        "visible_normal": unit_vectors(rng, rows),
+        "albedo": rng.random((rows, 3)) * pure[0],
+        "position": x + scale * rng.normal(size=(rows, 3)),
+        "normal": unit_vectors(rng, rows),
         # From what half precision cannot hold to what it cannot hold either.
-        "radiance": 10.0 ** rng.uniform(-9, 6, (ROWS, 3)) * pure[1],
+        "radiance": 10.0 ** rng.uniform(-7, 6, (rows, 3)) * pure[1],
     }
 
 
 def _target(rng: np.random.Generator, precision: Precision, kind: str) -> Case:
     name = f"kernel-target-{kind}"
-    return Case(name, "target", {"target": kind}, given(_points(rng), precision))
+    return Case(name, "target", {"target": kind}, given(light_points(rng), precision))
 
 
 def _shade(rng: np.random.Generator, precision: Precision) -> Case:
     W = 10.0 ** rng.uniform(-3, 3, ROWS) * (rng.random(ROWS) < 0.9)
-    return Case("kernel-shade", "shade", {}, given(_points(rng) | {"W": W}, precision))
+    return Case(
+        "kernel-shade", "shade", {}, given(light_points(rng) | {"W": W}, precision)
+    )
 
 
 def _jacobian(rng: np.random.Generator, precision: Precision) -> Case:
     position = rng.normal(size=(ROWS, 3))
-    reach = 2.0 ** rng.integers(-12, 13, (2, ROWS, 1))
+    reach = 2.0 ** rng.integers(-9, 10, (2, ROWS, 1))
     inputs = {
         "x_from": position + reach[0] * rng.normal(size=(ROWS, 3)),
         "x_to": position + reach[1] * rng.normal(size=(ROWS, 3)),
         "position": position,
-        "normal": _unit(rng.normal(size=(ROWS, 3))),
+        "normal": unit_vectors(rng, ROWS),
     }
+    _without_inverse(inputs)
     for name, extremes in jacobian_reaches().items():
         inputs[name][: len(extremes)] = extremes
     return Case("kernel-jacobian", "jacobian", {}, given(inputs, precision))
+
+
+def _without_inverse(inputs: dict[str, Vec3s]) -> None:
+    """Last rows in which J is 0: seen edge-on, to the last bit, and points that touch.
+
+    32 rows each: from x_from, from x_to, at x_from, and at x_to.
+    """
+    inputs["normal"][-128:-64] = [0.0, 1.0, 0.0]
+    for side, name in enumerate(("x_from", "x_to")):
+        rows = slice(-128 + 32 * side, -96 + 32 * side)
+        inputs[name][rows, 1] = inputs["position"][rows, 1]
+        rows = slice(-64 + 32 * side, -32 + 32 * side or None)
+        inputs[name][rows] = inputs["position"][rows]
 
 
 def _jacobian_extremes(precision: Precision) -> Case:
@@ -132,23 +152,25 @@ def _jacobian_extremes(precision: Precision) -> Case:
 def _total(case: Case, out: Buffers, precision: Precision) -> Finding:
     """Finite everywhere, which was asked before; never negative; 0 for what is not."""
     J = out["jacobian"]
-    where = case.inputs
-    v_from = where["x_from"].astype(float)
-    edge_on = (v_from[:, 1] == 0) | (~where["x_to"].any(axis=1))
+    given_points = case.inputs
+    v_from = given_points["x_from"].astype(float)
+    edge_on = (v_from[:, 1] == 0) | (~given_points["x_to"].any(axis=1))
     bad = (J < 0) | (edge_on & (J != 0))
-    if bad.any():
-        row = int(np.flatnonzero(bad)[0])
-        return Finding(
-            False,
-            f"{case.name}: row {row} is {J[row]:g}, where the shift has no inverse it"
-            " is 0, and it is never negative",
-        )
-    return Finding(True)
+    if not bad.any():
+        return Finding(True)
+    rows = bad & case.within if (bad & case.within).any() else bad
+    row = int(np.flatnonzero(rows)[0])
+    text = f"{case.name}: row {row} is {J[row]:g}, where the shift has no inverse it"
+    text += " is 0, and it is never negative"
+    if case.within[row]:
+        return Finding(False, text)
+    where = where_beyond(whole_contract()[case.pass_name], dict(given_points), row)
+    return Finding(True, at_extremes=f"{text}; at extremes alone, where {where}")
 
 
 def _merge(rng: np.random.Generator, precision: Precision) -> Case:
     def weights() -> Scalars:
-        w: Scalars = 10.0 ** rng.uniform(-6, 6, ROWS) * (rng.random(ROWS) < 0.8)
+        w: Scalars = spread(rng, -6, 6, ROWS) * (rng.random(ROWS) < 0.7)
         return w
 
     inputs = {
@@ -156,7 +178,7 @@ def _merge(rng: np.random.Generator, precision: Precision) -> Case:
         "M_a": rng.integers(0, 500, ROWS).astype(float),
         "w_b": weights(),
         "M_b": rng.integers(0, 500, ROWS).astype(float),
-        "u": rng.integers(0, 2**24, ROWS) * 2.0**-24,
+        "u": ends_of_u(rng, ROWS),
     }
     return Case("kernel-merge", "merge", {}, given(inputs, precision), random=True)
 
@@ -175,27 +197,36 @@ def _merge_extremes(precision: Precision) -> Case:
 def _finalize(rng: np.random.Generator, precision: Precision) -> Case:
     w = 10.0 ** rng.uniform(-15, 15, ROWS)
     p_hat = 10.0 ** rng.uniform(-15, 15, ROWS)
-    Z = rng.integers(0, 500, ROWS).astype(float)
+    Z = rng.integers(0, 500, ROWS) * (rng.random(ROWS) < 0.95)
     corners = np.array(
         list(product([0.0, 1e-35, 1.0, 1e30], [0.0, 1e-35, 1.0], [0.0, 1.0]))
     )
     inputs = {
         "w": np.concatenate([w * (rng.random(ROWS) < 0.9), corners[:, 0]]),
         "p_hat": np.concatenate([p_hat * (rng.random(ROWS) < 0.9), corners[:, 1]]),
-        "Z": np.concatenate([Z, corners[:, 2]]),
+        "Z": np.concatenate([Z.astype(float), corners[:, 2]]),
     }
     return Case("kernel-finalize", "finalize", {}, given(inputs, precision))
 
 
-def _similar(rng: np.random.Generator, precision: Precision) -> Case:
-    n = _unit(rng.normal(size=(ROWS, 3)))
-    near = _unit(n + rng.normal(size=(ROWS, 3)) * 0.25)
-    depth = 10.0 ** rng.uniform(-2, 3, ROWS) * (rng.random(ROWS) < 0.95)
+def _similar(
+    rng: np.random.Generator,
+    precision: Precision,
+    rows: int,
+    max_angle: float,
+    max_depth: float,
+) -> Case:
+    """Normals and depths about the limits."""
+    n = unit_vectors(rng, rows)
+    near = normalize(n + rng.normal(size=(rows, 3)) * 0.6 * radians(max_angle))
+    depth = 10.0 ** rng.uniform(-2, 3, rows) * (rng.random(rows) < 0.95)
+    beside = 1.6 * max_depth
     inputs = {
         "normal_a": n,
         "depth_a": depth,
         "normal_b": near,
-        "depth_b": depth * rng.uniform(0.92, 1.08, ROWS),
+        "depth_b": depth * rng.uniform(1 - beside, 1 + beside, rows),
     }
-    settings = {"max_angle": 25.0, "max_depth": 0.05}
-    return Case("kernel-similar", "similar", settings, given(inputs, precision))
+    settings: dict[str, Value] = {"max_angle": max_angle, "max_depth": max_depth}
+    name = "kernel-similar" if rows == ROWS else "kernel-similar-wide"
+    return Case(name, "similar", settings, given(inputs, precision))

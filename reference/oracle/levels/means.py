@@ -4,15 +4,21 @@ With directions in proportion to the cosine, every estimate of a pixel is ρ tim
 of radiances that were met: at most ρ times the largest, whatever is reused.  The truth,
 ρ times the mean over the sphere, is known at every pixel.  So bets on the mean are
 valid for any distribution of the estimator, and at every time.
+
+The bound holds for weights that divide by sums of M, and for p̂ = f.  By the balance
+heuristic, say, a pixel may be above it, and neither the bets nor their certificate mean
+anything: there the difference of the means has to do, which rests on a finite variance
+and not on a bound.
 """
 
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain, count
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtri
 
 from restir_gi.reference.numerics.arrays import Indices, Scalars
 from restir_gi.reference.oracle.cases import UnaskedError
@@ -28,8 +34,15 @@ from restir_gi.reference.oracle.statistics.certificate import (
     extend,
     open_certificate,
 )
-from restir_gi.reference.oracle.statistics.families import average_e
+from restir_gi.reference.oracle.statistics.families import average_e, bonferroni
 from restir_gi.reference.oracle.statistics.power import bets_needed
+from restir_gi.reference.oracle.statistics.variance import (
+    RelativeMoments,
+    extended,
+    open_moments,
+    p_values,
+    standard_error,
+)
 
 ALPHA = 5e-7
 """False alarms of this level in a run; the distribution test has as many."""
@@ -46,6 +59,8 @@ PIXELS, TILES, REPLICATES, FRAMES = 16, 4, 512, 3
 where the bound on the mean is what costs."""
 
 
+RIGHT = Finding(True)
+
 Batches = Callable[[int], Iterator[NDArray[np.float64]]]
 
 
@@ -55,15 +70,22 @@ class Mean:
 
     Attributes
     ----------
+    finding : Finding; of the bets, which rest on the bound: a proof
+    by_variance : Finding; of the difference of the means: statistics
     certified : float; bound on the relative bias of the image's mean
     runs : int; independent ones
     more : str; what more time would buy; empty where the bound is small enough
+    off, error : float
+        Mean of the runs minus the truth, and its standard error, relative to that.
     """
 
     finding: Finding
+    by_variance: Finding
     certified: float
     runs: int
     more: str
+    off: float = 0.0
+    error: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,6 +117,7 @@ def mean_over_runs(
     target: float = TARGET,
     alpha: float = ALPHA,
     first_seed: int = 1000,
+    mis: str = "1/Z",
 ) -> Mean:
     """Run the loop over and over, from nothing each time, and bet on the mean.
 
@@ -111,33 +134,85 @@ def mean_over_runs(
     target : float; certified bound at which to stop
     alpha : float; probability of a false alarm, over all times and statistics together
     first_seed : int; of the first batch; batches are numbered on
+    mis : '1/M' or '1/Z'; both are right here, where everybody sees everything
     """
     exact = truth()
     most = max(radiance for _, radiance in BANDS) * (1 + room(precision))
     bets = open_bets(np.full(1 + TILES, exact), np.full(1 + TILES, most))
     certificate = open_certificate(exact, most)
-    runs, bound = 0, np.inf
-    here = (replicates(ask, precision, seed) for seed in count(first_seed))
+    variance = _ByVariance(open_moments(np.full(1 + TILES, exact)), alpha)
+    finding, bound, more = RIGHT, np.inf, ""
+    here = (replicates(ask, precision, seed, mis) for seed in count(first_seed))
     rest = batches(first_seed + 1) if batches else here
     for batch in _until_the_time_is_over(chain([next(here)], rest)):
-        for y in batch:
-            bets = place(bets, y)
-            certificate = extend(certificate, float(y[0]))
-            runs += 1
-        e = average_e(e_value(bets))
-        bound = certified_bias(certificate, alpha)
-        if e >= 1 / alpha:
-            mean = float(bets.mean[0] * bets.bound[0])
-            text = (
-                f"mean inside a sphere: {mean / exact - 1:+.3g} relative to the truth"
-                f" after {runs} runs; e-value {e:.3g} against {1 / alpha:.3g}"
-            )
-            return Mean(Finding(False, text), bound, runs, "")
-        if bound <= target:
-            return Mean(Finding(True), bound, runs, "")
-        if remaining() <= 0:
-            return Mean(Finding(True), bound, runs, _more(certificate, target, runs))
-    return Mean(Finding(True), bound, runs, _more(certificate, target, runs))
+        variance = _continued(variance, batch, room(precision))
+        runs = variance.moments.count
+        if finding.passed:
+            for y in batch:
+                bets = place(bets, y)
+                certificate = extend(certificate, float(y[0]))
+            e, bound = average_e(e_value(bets)), certified_bias(certificate, alpha)
+            if e >= 1 / alpha:
+                mean = float(bets.mean[0] * bets.bound[0])
+                text = (
+                    f"mean inside a sphere: {mean / exact - 1:+.3g} relative to the"
+                    f" truth after {runs} runs; proved, as no pixel is above ρ times"
+                    f" the largest radiance: e-value {e:.3g} against {1 / alpha:.3g}"
+                )
+                finding = Finding(False, text)
+        more = _more(certificate, target, runs) if finding.passed else ""
+        if bound <= target and finding.passed:
+            more = ""
+            break
+        refuted = not finding.passed and _is_settled(variance, target, alpha)
+        if refuted or remaining() <= 0:
+            break
+    off, error = (float(one[0]) for one in standard_error(variance.moments))
+    return Mean(finding, variance.finding, bound, runs, more, off, error)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _ByVariance:
+    """The difference of the means, asked after 1, 2, 4, 8, ... batches.
+
+    Attributes
+    ----------
+    left : float
+        Probability of a false alarm that is left; each time half of it is used, so
+        that all times together have that of the first.
+    batches : int; so far
+    """
+
+    moments: RelativeMoments
+    left: float
+    batches: int = 0
+    finding: Finding = RIGHT
+
+
+def _continued(
+    v: _ByVariance, batch: NDArray[np.float64], rounding: float
+) -> _ByVariance:
+    """With a batch more, and asked if it is time."""
+    v = replace(v, moments=extended(v.moments, batch), batches=v.batches + 1)
+    if v.batches & (v.batches - 1) or not v.finding.passed:
+        return v
+    v = replace(v, left=v.left / 2)
+    p = bonferroni(p_values(v.moments, rounding))
+    if p >= v.left:
+        return v
+    mean, error = standard_error(v.moments)
+    text = (
+        f"mean inside a sphere: {mean[0]:+.3g} ± {error[0]:.2g} relative to the truth"
+        f" after {v.moments.count} runs, p = {p:.2g} against {v.left:.2g} by Student's"
+        " statistic: statistics that rest on a finite variance, not a proof"
+    )
+    return replace(v, finding=Finding(False, text))
+
+
+def _is_settled(v: _ByVariance, target: float, alpha: float) -> bool:
+    """Whether the difference of the means is wrong, or known as well as is wanted."""
+    _, error = standard_error(v.moments)
+    return not v.finding.passed or float(-ndtri(alpha / 2) * error[0]) <= target
 
 
 def _until_the_time_is_over(
@@ -149,7 +224,9 @@ def _until_the_time_is_over(
         yield from batches
 
 
-def replicates(ask: Ask, precision: Precision, seed: int) -> NDArray[np.float64]:
+def replicates(
+    ask: Ask, precision: Precision, seed: int, mis: str = "1/Z"
+) -> NDArray[np.float64]:
     """Statistics of independent runs, each from nothing.
 
     Returns
@@ -159,7 +236,7 @@ def replicates(ask: Ask, precision: Precision, seed: int) -> NDArray[np.float64]
     """
     # Each run has points of its own: none is left out of the test for good.
     sphere = _Banded(points_inside(PIXELS * REPLICATES, seed), 1.0)
-    run = Run(frames=FRAMES, seed=seed)
+    run = Run(frames=FRAMES, seed=seed, mis=mis)
     shown = run_frames(ask, sphere, _own_ring, run, precision)[-1]
     color = shown.color.astype(float) / sphere.receivers()["albedo"]
     by_pixel = color.mean(axis=1).reshape(REPLICATES, PIXELS)

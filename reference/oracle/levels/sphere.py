@@ -19,11 +19,11 @@ class InsideSphere:
     Attributes
     ----------
     position : (N, 3); visible points
-    lit_below : float; the sphere shines with 1 where z is at most that
+    lit_below : float or (N,); the sphere shines with 1 where z is at most that
     """
 
     position: Vec3s
-    lit_below: float
+    lit_below: float | Scalars
 
     def receivers(self) -> dict[str, NDArray[Any]]:
         """Buffers of the visible points."""
@@ -53,7 +53,7 @@ class InsideSphere:
 
         Parameters
         ----------
-        z : (N,); from -1 to 1
+        z : (N,); from -1 to 1, where a ray of each point meets it
         """
         return np.where(z <= self.lit_below, 1.0, 0.0)
 

@@ -2,16 +2,19 @@
 
 Every chord of a sphere meets it at both ends under the cosine d / 2R.  With directions
 in proportion to the cosine and the full target, a reservoir's weight is then the same
-for whoever looks: the pixel's value is ρ L in a furnace, at once, whatever is reused;
-and where only one cap shines, M times the value over ρ L is a whole number, the count
-of samples that met it.  Both hold to rounding, in every frame.
+for whoever looks, and what a pixel shows over ρ is the mean of the radiances that were
+met, each weighted with its confidence: 1 in a furnace, whatever is reused; and where
+half of the sphere shines, M times it is the count of samples that met it.  Both hold to
+rounding, in every frame, for weights that divide by sums of M: 1/M and 1/Z.
 """
 
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from restir_gi.reference.numerics.arrays import Masks
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars
 from restir_gi.reference.oracle.contract.fields import Precision
 from restir_gi.reference.oracle.levels.probe import Finding
 from restir_gi.reference.oracle.levels.sphere import (
@@ -20,7 +23,7 @@ from restir_gi.reference.oracle.levels.sphere import (
     points_inside,
     ring,
 )
-from restir_gi.reference.oracle.loop import Ask, Run, run_frames
+from restir_gi.reference.oracle.loop import Ask, LoopFrame, Run, run_frames
 
 ROUNDINGS = 512
 """Of one estimate, in units of half an eps, times the largest 1 / cos: two merges of
@@ -30,61 +33,160 @@ difference of positions has rounded."""
 LEAST_COSINE = 1 / 8
 """Chords that are shorter are not looked at: their cosine is all rounding."""
 
+LONG = Run(frames=40, temporal_cap=8.0, spatial_cap=20.0)
+"""Long enough for both caps to be reached, and for what they leave out to add up."""
 
-def furnace(ask: Ask, precision: Precision, rows: int = 512) -> Finding:
+AROUND = 2
+"""Neighbours of a pixel in the long run."""
+
+KEPT_ROUNDINGS = 12
+"""Estimates whose roundings a long run adds up: of what it had a pixel keeps 8 of 9
+parts in the temporal pass and 20 of 44 in the spatial one, and each merge rounds once
+more: at most 1 / (1 - 8/9) + 1 / (1 - 20/44) < 12 times one estimate's."""
+
+ROWS = 64
+"""Pixels of either sphere in the long run."""
+
+
+def furnace(
+    ask: Ask, precision: Precision, mis: str = "1/Z", rows: int = 512
+) -> Finding:
     """The sphere shines everywhere: every pixel is ρ, in every frame.
 
     A right backend cannot fail.
     """
     sphere = InsideSphere(points_inside(rows, 1), 2.0)
-    frames = run_frames(ask, sphere, lambda f: ring(rows, 3, f), Run(), precision)
-    for number, shown in enumerate(frames):
-        clear = _clear(sphere, shown.spatial)
-        off = np.abs(shown.color / ALBEDO - 1).max(axis=1)
-        bad = clear & (off > room(precision))
-        if bad.any():
-            row = int(np.flatnonzero(bad)[0])
-            return Finding(
-                False,
-                f"sphere furnace, frame {number}: pixel {row} is"
-                f" {shown.color[row, 0]:.6g} instead of {ALBEDO[0]:.6g}"
-                f" ({int(bad.sum())} of {rows} pixels are wrong)",
-            )
-    return Finding(True)
+    frames = run_frames(
+        ask, sphere, lambda f: ring(rows, 3, f), Run(mis=mis), precision
+    )
+    return _all_shine(frames, sphere, slice(rows), "sphere furnace", room(precision))
 
 
-def half_lit(ask: Ask, precision: Precision, rows: int = 512) -> Finding:
-    """Half of the sphere shines: M times a pixel over ρ is a whole number.
+def half_lit(
+    ask: Ask, precision: Precision, mis: str = "1/Z", rows: int = 512
+) -> Finding:
+    """Half of the sphere shines: M times a pixel over ρ counts what met light.
 
     A right backend cannot fail; M here is no larger than the caps.
     """
     sphere = InsideSphere(points_inside(rows, 2), 0.0)
-    run = Run(temporal_cap=1e4, spatial_cap=1e4)
+    run = Run(mis=mis, temporal_cap=1e4, spatial_cap=1e4)
     frames = run_frames(ask, sphere, lambda f: ring(rows, 2, f), run, precision)
-    confidence, before = 0.0, 0.0
+    around = [ring(rows, 2, f) for f in range(run.frames)]
+    words, most = "half-lit sphere", room(precision)
+    return _counts(frames, sphere, slice(rows), words, most, around, run)
+
+
+def long_run(ask: Ask, precision: Precision, mis: str = "1/Z") -> list[LoopFrame]:
+    """Frames of a furnace, and behind it of a half-lit sphere, with small caps."""
+    return run_frames(ask, _both(), _rings, replace(LONG, mis=mis), precision)
+
+
+def long_furnace(frames: list[LoopFrame], precision: Precision) -> Finding:
+    """Every pixel of the furnace is ρ, wherever M is capped.
+
+    A right backend cannot fail.
+    """
+    words = f"sphere furnace of {LONG.frames} frames"
+    most = KEPT_ROUNDINGS * room(precision)
+    return _all_shine(frames, _both(), slice(ROWS), words, most)
+
+
+def long_half_lit(frames: list[LoopFrame], precision: Precision) -> Finding:
+    """Every pixel is what the contract's confidences make of the samples that it met.
+
+    A right backend cannot fail.
+    """
+    around = [ring(ROWS, AROUND, f) for f in range(LONG.frames)]
+    words = f"half-lit sphere of {LONG.frames} frames"
+    most = KEPT_ROUNDINGS * room(precision)
+    return _counts(frames, _both(), slice(ROWS, None), words, most, around, LONG)
+
+
+def _both() -> InsideSphere:
+    lit = np.concatenate([np.full(ROWS, 2.0), np.zeros(ROWS)])
+    return InsideSphere(points_inside(2 * ROWS, 3), lit)
+
+
+def _rings(frame: int) -> Indices:
+    within = ring(ROWS, AROUND, frame)
+    return np.concatenate([within, within + ROWS])
+
+
+def _all_shine(
+    frames: list[LoopFrame], sphere: InsideSphere, rows: slice, words: str, most: float
+) -> Finding:
     for number, shown in enumerate(frames):
-        before += 1.0  # temporal
-        confidence = confidence + 3 * before  # spatial past, own and two neighbours
-        count = confidence * shown.color[:, 0].astype(float) / ALBEDO[0]
-        clear = _clear(sphere, shown.spatial)
-        bad = clear & (np.abs(count - np.rint(count)) > confidence * room(precision))
-        wrong_M = shown.spatial["M"] != confidence
-        if wrong_M.any():
-            M = shown.spatial["M"][wrong_M][0]
-            return Finding(
-                False,
-                f"half-lit sphere, frame {number}: M is {M:g} instead of"
-                f" {confidence:g}: misses count",
-            )
+        off = np.abs(shown.color[rows] / ALBEDO - 1).max(axis=1)
+        bad = _clear(sphere, shown.spatial)[rows] & (off > most)
         if bad.any():
             row = int(np.flatnonzero(bad)[0])
             return Finding(
                 False,
-                f"half-lit sphere, frame {number}: pixel {row} counts {count[row]:.6g}"
-                f" lit samples of {confidence:g}, which is not a whole number"
-                f" ({int(bad.sum())} of {rows} pixels)",
+                f"{words}, frame {number}: pixel {row} is"
+                f" {shown.color[rows][row, 0]:.6g} instead of {ALBEDO[0]:.6g}"
+                f" ({int(bad.sum())} of {len(bad)} pixels are wrong)",
             )
     return Finding(True)
+
+
+def _counts(
+    frames: list[LoopFrame],
+    sphere: InsideSphere,
+    rows: slice,
+    words: str,
+    most: float,
+    around: list[Indices],
+    run: Run,
+) -> Finding:
+    wanted = _shares(frames, rows, around, run)
+    for number, (shown, (confidence, share)) in enumerate(
+        zip(frames, wanted, strict=True)
+    ):
+        where = f"{words}, frame {number}"
+        M = shown.spatial["M"][rows].astype(float)
+        if np.any(confidence != M):
+            return Finding(False, f"{where}: {_other_M(M, confidence, share)}")
+        found = shown.color[rows, 0].astype(float) / ALBEDO[0]
+        bad = _clear(sphere, shown.spatial)[rows] & (np.abs(found - share) > most)
+        if bad.any():
+            row = int(np.flatnonzero(bad)[0])
+            return Finding(
+                False,
+                f"{where}: pixel {row} shows {found[row]:.6g} of the light instead of"
+                f" {share[row]:.6g}, the share of lit samples among those that it has"
+                f" met ({int(bad.sum())} of {len(bad)} pixels are wrong)",
+            )
+    return Finding(True)
+
+
+def _shares(
+    frames: list[LoopFrame], rows: slice, around: list[Indices], run: Run
+) -> Iterator[tuple[float, Scalars]]:
+    """M of all pixels, and the weighted share of lit samples of each, by frame."""
+    M_t = M_s = 0.0
+    v_t = v_s = np.zeros(len(around[0]))
+    for shown, near in zip(frames, around, strict=True):
+        lit = (shown.radiance[rows, 0] > 0).astype(float)
+        v_t = (M_t * v_t + lit) / (M_t + 1)
+        M_t = min(M_t + 1, run.temporal_cap)
+        total = M_s + M_t * (1 + near.shape[1])
+        v_s = (M_s * v_s + M_t * (v_t + v_t[near].sum(axis=1))) / total
+        M_s = min(total, run.spatial_cap)
+        yield M_s, v_s
+
+
+def _other_M(M: Scalars, wanted: float, share: Scalars) -> str:
+    """What was seen of confidences that are wrong."""
+    wrong = np.not_equal(M, wanted)
+    text = (
+        f"M is {M[wrong][0]:.6g} instead of {wanted:g} in {int(wrong.sum())} of"
+        f" {len(M)} pixels"
+    )
+    # Sums of ones, which are exact but for the quotient of the share.
+    if np.abs(M - share * wanted).max() < 1e-6:
+        return f"{text}, everywhere the number of samples that met light: misses count"
+    return text
 
 
 def room(precision: Precision) -> float:

@@ -33,6 +33,7 @@ class Bets:
     mean : (columns,) float64, in units of B
         Their mean, after those above B were taken for B.
     squares : (columns,) float64, in units of B²; sum of squared deviations from it
+    reach : float; share of the largest bet up to which is bet
     """
 
     bound: Floats
@@ -44,6 +45,7 @@ class Bets:
     count: NDArray[np.int64]
     mean: Floats
     squares: Floats
+    reach: float = 0.5
 
 
 def open_bets(truth: ArrayLike, bound: ArrayLike, proven: ArrayLike = True) -> Bets:
@@ -60,7 +62,11 @@ def open_bets(truth: ArrayLike, bound: ArrayLike, proven: ArrayLike = True) -> B
 
 
 def interval_bets(
-    lowest: ArrayLike, highest: ArrayLike, bound: ArrayLike, proven: ArrayLike = True
+    lowest: ArrayLike,
+    highest: ArrayLike,
+    bound: ArrayLike,
+    proven: ArrayLike = True,
+    reach: float = 0.5,
 ) -> Bets:
     """Capitals of 1 against truths that are only known to lie in an interval.
 
@@ -74,6 +80,9 @@ def interval_bets(
         Ends, as from `intervals.truth_interval`.
     bound : (columns,) float64, or a number; B, not below the lowest end
     proven : (columns,) bool, or a bool; as in `open_bets`
+    reach : float
+        Share of the largest bet up to which is bet, below 1, where one replicate may
+        lose everything.
 
     Returns
     -------
@@ -90,7 +99,8 @@ def interval_bets(
         raise ValueError("a truth must be an interval that meets [0, bound]")
     low, high = divide_or_zero(low, B), divide_or_zero(np.minimum(high, B), B)
     zeros, none = np.zeros(B.shape), np.zeros(B.shape, np.int64)
-    return Bets(B, np.array(ends[3], bool), low, high, zeros, zeros, none, zeros, zeros)
+    proved = np.array(ends[3], bool)
+    return Bets(B, proved, low, high, zeros, zeros, none, zeros, zeros, reach)
 
 
 def place(bets: Bets, y: ArrayLike) -> Bets:
@@ -112,7 +122,8 @@ def place(bets: Bets, y: ArrayLike) -> Bets:
     -----
     K⁺ ← K⁺ (1 + l (y − μ)) and K⁻ ← K⁻ (1 − l (y − μ)), of Waudby-Smith and Ramdas
     2024.  Each l depends on the past alone: it is (m − μ) / (v + (m − μ)²), its sign
-    turned for K⁻, between 0 and 1 / 2μ or 1 / 2(B − μ), so that no factor is below 1/2.
+    turned for K⁻, between 0 and r / μ or r / (B − μ), so that no factor is below 1 − r,
+    with the reach r.
     The mean m and the variance v of the past start from μ and μ² as if these were one
     replicate more.  Where B = μ, K⁻ has nothing to bet on and stays 1.
 
@@ -145,10 +156,11 @@ def _bets_from_the_past(bets: Bets) -> tuple[Floats, Floats]:
     variance = (prior**2 + bets.squares) / (n + 1)
     bright, dark = mean - bets.highest, bets.lowest - mean
     # Any light at all refutes a truth of 0, so what is bet there does not matter.
-    limit = 0.5 / np.maximum(bets.highest, np.finfo(np.float64).tiny)
+    limit = bets.reach / np.maximum(bets.highest, np.finfo(np.float64).tiny)
+    reach = np.full(n.shape, bets.reach)
     return (
         _bet(bright, variance, limit),
-        _bet(dark, variance, divide_or_zero(np.full(n.shape, 0.5), 1 - bets.lowest)),
+        _bet(dark, variance, divide_or_zero(reach, 1 - bets.lowest)),
     )
 
 

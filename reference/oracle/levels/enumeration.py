@@ -1,0 +1,295 @@
+"""Every outcome of what a pass is given, with the weights that the contract gives it.
+
+A pixel q and two others look at five patches whose solid angles are known.  Each draws
+each patch, or nothing, with probability 1/6, so that a reservoir of patch x has
+W = 6 mu(x).  What must come out is E[W 1{y = x}] = mu_q(x): it knows nothing of what
+the weights are divided by, nor of the order in which candidates come.  By 1/M it is
+mu_q(x) times the share of the confidences whose pixels can draw x, a known bias.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from itertools import product
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from restir_gi.reference.numerics.arrays import Indices, Scalars
+from restir_gi.reference.oracle.buffers import prefixed
+from restir_gi.reference.oracle.cases import Buffers
+from restir_gi.reference.oracle.contract.fields import Value
+from restir_gi.reference.oracle.levels.patches import (
+    CLOSE_NEIGHBORS,
+    FAR_NEIGHBORS,
+    HIDDEN,
+    NEAR,
+    NOTHING,
+    OUTCOMES,
+    PATCHES,
+    SEES,
+    Placement,
+    eye,
+    patch_reservoirs,
+    theory,
+    visible_bits,
+    whole_weight,
+)
+
+Target = Literal["scattered", "outgoing"]
+Table = dict[str, NDArray[Any]]
+TARGETS: tuple[Target, ...] = ("scattered", "outgoing")
+CAP = 6.0
+
+DRAWS = ((0, 1, 2, 3, HIDDEN), (0, 2, HIDDEN, NOTHING), (0, 1, HIDDEN, NOTHING))
+"""Of each pixel, what makes a difference; the last is a null, and stands for all."""
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """Where the reservoirs of a stream come from.
+
+    Attributes
+    ----------
+    M : tuple of float
+        Their confidences, in the contract's order; a reservoir with 0 is empty.
+    pixels : tuple of int; who drew them; -1 for a neighbour that is not there
+    """
+
+    world: Placement
+    M: tuple[float, ...]
+    pixels: tuple[int, ...]
+
+    @property
+    def title(self) -> str:
+        """For messages."""
+        return f"{self.world.name}, M = {', '.join(f'{M:g}' for M in self.M)}"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LatticeEnumeration:
+    """All R outcomes of several setups, for one pass and its settings.
+
+    Attributes
+    ----------
+    inputs : callable
+        From (L,) outcomes and (L, D) numbers u that decide to the buffers of a case,
+        whose first L rows they are.
+    setups : tuple of Setup; S
+    setup : (R,) int; of each outcome
+    probability : (R,); of each outcome in its setup
+    weights : (R, D + 1); whole numbers that the contract's stream compares
+    solid_angle : (S, 5), sr; of each patch at the pixel that resamples
+    expected : (S, 5), sr; E[W 1{y = x}] by the contract
+    unbiased : (S, 5), sr; the same by any weights without bias
+    M : (S,); confidence by the contract
+    """
+
+    name: str
+    pass_name: str
+    settings: dict[str, Value]
+    inputs: Callable[[Indices, Scalars], Buffers]
+    setups: tuple[Setup, ...]
+    setup: Indices
+    probability: Scalars
+    weights: Scalars
+    solid_angle: Scalars
+    expected: Scalars
+    unbiased: Scalars
+    M: Scalars
+
+    @property
+    def decisions(self) -> int:
+        """D: how many numbers u a row has."""
+        return int(self.weights.shape[1]) - 1
+
+
+# The same for every backend.
+@cache
+def enumerations() -> tuple[LatticeEnumeration, ...]:
+    """Of the passes that choose: both targets, both weights, and all their setups."""
+    found = [_temporal(target) for target in TARGETS]
+    for pass_of in (_moved, _spatial):
+        found += [pass_of(t, mis) for mis in ("1/Z", "1/M") for t in TARGETS]
+    return tuple(found)
+
+
+def _temporal(target: Target) -> LatticeEnumeration:
+    setups = tuple(Setup(NEAR, (M, 1.0), (0, 0)) for M in (0.0, 1.0, CAP - 1, CAP))
+
+    def rows(s: Setup, cells: Indices) -> Table:
+        past = patch_reservoirs(s.world, target, 0, cells[:, 0], s.M[0])
+        new = _new(s.world, target, cells[:, 1])
+        return eye(s.world, 0, len(cells)) | prefixed("past", past) | new
+
+    settings: dict[str, Value] = {"target": target, "cap": CAP}
+    return _enumerated("temporal", settings, setups, rows, ("u",))
+
+
+def _moved(target: Target, mis: str) -> LatticeEnumeration:
+    makers = ((NEAR, 1), (FAR_NEIGHBORS, 1), (FAR_NEIGHBORS, 2), (CLOSE_NEIGHBORS, 1))
+    setups = tuple(
+        Setup(world, (M, 1.0), (who, 0))
+        for world, who in makers
+        for M in (0.0, 1.0, CAP - 1, CAP)
+    )
+
+    def rows(s: Setup, cells: Indices) -> Table:
+        who = s.pixels[0]
+        then = eye(s.world, who, len(cells))
+        past = patch_reservoirs(s.world, target, who, cells[:, 0], s.M[0])
+        bits = visible_bits(np.array([0, who]), [cells[:, 1], cells[:, 0]])
+        return (
+            eye(s.world, 0, len(cells))
+            | prefixed("past", then | past)
+            | _new(s.world, target, cells[:, 1])
+            | {"visible": bits}
+        )
+
+    settings: dict[str, Value] = {"target": target, "cap": CAP, "mis": mis}
+    return _enumerated("moved", settings, setups, rows, ("u",))
+
+
+def _spatial(target: Target, mis: str) -> LatticeEnumeration:
+    """The neighbours, with each of their draws, stand behind the rows that count."""
+    both, one = (0, 0, 1, 2), (0, 0, 1, -1)
+    setups = (
+        Setup(NEAR, (0.0, 1.0, 2.0, 1.0), both),
+        Setup(NEAR, (CAP - 1, 1.0, CAP, 0.0), one),
+        Setup(FAR_NEIGHBORS, (0.0, CAP, CAP - 1, CAP), both),
+        Setup(FAR_NEIGHBORS, (1.0, 1.0, 1.0, 0.0), both),
+        Setup(CLOSE_NEIGHBORS, (0.0, 1.0, CAP, 1.0), both),
+        Setup(CLOSE_NEIGHBORS, (CAP, 1.0, 1.0, 0.0), one),
+    )
+    others = _stacked([_neighbors_of(s, target) for s in setups])
+
+    def rows(s: Setup, cells: Indices) -> Table:
+        past, own = (
+            patch_reservoirs(s.world, target, 0, cells[:, k], s.M[k]) for k in (0, 1)
+        )
+        first = np.arange(2) * OUTCOMES + setups.index(s) * 2 * OUTCOMES
+        around = np.where(np.array(s.pixels[2:]) > 0, first + cells[:, 2:], -1)
+        viewers = np.array([0, *s.pixels[2:]])
+        slots = [cells[:, 1], cells[:, 2], cells[:, 3], cells[:, 0]]
+        return (
+            eye(s.world, 0, len(cells))
+            | own
+            | prefixed("past", past)
+            | {"neighbors": around, "visible": visible_bits(viewers, slots)}
+        )
+
+    settings: dict[str, Value] = {"target": target, "cap": CAP, "mis": mis}
+    numbers = ("u_own", "u_neighbors")
+    return _enumerated("spatial", settings, setups, rows, numbers, others)
+
+
+def _neighbors_of(s: Setup, target: Target) -> Table:
+    """Both neighbours with each of their draws, 2 `OUTCOMES` rows."""
+    cells = np.arange(PATCHES + 1)
+    nothing = patch_reservoirs(s.world, target, 0, np.full_like(cells, NOTHING), 0.0)
+    found = [
+        eye(s.world, k, len(cells))
+        | patch_reservoirs(s.world, target, k, cells, s.M[1 + k])
+        | prefixed("past", nothing)
+        | {"neighbors": np.full((len(cells), 2), -1)}
+        | {"visible": visible_bits(np.array([k, -1, -1]), [cells])}
+        for k in (1, 2)
+    ]
+    return _stacked(found)
+
+
+def _new(world: Placement, target: Target, cells: Indices) -> Table:
+    found = patch_reservoirs(world, target, 0, cells, 1.0)
+    W = found.pop("W")
+    del found["M"]
+    # A null has a density as well.
+    pdf = np.divide(1.0, W, out=np.ones_like(W), where=W > 0)
+    return prefixed("new", found) | {"new_pdf": pdf}
+
+
+def _enumerated(
+    pass_name: str,
+    settings: dict[str, Value],
+    setups: tuple[Setup, ...],
+    rows: Callable[[Setup, Indices], Table],
+    numbers: tuple[str, ...],
+    behind: Table | None = None,
+) -> LatticeEnumeration:
+    draws = [_outcomes(s) for s in setups]
+    cells = [drawn for drawn, _ in draws]
+    table = _stacked([rows(*about) for about in zip(setups, cells, strict=True)])
+    target, mis = str(settings["target"]), str(settings.get("mis", "1/Z"))
+    angles = [theory(s.world, target) for s in setups]
+    unbiased = np.array([known.mu[0] for known in angles])
+    shares = np.array([_share_that_can_draw(s) for s in setups])
+    words = [pass_name, target] if target != TARGETS[0] else [pass_name]
+    words += ["1-over-M"] if mis == "1/M" else []
+    return LatticeEnumeration(
+        "-".join(["lattice", *words]),
+        pass_name,
+        settings,
+        lambda lines, u: _buffers(table, behind, numbers, lines, u),
+        setups,
+        np.repeat(np.arange(len(setups)), [len(drawn) for drawn in cells]),
+        np.concatenate([chance for _, chance in draws]),
+        np.concatenate([_weights(*about) for about in zip(setups, cells, strict=True)]),
+        np.array([known.solid_angle[0] for known in angles]),
+        unbiased * shares if mis == "1/M" else unbiased,
+        unbiased,
+        np.minimum([sum(s.M) for s in setups], CAP),
+    )
+
+
+def _outcomes(s: Setup) -> tuple[Indices, Scalars]:
+    """Draws of all reservoirs, (R, D + 1), and their chances; what is empty has one."""
+    draws = [
+        (NOTHING,) if M == 0 or who < 0 else DRAWS[who]
+        for M, who in zip(s.M, s.pixels, strict=True)
+    ]
+    chances = [
+        (*[1 / OUTCOMES] * (len(cells) - 1), 1 - (len(cells) - 1) / OUTCOMES)
+        for cells in draws
+    ]
+    cells, chance = (np.array(list(product(*columns))) for columns in (draws, chances))
+    return cells, chance.prod(axis=1)
+
+
+def _weights(s: Setup, cells: Indices) -> Scalars:
+    columns = [
+        M * whole_weight(who, cells[:, k])
+        for k, (M, who) in enumerate(zip(s.M, s.pixels, strict=True))
+    ]
+    return np.stack(columns, axis=1).astype(float)
+
+
+def _share_that_can_draw(s: Setup) -> Scalars:
+    """Of all confidences those of pixels that can draw each patch, (5,)."""
+    M = np.array(s.M)
+    can = np.array([SEES[who] & SEES[0] for who in s.pixels])
+    found: Scalars = (M[:, None] * can).sum(axis=0) / M.sum()
+    return found
+
+
+def _stacked(tables: list[Table]) -> Table:
+    return {name: np.concatenate([t[name] for t in tables]) for name in tables[0]}
+
+
+def _buffers(
+    table: Table,
+    behind: Table | None,
+    numbers: tuple[str, ...],
+    lines: Indices,
+    u: Scalars,
+) -> Buffers:
+    found = {name: column[lines] for name, column in table.items()}
+    if behind is not None:
+        here = found["neighbors"]
+        found["neighbors"] = np.where(here >= 0, here + len(lines), -1)
+        found = _stacked([found, behind])
+        u = np.concatenate(
+            [u, np.full((len(found["W"]) - len(lines), u.shape[1]), 0.5)]
+        )
+    if numbers == ("u",):
+        return found | {"u": u[:, 0]}
+    return found | {numbers[0]: u[:, 0], numbers[1]: u[:, 1:]}
