@@ -25,7 +25,6 @@ OF_HEIGHT = HALF_WIDTH.replace("\n", " * camera.width / camera.height\n")
 DEPTH = "return dot(points - np.asarray(camera.position, float), forward)"
 
 INSIDE = "inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)"
-WHOLE = "np.where(inside, v, 0.0).astype(np.int64)"
 BEFORE = "return np.where(surface.hit, x, np.nan), np.where(surface.hit, y, np.nan)"
 ALIKE = "return np.where(alike, row, NONE)"
 
@@ -122,8 +121,8 @@ BEFORE_NOW = [
         "the place before is rounded",
         ("TR-05",),
         REPROJECT,
-        WHOLE,
-        "np.rint(np.where(inside, v, 0.0)).astype(np.int64)",
+        INSIDE,
+        f"x, y = np.floor(x + 0.5), np.floor(y + 0.5)\n    {INSIDE}",
         ("place-rounded",),
         "variance",
     ),

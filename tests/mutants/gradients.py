@@ -11,9 +11,9 @@ PAGE, PAIRS = (
 )
 SOLVER, ROBUST, ADJOINT, METHOD = (
     f"restir_gi.gradient_domain.{name}"
-    for name in ("reconstruction", "least_absolute", "differences", "method")
+    for name in ("reconstruction", "least_absolute", "reconstruction", "method")
 )
-WINDOWS = "restir_gi.extensions.windows"
+WINDOWS = "restir_gi.extensions.area_restir"
 
 SIGNED = "found: Vec3s = np.where((value.k == 0)[:, None], own, -own)"
 JACOBIAN = "return scatter(at, value, size), jacobian"

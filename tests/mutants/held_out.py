@@ -209,7 +209,6 @@ HELD_OUT: tuple[Mutant, ...] = (
         ("SR-05", "SR-25"),
         REUSED,
         COULD,
-        TARGET,
         "could[slot] = R.candidates[slot].w > 0",
     ),
     Mutant(
@@ -246,7 +245,6 @@ HELD_OUT: tuple[Mutant, ...] = (
         ("HS-17",),
         REUSED,
         COULD,
-        TARGET,
         ONCE_EACH,
     ),
     *HELD_OUT_MORE,

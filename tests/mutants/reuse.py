@@ -103,7 +103,7 @@ BIASES = [
         ENGINE,
         IN_DOMAIN,
         "made | (p >= 0)",
-        ("reuse-z-of-everybody", "reuse-one-over-m"),
+        ("reuse-z-of-everybody",),
     ),
     Mutant(
         "balance over the receiver's target",
@@ -134,7 +134,7 @@ BIASES = [
         ENGINE,
         "return np.ones_like(kept.w)",
         "return one_over_m(M_k)",
-        ("reuse-pairs-divided-again", "reuse-one-over-m"),
+        ("reuse-pairs-divided-again",),
     ),
     Mutant(
         "W is scaled down with M",

@@ -41,7 +41,6 @@ END_VALUE = "value = step.throughput * value\n"
 KEPT = "_kept(same & step.points.hit, rows, paths, step)"
 ABLE = "able = (points.primitive[at] >= 0) & (paths.end[rows] > 0)"
 
-CAME = "joinable = came.joinable & ~bsdf.delta & (vertex < criterion.last_joint)"
 STEP = "return Step(met, step.throughput * weight, weight, came, joinable, density)"
 DRAWN = "uniforms.draw(2 * (vertex - 1))"
 
@@ -258,13 +257,15 @@ DOMAINS = [
         SAME,
         "same = ~step.joinable",
         ("delta-left-is-no-joint-forgotten",),
+        also=((SHIFTING, END_MET, "active = ~chosen & ~step.joinable"),),
     ),
     Mutant(
         "points that are reached by a delta lobe are joints",
         (),
         SHIFTING,
-        CAME,
-        CAME.replace("~bsdf.delta & ", ""),
+        # The flag alone: where rays lead remains what the tables say.
+        STEP,
+        STEP.replace("joinable", "came.joinable & (vertex < criterion.last_joint)"),
         ("delta-came-is-a-joint",),
     ),
     Mutant(
