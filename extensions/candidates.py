@@ -30,8 +30,11 @@ from restir_gi.reference.numerics.rng import Uniforms
 from restir_gi.reference.resampling.reservoir import Candidates, merge
 from restir_gi.reference.resampling.target import luminance
 from restir_gi.reference.scene.surface import SurfacePoints
-from restir_gi.reference.transport.direct_light import choose_light, emitter_hits
-from restir_gi.reference.transport.light_mis import bsdf_sampling_weight
+from restir_gi.reference.transport.direct_light import (
+    bsdf_sampling_weight,
+    choose_light,
+    emitter_hits,
+)
 from restir_gi.reference.transport.world import World
 
 

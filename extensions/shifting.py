@@ -39,10 +39,11 @@ from restir_gi.reference.scene.materials.parameters import Kind, MaterialTable
 from restir_gi.reference.scene.materials.table import pdf, scattering
 from restir_gi.reference.scene.origins import contact, step_before
 from restir_gi.reference.scene.surface import SurfacePoints, direction_and_distance
-from restir_gi.reference.transport.direct_light import choose_light, emitter_hits
-from restir_gi.reference.transport.light_mis import (
+from restir_gi.reference.transport.direct_light import (
     balance,
     bsdf_sampling_weight,
+    choose_light,
+    emitter_hits,
     light_sampling_weight,
 )
 from restir_gi.reference.transport.world import World
@@ -497,6 +498,10 @@ class PathNeighbor:
     reservoirs: Reservoirs
     rows: Indices
     same_domain: bool = False
+
+    def unshifted(self, at: Indices) -> Vec3s:
+        """Value of the neighbours' paths where they are, (A, 3)."""
+        return take(self.reservoirs.y.value, self.rows[at])
 
     def shifted(self, at: Indices) -> Shifted:
         """The neighbours' paths at the receivers ``at``, which all have one, (A,)."""

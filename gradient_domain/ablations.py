@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from restir_gi.extensions.windows import Window
+from restir_gi.extensions.area_restir import Window
 from restir_gi.gradient_domain.pairs import Pairs, draw_around
 from restir_gi.gradient_domain.settings import GradientSettings, Signs
 from restir_gi.reference.frame import FrameContext

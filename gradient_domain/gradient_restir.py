@@ -17,18 +17,20 @@ from typing import Any
 
 import numpy as np
 
-from restir_gi.extensions.area_paths import AreaPaths, PlacedValue
-from restir_gi.extensions.area_restir import area_drawn, area_reused
-from restir_gi.extensions.area_shift import AreaShift
+from restir_gi.extensions.area_restir import (
+    Window,
+    area_drawn,
+    area_reused,
+    resample_past,
+)
+from restir_gi.extensions.area_shift import AreaPaths, AreaShift, PlacedValue
 from restir_gi.extensions.frame_loop import PathFrame, path_frames, path_shift
 from restir_gi.extensions.pt_settings import PathSettings
-from restir_gi.extensions.windows import Window, resample_past
 from restir_gi.gradient_domain.ablations import (
     random_neighbors,
     reused_signs,
     reused_windows,
 )
-from restir_gi.gradient_domain.differences import Differences
 from restir_gi.gradient_domain.pairs import (
     Pairs,
     as_differences,
@@ -36,6 +38,7 @@ from restir_gi.gradient_domain.pairs import (
     pair_windows,
     pixel_pairs,
 )
+from restir_gi.gradient_domain.reconstruction import Differences
 from restir_gi.gradient_domain.settings import GradientSettings
 from restir_gi.reference.frame import FrameContext
 from restir_gi.reference.numerics.arrays import (
@@ -299,6 +302,11 @@ class PairNeighbor:
     sign: int
     sign_from: int
     same_domain: bool = False
+
+    def unshifted(self, at: Indices) -> PairValue:
+        """Integrand of the sources' samples where they are, (A,)."""
+        value: PairValue = take(self.reservoirs.y.value, self.rows[at])
+        return value
 
     def shifted(self, at: Indices) -> tuple[PairValue, Scalars]:
         """Integrand and Jacobian of the sources' samples at the receivers, (A,).

@@ -2,12 +2,14 @@
 
 import numpy as np
 
-from restir_gi.gradient_domain.differences import Differences, differences, spread_back
 from restir_gi.gradient_domain.reconstruction import (
     ALPHA,
+    Differences,
     check,
+    differences,
     least_squares,
     screened,
+    spread_back,
 )
 from restir_gi.reference.numerics.arrays import Scalars
 

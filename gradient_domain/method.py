@@ -8,14 +8,13 @@ import numpy as np
 from restir_gi.extensions.area_method import PLACES, area_layers
 from restir_gi.extensions.method import PATHS
 from restir_gi.gradient_domain.after_restir import render_after_frames
-from restir_gi.gradient_domain.differences import Differences
 from restir_gi.gradient_domain.gradient_pt import render_gradient_paths
 from restir_gi.gradient_domain.gradient_restir import (
     GradientFrame,
     render_gradient_frames,
 )
 from restir_gi.gradient_domain.least_absolute import least_absolute
-from restir_gi.gradient_domain.reconstruction import least_squares
+from restir_gi.gradient_domain.reconstruction import Differences, least_squares
 from restir_gi.gradient_domain.settings import (
     AfterSettings,
     GradientPathSettings,

@@ -5,9 +5,9 @@ from enum import IntEnum
 
 import numpy as np
 
+from restir_gi.extensions.area_restir import Window, windows
 from restir_gi.extensions.frame_loop import PathFrame
-from restir_gi.extensions.windows import Window, windows
-from restir_gi.gradient_domain.differences import Differences
+from restir_gi.gradient_domain.reconstruction import Differences
 from restir_gi.gradient_domain.settings import GradientSettings
 from restir_gi.reference.frame import FrameContext
 from restir_gi.reference.numerics.arrays import Indices, Scalars, Vec3s

@@ -26,9 +26,9 @@ from restir_gi.reference.scene.light_sampling import LightSamples, points_on_lig
 from restir_gi.reference.scene.materials.bsdf_sampling import BsdfSamples
 from restir_gi.reference.scene.materials.table import scattering
 from restir_gi.reference.scene.surface import SurfacePoints
-from restir_gi.reference.transport.direct_light import emitter_hits
-from restir_gi.reference.transport.light_mis import (
+from restir_gi.reference.transport.direct_light import (
     bsdf_sampling_weight,
+    emitter_hits,
     light_sampling_weight,
 )
 from restir_gi.reference.transport.world import World

@@ -293,6 +293,10 @@ class LightNeighbor:
     chance: Chance
     same_domain: bool = False
 
+    def unshifted(self, at: Indices) -> Vec3s:
+        """Value of the neighbours' points where they are, (A, 3)."""
+        return take(self.reservoirs.y.value, self.rows[at])
+
     def shifted(self, at: Indices) -> Shifted:
         """The neighbours' points at the receivers ``at``, which all have one, (A,)."""
         lights = take(self.reservoirs.y, self.rows[at])

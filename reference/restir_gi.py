@@ -26,10 +26,14 @@ from restir_gi.reference.options.visibility import (
     without_hidden,
 )
 from restir_gi.reference.options.weights import resample_weighted
-from restir_gi.reference.passes.history import History
 from restir_gi.reference.passes.initial import InitialSamples, initial_samples
 from restir_gi.reference.passes.neighbors import neighbors_of
-from restir_gi.reference.passes.pixels import FrameReservoirs, NeighborPixels, Pixels
+from restir_gi.reference.passes.pixels import (
+    FrameReservoirs,
+    History,
+    NeighborPixels,
+    Pixels,
+)
 from restir_gi.reference.passes.shade import shade
 from restir_gi.reference.passes.spatial import spatial_resampling
 from restir_gi.reference.passes.temporal import temporal_resampling

@@ -2,44 +2,47 @@
 
 import argparse
 import os
-import time
-from collections.abc import Callable, Iterator
+import shlex
 from concurrent.futures import Executor
 from contextlib import ExitStack
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from restir_gi.reference.cli.arguments import add_json, add_reading, add_scheduler
+from restir_gi.reference.cli.check_captures import is_capture, judge_capture
+from restir_gi.reference.cli.check_pictures import (
+    EXIT,
+    add_picture_arguments,
+    judge_renderer,
+    write_report,
+)
 from restir_gi.reference.cli.console import emit, progress, remark, show
-from restir_gi.reference.cli.opening import size_in_shape
 from restir_gi.reference.cli.targets import new_folder
-from restir_gi.reference.cli.values import amount, limit, seconds, tiled_size, whole
+from restir_gi.reference.cli.values import (
+    MOST_SEED,
+    limit,
+    seconds,
+    whole,
+    words,
+)
 from restir_gi.reference.oracle.backends.command import PLACE
 from restir_gi.reference.oracle.backends.files import FilesBackend
 from restir_gi.reference.oracle.backends.find import backend_names, is_python
 from restir_gi.reference.oracle.backends.running import Limits
-from restir_gi.reference.oracle.blackbox.judge import renderer_levels
-from restir_gi.reference.oracle.blackbox.renderer import PLACES, Renderer
-from restir_gi.reference.oracle.blackbox.truth import TILES, Truth, path_traced
-from restir_gi.reference.oracle.checking import judge
-from restir_gi.reference.oracle.golden import read_golden
-from restir_gi.reference.oracle.parts import whole_contract
-from restir_gi.reference.oracle.verdict import Verdict, run_ladder
+from restir_gi.reference.oracle.blackbox.renderer import PLACES
+from restir_gi.reference.oracle.checking import judge, selection_of
+from restir_gi.reference.oracle.declaration.schema import PUBLISHED
+from restir_gi.reference.oracle.golden import read_golden, write_failing
+from restir_gi.reference.oracle.parts import SEED, whole_contract
+from restir_gi.reference.oracle.verdict import Verdict
 from restir_gi.reference.reports.verdict.page import write_page
 from restir_gi.reference.reports.verdict.plain import as_plain
 from restir_gi.reference.reports.verdict.table import table
-from restir_gi.reference.scene.named import find_scene_or_file
 from restir_gi.reference.system.errors import UsageError
-from restir_gi.reference.system.workers import ahead, workers
+from restir_gi.reference.system.workers import workers
 
 BUDGET = 600.0
-SCENE = "cornell-box"
-TRUTH_SAMPLES = 4096
-PIXELS = 64 * 64
-AHEAD = 32  # pictures that a cluster renders before they are wanted
-EXIT = {"PASS": 0, "FAIL": 1, "UNDECIDED": 3}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -49,7 +52,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "backend",
         metavar="BACKEND",
         help=f"{names}; module:object or file.py[:object]; a command line with {PLACE};"
-        " or a folder with outputs beside golden inputs; or the command line of a"
+        " a folder with outputs beside golden inputs; a folder with capture.toml, which"
+        " restir capture-template describes; or the command line of a"
         f" renderer with {', '.join(PLACES)}",
     )
     parser.add_argument(
@@ -57,6 +61,70 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="DIR",
         help="golden folder whose cases are judged (default: cases are made)",
+    )
+    parser.add_argument(
+        "--case",
+        metavar="NAME",
+        help="ask this one case alone, as the report names it",
+    )
+    parser.add_argument(
+        "--only",
+        type=words,
+        default=frozenset(),
+        metavar="NAMES",
+        help="passes that alone are asked, with commas between them",
+    )
+    parser.add_argument(
+        "--skip",
+        type=words,
+        default=frozenset(),
+        metavar="NAMES",
+        help="passes that are not asked",
+    )
+    parser.add_argument(
+        "--require",
+        type=words,
+        default=frozenset(),
+        metavar="NAMES",
+        help="passes that must be there and be judged, else it is FAIL",
+    )
+    parser.add_argument(
+        "--declare",
+        type=words,
+        default=frozenset(),
+        metavar="NAMES",
+        help="choices that your renderer makes, such as visibility-in-final-shading",
+    )
+    parser.add_argument(
+        "--declaration",
+        type=Path,
+        metavar="FILE",
+        help="TOML file that says what your renderer has and which choices it makes",
+    )
+    parser.add_argument(
+        "--declaration-schema",
+        action=_Schema,
+        nargs=0,
+        help="show the JSON schema of such a file, and exit",
+    )
+    parser.add_argument(
+        "--accept",
+        type=words,
+        default=frozenset(),
+        metavar="NAMES",
+        help="declared choices whose bias does not fail, such as jacobian-clamped",
+    )
+    parser.add_argument(
+        "--seed",
+        type=whole(0, MOST_SEED),
+        default=SEED,
+        metavar="S",
+        help=f"of all rows that are random (default {SEED})",
+    )
+    parser.add_argument(
+        "--extremes",
+        action="store_true",
+        help="FAIL also for what is wrong beyond the working range alone",
     )
     parser.add_argument(
         "--budget",
@@ -80,81 +148,96 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="of a command (default float32); an object says its own",
     )
     parser.add_argument(
-        "--scene",
-        default=SCENE,
-        metavar="SCENE",
-        help=f"what a renderer renders: built-in or a file (default {SCENE})",
-    )
-    add_reading(parser)
-    parser.add_argument(
-        "--bounces",
-        type=whole(1, 30),
-        default=1,
-        metavar="K",
-        help="of the renderer's indirect light (default 1)",
-    )
-    parser.add_argument(
-        "--frames",
-        type=whole(1, 2**27 - 1),
-        default=8,
-        metavar="F",
-        help="of a renderer, from an empty history to the picture (default 8)",
-    )
-    parser.add_argument(
-        "--size",
-        type=tiled_size,
-        metavar="WxH",
-        help="pixels of the renderer's picture, multiples of 4; one number for a square"
-        f" (default: the shape of the scene's camera, about {PIXELS} pixels)",
-    )
-    parser.add_argument(
-        "--layer",
-        metavar="NAME",
-        help="which picture of a renderer's file of several, such as Combined",
-    )
-    parser.add_argument(
-        "--bound",
-        type=amount,
-        metavar="B",
-        help="your word that no tile's mean in one picture exceeds B times its truth",
-    )
-    parser.add_argument(
         "--out", type=new_folder, metavar="DIR", help="folder for the report"
+    )
+    parser.add_argument(
+        "--keep",
+        type=partial(new_folder, option="--keep"),
+        metavar="DIR",
+        help="golden folder for the cases that failed, for --against",
     )
     add_scheduler(parser)
     add_json(parser)
+    add_picture_arguments(parser)
+    add_reading(parser)
+
+
+class _Schema(argparse.Action):
+    """``--declaration-schema``: of the form of a declaration."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *rest: Any) -> NoReturn:
+        show(PUBLISHED.read_text(encoding="utf-8").rstrip())
+        parser.exit()
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Judge, and tell the verdict.
 
     Exit code: 0 pass, 1 fail, 3 undecided; 1 also if the backend is wrong and the
-    report cannot be written.
+    report or the failing cases cannot be written.
 
-    Raises UsageError: there is no such backend or folder, or the report of a backend
-    that is not known to be wrong cannot be written.
+    Raises UsageError: there is no such backend, folder, pass or case, or the report of
+    a backend that is not known to be wrong cannot be written.
     """
-    verdict = _judge(arguments)
-    plain = as_plain(verdict, arguments.backend, whole_contract())
+    if "{out}" in arguments.backend or "{list}" in arguments.backend:
+        return judge_renderer(arguments)
+    captured = is_capture(arguments.backend)
+    verdict = judge_capture(arguments) if captured else _judge(arguments)
+    kept = _keep(arguments, verdict)
+    again = "" if captured else _again(arguments, kept)
+    plain = as_plain(verdict, arguments.backend, whole_contract(), again)
     emit(plain) if arguments.json else show(table(plain))
-    if arguments.out is not None:
-        try:
-            write_page(arguments.out, verdict, plain)
-        except UsageError as error:
-            if verdict.status != "FAIL":
-                raise
-            remark(f"the report is not written: {error}")
-        else:
-            if not arguments.json:
-                show(f"{arguments.out / 'index.html'} shows where and why")
+    if kept and not arguments.json:
+        show(f"{arguments.keep} holds the {len(kept)} cases that are wrong")
+    write_report(arguments, verdict.status, lambda out: write_page(out, verdict, plain))
     return EXIT[verdict.status]
+
+
+def _keep(arguments: argparse.Namespace, verdict: Verdict) -> list[str]:
+    """Names of the failing cases that are kept."""
+    if arguments.keep is None:
+        return []
+    try:
+        kept = write_failing(
+            arguments.keep, whole_contract(), verdict, arguments.backend
+        )
+    except UsageError as error:
+        if verdict.status != "FAIL":
+            raise
+        remark(f"the failing cases are not kept: {error}")
+        return []
+    if not kept:
+        remark(f"no single case is wrong: nothing is kept in {arguments.keep}")
+    return kept
+
+
+def _again(arguments: argparse.Namespace, kept: list[str]) -> str:
+    """The command of this check, to which the name of a case is added.
+
+    Of cases that are kept it asks for these very files.
+    """
+    line = ["restir", "check", arguments.backend]
+    against = arguments.keep if kept else arguments.against
+    if against is not None:
+        line += ["--against", str(against)]
+    if arguments.seed != SEED and against is None:
+        line += ["--seed", str(arguments.seed)]
+    if arguments.precision != "float32":
+        line += ["--precision", arguments.precision]
+    if arguments.limit != Limits().seconds:
+        line += ["--limit", f"{arguments.limit:g}"]
+    if arguments.declare:
+        line += ["--declare", ",".join(sorted(arguments.declare))]
+    if arguments.declaration is not None:
+        line += ["--declaration", str(arguments.declaration)]
+    if arguments.accept:
+        line += ["--accept", ",".join(sorted(arguments.accept))]
+    return shlex.join(line)
 
 
 def _judge(arguments: argparse.Namespace) -> Verdict:
     backend: Any = arguments.backend
     against = arguments.against
-    if "{out}" in backend:
-        return _judge_renderer(arguments)
     folder = Path(backend)
     # A command line may be longer than any name: that is no error.
     if os.path.isdir(backend) and not is_python(backend):
@@ -173,6 +256,13 @@ def _judge(arguments: argparse.Namespace) -> Verdict:
             against=against,
             tell=lambda title: tick(0, 1, title),
             executor=_cluster(arguments, stack),
+            seed=arguments.seed,
+            selection=selection_of(arguments.only, arguments.skip, arguments.case),
+            require=sorted(arguments.require),
+            extremes=arguments.extremes,
+            declared=arguments.declare,
+            declaration=arguments.declaration,
+            accept=arguments.accept,
         )
 
 
@@ -180,47 +270,3 @@ def _cluster(arguments: argparse.Namespace, stack: ExitStack) -> Executor | None
     if not arguments.scheduler:
         return None
     return stack.enter_context(workers(1, arguments.scheduler))
-
-
-def _judge_renderer(arguments: argparse.Namespace) -> Verdict:
-    scene = find_scene_or_file(
-        arguments.scene, arguments.lenient, arguments.allow_outside
-    )
-    size = arguments.size or size_in_shape(scene.camera, PIXELS, TILES)
-    limits = Limits(arguments.limit)
-    start = time.monotonic()
-
-    def remaining() -> float:
-        return float(start + arguments.budget - time.monotonic())
-
-    about = arguments.backend, arguments.scene, arguments.frames, size, limits
-    renderer = Renderer(*about, remaining, layer=arguments.layer)
-
-    def truth() -> Truth:
-        return path_traced(scene, size, arguments.bounces, TRUTH_SAMPLES, remaining)
-
-    with progress("check") as tick, ExitStack() as stack:
-        cluster = _cluster(arguments, stack)
-        pictures = None
-        if cluster is not None:  # whose machines have clocks of their own
-            remote = Renderer(*about, layer=arguments.layer)
-            pictures = partial(_ahead, cluster, remote, remaining)
-        levels = renderer_levels(renderer, truth, arguments.bound, remaining, pictures)
-        verdict = run_ladder(
-            {},
-            "float32",
-            levels,
-            arguments.budget,
-            time.monotonic,
-            lambda title: tick(0, 1, title),
-        )
-    return replace(verdict, left_running=sum(renderer.left_running))
-
-
-def _ahead(
-    cluster: Executor,
-    renderer: Renderer,
-    remaining: Callable[[], float],
-    seeds: Iterator[int],
-) -> Iterator[Any]:
-    return ahead(cluster, renderer.render, seeds, AHEAD, remaining)

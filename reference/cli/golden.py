@@ -11,6 +11,7 @@ from restir_gi.reference.oracle.golden import write_golden
 from restir_gi.reference.oracle.levels.kernels import kernel_probes
 from restir_gi.reference.oracle.levels.lattice import lattice_probes
 from restir_gi.reference.oracle.levels.replayed import replayed
+from restir_gi.reference.oracle.levels.rows import row_probes
 from restir_gi.reference.oracle.parts import parts, whole_contract
 from restir_gi.reference.oracle.prepared_frame import prepare_frame
 from restir_gi.reference.scene.named import find_scene_or_file
@@ -70,6 +71,7 @@ def run(arguments: argparse.Namespace) -> None:
     names = frozenset(whole_contract())
     for part in parts():
         probes += [*part.probes(precision), *part.frames(precision, names)]
+    probes += row_probes(precision)
     probes += [replayed("L3", case) for case in frame_cases(at, precision)]
     about = {"scene": scene.name, "size": arguments.size, "seed": arguments.seed}
     with progress("golden") as tick:

@@ -41,6 +41,7 @@ COMMANDS = {
     "compare": "judge a picture against another one, the truth.",
     "demo": "path tracing, biased and unbiased ReSTIR GI, against the truth.",
     "golden": "inputs and expected outputs of every pass, for other backends.",
+    "capture-template": "a folder to dump the buffers of an engine into.",
     "check": "the verdict on a backend, and the name of the bug.",
     "figures": "the figures of the papers, measured and drawn again.",
     "plan": "what a scene requires, what is left out, and what that changes.",
@@ -139,7 +140,8 @@ def build_parser(filled: Iterable[str] = COMMANDS) -> argparse.ArgumentParser:
             formatter_class=argparse.RawDescriptionHelpFormatter,
         )
         if name in filled:
-            module = import_module(f"restir_gi.reference.cli.{name}")
+            module_name = name.replace("-", "_")
+            module = import_module(f"restir_gi.reference.cli.{module_name}")
             module.add_arguments(child)
             child.set_defaults(run=module.run)
     return parser

@@ -35,28 +35,32 @@ def new_file(suffix: str = ".exr") -> Callable[[str], Path]:
     return convert
 
 
-def new_folder(text: str) -> Path:
+def new_folder(text: str, option: str = "--out") -> Path:
     """Name of a folder that is there, or can be made, and can be written.
 
     Nothing is made yet.
 
     Raises UsageError: it cannot be made, or not be written, or somebody else's page is
     there.
+
+    Parameters
+    ----------
+    option : str; that names it, for messages
     """
     path = Path(text)
     if not text:
-        raise UsageError("--out is empty; name a folder")
-    _refuse_bad_names(path)
+        raise UsageError(f"{option} is empty; name a folder")
+    _refuse_bad_names(path, option)
     there = path.absolute()
     while not os.path.lexists(there):
         there = there.parent
     if not os.path.isdir(there):
         what = "it" if there == path.absolute() else str(there)
         raise UsageError(
-            f"--out {path}: cannot make this folder: {what} is a file; name another"
+            f"{option} {path}: cannot make this folder: {what} is a file; name another"
         )
-    _refuse_closed(path, there)
-    _refuse_foreign_page(path)
+    _refuse_closed(path, there, option)
+    _refuse_foreign_page(path, option)
     return path
 
 
@@ -76,37 +80,37 @@ def check_file(path: Path, suffix: str = ".exr") -> None:
     _refuse_closed(path, folder)
 
 
-def _refuse_bad_names(path: Path) -> None:
+def _refuse_bad_names(path: Path, option: str = "--out") -> None:
     if "\0" in str(path):
         raise UsageError(
-            f"--out {str(path)!r}: no file can have this name; name another"
+            f"{option} {str(path)!r}: no file can have this name; name another"
         )
     most = 255 - len(BESIDE)  # bytes, of every file system in use
     long = next((p for p in path.parts if len(os.fsencode(p)) > most), None)
     if long is not None or len(os.fsencode(path.absolute())) > 4096 - 255:
         raise UsageError(
-            f"--out {long or path:.40}...: the name is too long; give one of at most"
+            f"{option} {long or path:.40}...: the name is too long; give one of at most"
             f" {most} bytes"
         )
 
 
-def _refuse_foreign_page(path: Path) -> None:
+def _refuse_foreign_page(path: Path, option: str = "--out") -> None:
     """Raise where a page would be overwritten that is not one of ours."""
     page = path / PAGE
     if page.is_file() and MADE_BY not in read_file(page)[:HEAD]:
         raise UsageError(
-            f"--out {path} holds an {PAGE} that this version of restir did not write;"
-            " move it, or name another folder"
+            f"{option} {path} holds an {PAGE} that this version of restir did not"
+            " write; move it, or name another folder"
         )
 
 
-def _refuse_closed(path: Path, folder: Path) -> None:
+def _refuse_closed(path: Path, folder: Path, option: str = "--out") -> None:
     """Raise unless a file can be made there: a try tells more than permissions."""
     try:
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
         raise UsageError(
-            f"--out {path}: {folder} may not be written: {error.strerror}; name another"
-            " folder"
+            f"{option} {path}: {folder} may not be written: {error.strerror}; name"
+            " another folder"
         ) from error

@@ -9,6 +9,7 @@ MOST_PIXELS_A_SIDE = 2**14
 # bits alone have dependent streams (restir_gi.reference.numerics.rng).
 MOST_SAMPLES = 2**27 - 1
 MOST_SEED = 2**27 - 1
+MOST_FRAMES = 256  # of a capture
 MOST = 1e9
 LEAST_LIMIT = 0.1  # seconds
 Size = tuple[int, int]
@@ -35,6 +36,43 @@ def whole(least: int, most: int) -> Callable[[str], int]:
         return value
 
     return convert
+
+
+def words(text: str) -> frozenset[str]:
+    """Words from text, with commas between them.
+
+    Raises ArgumentTypeError: there is none, or an empty one.
+
+    Parameters
+    ----------
+    text : str; "temporal,spatial"
+    """
+    found = [word.strip() for word in text.split(",")]
+    if not all(found):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a list of names with a comma between each two"
+        )
+    return frozenset(found)
+
+
+def frame_numbers(text: str) -> tuple[int, ...]:
+    """Numbers of frames, one after the other.
+
+    Raises ArgumentTypeError: it is no such range.
+
+    Parameters
+    ----------
+    text : str; "0-3", or "7" for one frame
+    """
+    match = re.fullmatch(r"(\d{1,9})(?:-(\d{1,9}))?", text, re.ASCII)
+    first, last = (
+        (int(number) for number in match.groups(match[1])) if match else (1, 0)
+    )
+    if not 0 <= last - first < MOST_FRAMES:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a range such as 0-3, of 1 to {MOST_FRAMES} frames"
+        )
+    return tuple(range(first, last + 1))
 
 
 def size(text: str) -> Size:
@@ -95,6 +133,25 @@ def amount(text: str) -> float:
         value = -1.0
     if not 0 <= value <= MOST:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number from 0 to {MOST:g}")
+    return value
+
+
+def share(text: str) -> float:
+    """A share from text: 0.01 or 1%.
+
+    Raises ArgumentTypeError: it is no such number.
+
+    Returns float; above 0, at most 1.
+    """
+    number, percent = text.removesuffix("%"), text.endswith("%")
+    try:
+        value = float(number) / (100.0 if percent else 1.0)
+    except ValueError:
+        value = 0.0
+    if not 0 < value <= 1:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is no share, such as 0.01 or 1%, above 0 and at most 1"
+        )
     return value
 
 

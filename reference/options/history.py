@@ -18,8 +18,7 @@ from restir_gi.reference.options.motion import (
 from restir_gi.reference.options.reduced_resolution import corner, keeps_reservoir
 from restir_gi.reference.options.replay import replay_of
 from restir_gi.reference.options.validation import validated, validates
-from restir_gi.reference.passes.history import History
-from restir_gi.reference.passes.pixels import FrameReservoirs
+from restir_gi.reference.passes.pixels import FrameReservoirs, History
 from restir_gi.reference.resampling.reservoir import Reservoirs
 from restir_gi.reference.resampling.suffix import age
 from restir_gi.reference.scene.motion import carry

@@ -8,7 +8,7 @@ from restir_gi.reference.numerics.records import NONE, indices
 from restir_gi.reference.options.checkerboard import draws_new_sample
 from restir_gi.reference.options.reduced_resolution import keeps_reservoir
 from restir_gi.reference.options.validation import validates
-from restir_gi.reference.passes.history import History
+from restir_gi.reference.passes.pixels import History
 from restir_gi.reference.settings import Settings
 
 

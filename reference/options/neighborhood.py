@@ -10,9 +10,13 @@ from restir_gi.reference.numerics.arrays import Indices, Scalars
 from restir_gi.reference.numerics.records import NONE, indices
 from restir_gi.reference.numerics.rng import Uniforms
 from restir_gi.reference.options.reduced_resolution import corner
-from restir_gi.reference.passes.history import History
 from restir_gi.reference.passes.neighbors import neighbors_of
-from restir_gi.reference.passes.pixels import FrameReservoirs, NeighborPixels, Pixels
+from restir_gi.reference.passes.pixels import (
+    FrameReservoirs,
+    History,
+    NeighborPixels,
+    Pixels,
+)
 from restir_gi.reference.settings import Settings
 
 Neighbors = list[tuple[NeighborPixels, Scalars]]

@@ -8,8 +8,7 @@ from restir_gi.reference.frame import FrameContext
 from restir_gi.reference.numerics.arrays import Masks
 from restir_gi.reference.numerics.records import indices
 from restir_gi.reference.options.masks import goes_on
-from restir_gi.reference.passes.history import History
-from restir_gi.reference.passes.pixels import Pixels, sees
+from restir_gi.reference.passes.pixels import History, Pixels, sees
 from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
 from restir_gi.reference.settings import Settings
 

@@ -7,7 +7,6 @@ import numpy as np
 
 from restir_gi.reference.numerics.arrays import (
     Indices,
-    Masks,
     Scalars,
     divide_or_zero,
     saturate,
@@ -28,7 +27,7 @@ class WeighedSamples:
 
     Attributes
     ----------
-    value : (N,), radiance/sr; p̂(y); 0 outside of the domain
+    value : (N,), radiance/sr; p̂(y); of neighbours, 0 until they are shifted
     """
 
     y: Samples
@@ -53,9 +52,14 @@ class OwnSource:
     rows: Indices
     same_domain: bool = True
 
+    def unshifted(self, at: Indices) -> Scalars:
+        """Targets of the samples of (A,) rows."""
+        value: Scalars = self.reservoirs.y.value[self.rows[at]]
+        return value
+
     def shifted(self, at: Indices) -> Shifted:
         """Samples of (A,) rows as they are: their targets, and a Jacobian of 1."""
-        value = self.reservoirs.y.value[self.rows[at]]
+        value = self.unshifted(at)
         return value, np.ones_like(value)
 
     def inverse(self, samples: WeighedSamples, at: Indices) -> Shifted:
@@ -69,7 +73,7 @@ class ShiftedSource:
 
     Attributes
     ----------
-    reservoirs : Reservoirs; of `WeighedSamples`, weighed at the neighbours
+    reservoirs : Reservoirs; of `WeighedSamples`
     rows : (K,) int; all
     """
 
@@ -77,6 +81,13 @@ class ShiftedSource:
     reservoirs: Reservoirs
     rows: Indices
     same_domain: bool = False
+
+    def unshifted(self, at: Indices) -> Scalars:
+        """p̂_n of what the neighbours ``at`` made, (A,), as it was: no ray."""
+        settings, frame, row = self.q_n.q.settings, self.q_n.frame, self.q_n.rows[at]
+        points, y = take(frame.visible.surface, row), take(frame.reservoirs.y, row)
+        table = frame.world.materials
+        return target_if_drawn(settings.source, settings.target, table, points, y)
 
     def shifted(self, at: Indices) -> Shifted:
         """p̂_q of the neighbours' samples, (A,), 0 where hidden, and the Jacobian."""
@@ -87,9 +98,18 @@ class ShiftedSource:
 
     def inverse(self, samples: WeighedSamples, at: Indices) -> Shifted:
         """p̂_n of the pixels' samples, (A,), 0 outside of D_n, and the Jacobian back."""
+        q_n, settings = self.q_n, self.q_n.q.settings
         asked = np.zeros(len(self.rows), bool)
         asked[at] = True
-        p, J = _inverse(self.q_n, samples.y, asked, made=asked & False)
+        y, x_q = q_n.before(samples.y, asked)
+        table = q_n.frame.world.materials
+        points = take(q_n.frame.visible.surface, np.maximum(q_n.rows, 0))
+        p = target_if_drawn(settings.source, settings.target, table, points, y)
+        possible = asked & (p > 0)
+        if refuses := q_n.q.refuses:
+            possible &= ~refuses(q_n.x.position, x_q, y)
+        p = np.where(sees(q_n.frame.world, q_n.x, y, possible), p, p * 0)
+        J = reconnection(x_q, q_n.x.position, y)
         return p[at], J[at]
 
 
@@ -130,9 +150,8 @@ def weighed(q: Pixels, source: Source) -> OwnSource | ShiftedSource:
     rows = np.arange(len(q.points))
     if isinstance(source, NeighborPixels):
         r = source.reservoirs
-        made = r.W > 0
-        p, _ = _inverse(source, r.y, made, made)
-        return ShiftedSource(source, replace(r, y=WeighedSamples(r.y, p)), rows)
+        y = WeighedSamples(r.y, np.zeros(len(rows)))
+        return ShiftedSource(source, replace(r, y=y), rows)
     if isinstance(source, InitialSamples):
         pdf = source.pdf
         with np.errstate(over="ignore"):
@@ -140,24 +159,3 @@ def weighed(q: Pixels, source: Source) -> OwnSource | ShiftedSource:
         source = Reservoirs(source.y, W, source.M)
     value = q.target(source.y)
     return OwnSource(replace(source, y=WeighedSamples(source.y, value)), rows)
-
-
-def _inverse(
-    q_n: NeighborPixels, y: Samples, asked: Masks, made: Masks
-) -> tuple[Scalars, Scalars]:
-    """Target at q_n of samples at q, and |∂ω_n / ∂ω_q| of the way back; (K,) each.
-
-    The target is 0 outside of the domain of q_n and where not asked.  Samples that q_n
-    ``made`` are seen there: no ray.
-    """
-    q, frame = q_n.q, q_n.frame
-    y, x_q = q_n.before(y, asked)
-    points = take(frame.visible.surface, np.maximum(q_n.rows, 0))
-    source, kind = q.settings.source, q.settings.target
-    p = target_if_drawn(source, kind, frame.world.materials, points, y)
-    possible = asked & (p > 0)
-    if q.refuses is not None:
-        possible &= ~q.refuses(q_n.x.position, x_q, y)
-    seen = made | sees(frame.world, q_n.x, y, possible & ~made)
-    J = reconnection(x_q, q_n.x.position, y)
-    return np.where(possible & seen, p, p * 0), J

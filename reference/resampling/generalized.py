@@ -22,7 +22,6 @@ import numpy as np
 
 from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars, divide_or_zero
 from restir_gi.reference.numerics.records import NONE, scatter, take, where
-from restir_gi.reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
 from restir_gi.reference.resampling.pairwise import (
     pairwise_canonical,
     pairwise_neighbor,
@@ -30,9 +29,12 @@ from restir_gi.reference.resampling.pairwise import (
 from restir_gi.reference.resampling.reservoir import (
     Candidates,
     Reservoirs,
+    balance_heuristic,
     cap_confidence,
     finalize,
     merge,
+    one_over_m,
+    one_over_z,
     reused_candidates,
 )
 from restir_gi.reference.resampling.target import luminance
@@ -60,6 +62,12 @@ class SourceReservoirs(Protocol):
     @property
     def same_domain(self) -> bool:
         """Whether the receivers' domain is the reservoirs' own: nothing is shifted."""
+
+    def unshifted(self, at: Indices) -> Any:
+        """Value of the samples offered to the receivers ``at``, where they come from.
+
+        Asked of few rows: a target that is costly is evaluated here.
+        """
 
     def shifted(self, at: Indices) -> Shifted:
         """Value and Jacobian of the samples offered to the receivers ``at``."""
@@ -237,8 +245,7 @@ def target_where_made(candidate: Candidate, asked: Masks, target: Target) -> Sca
     (K,); p̂(x) / |∂T/∂x|; 0 where there is no shift to the receiver
     """
     at = np.flatnonzero(asked & (candidate.jacobian > 0))
-    q_n = candidate.neighbor
-    made = take(q_n.reservoirs.y.value, q_n.rows[at])
+    made = candidate.neighbor.unshifted(at)
     return scatter(at, target(made) / candidate.jacobian[at], len(asked))
 
 

@@ -19,7 +19,7 @@ normalization of 1.
 import numpy as np
 
 from restir_gi.reference.numerics.arrays import Scalars, divide_or_zero, plus
-from restir_gi.reference.resampling.mis import one_over_m
+from restir_gi.reference.resampling.reservoir import one_over_m
 
 
 def pairwise_neighbor(

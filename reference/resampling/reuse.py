@@ -13,12 +13,13 @@ import numpy as np
 
 from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars
 from restir_gi.reference.numerics.records import pick
-from restir_gi.reference.resampling.mis import one_over_m, one_over_z
 from restir_gi.reference.resampling.reservoir import (
     Candidates,
     Reservoirs,
     Samples,
     merge,
+    one_over_m,
+    one_over_z,
     reused_candidates,
 )
 

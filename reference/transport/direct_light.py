@@ -9,6 +9,8 @@ from restir_gi.reference.numerics.arrays import (
     Masks,
     Scalars,
     Vec3s,
+    divide_or_zero,
+    plus,
     zero_vectors,
 )
 from restir_gi.reference.numerics.records import take
@@ -17,12 +19,8 @@ from restir_gi.reference.scene.emitters import emitted, may_emit, pdf_light
 from restir_gi.reference.scene.hits import Hits, surface_points
 from restir_gi.reference.scene.light_sampling import LightSamples, sample_light
 from restir_gi.reference.scene.materials.bsdf_sampling import BsdfSamples
-from restir_gi.reference.scene.materials.table import scattering
+from restir_gi.reference.scene.materials.table import pdf, scattering
 from restir_gi.reference.scene.surface import SurfacePoints
-from restir_gi.reference.transport.light_mis import (
-    bsdf_sampling_weight,
-    light_sampling_weight,
-)
 from restir_gi.reference.transport.world import World
 
 
@@ -152,3 +150,60 @@ def weighted_emitter_hits(
     rows, radiance, p_light = emitter_hits(world, points, bsdf, hits)
     weight = bsdf_sampling_weight(bsdf.pdf[rows], bsdf.delta[rows], p_light)
     return rows, radiance * weight[:, None]
+
+
+# --------------------------- MIS weights of light sampling and of BSDF sampling
+
+
+def light_sampling_weight(
+    world: World, points: SurfacePoints, wi: Vec3s, pdf_light: Scalars
+) -> Scalars:
+    """MIS weight of light sampling against BSDF sampling.
+
+    Parameters
+    ----------
+    wi : (N, 3) float64; unit directions to the light
+    pdf_light : (N,) float64, 1/sr; density of light sampling
+
+    Returns
+    -------
+    (N,) float64; 1 where no ray can hit a light
+    """
+    if world.emitters is None or not world.emitters.can_be_hit:
+        return np.ones(len(points))
+    return balance(pdf_light, pdf(world.materials, points, wi))
+
+
+def bsdf_sampling_weight(
+    pdf_bsdf: Scalars, delta: Masks, pdf_light: Scalars
+) -> Scalars:
+    """MIS weight of BSDF sampling, for an emitter hit, against light sampling.
+
+    Parameters
+    ----------
+    pdf_bsdf, pdf_light : (N,) float64, 1/sr
+        Densities of BSDF sampling and of light sampling.
+    delta : (N,) bool; the ray left by a delta lobe, which light sampling cannot find
+
+    Returns
+    -------
+    (N,) float64; 1 for delta lobes
+    """
+    return np.where(delta, 1.0, balance(pdf_bsdf, pdf_light))
+
+
+def balance(mine: Scalars, other: Scalars) -> Scalars:
+    """Balance heuristic p / (p + p'), and 1 for a strategy without density.
+
+    Parameters
+    ----------
+    mine, other : (N,) float
+        Densities of the sample under the strategy that drew it and the other one; a
+        density of 0 for ``mine`` means a delta distribution.
+
+    Returns
+    -------
+    (N,) float; 0 to 1; the two weights of one sample sum to 1
+    """
+    weight: Scalars = np.where(mine > 0, divide_or_zero(mine, plus(mine, other)), 1.0)
+    return weight

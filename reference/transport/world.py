@@ -21,7 +21,8 @@ class World:
     Attributes
     ----------
     scene : Scene; what it was made of
-    geometry : Geometry; primitives and materials
+    geometry : Geometry; primitives and what they are of
+    materials : MaterialTable; its materials, which kernels look up by row
     caster : RayCaster; traces rays, and counts them
     emitters : Emitters or None; lights; ``None`` where nothing emits
     plan : Plan; what is run for the scene
@@ -30,6 +31,7 @@ class World:
 
     scene: Scene
     geometry: Geometry
+    materials: MaterialTable
     caster: RayCaster
     emitters: Emitters | None
     plan: Plan
@@ -39,11 +41,6 @@ class World:
     def camera(self) -> Camera:
         """The eye."""
         return self.scene.camera
-
-    @property
-    def materials(self) -> MaterialTable:
-        """Materials of the scene."""
-        return self.geometry.materials
 
     @property
     def seeks_lights(self) -> bool:
@@ -67,8 +64,15 @@ def build_world(
     geometry = build_geometry(scene)
     plan = planner(scene)
     caster = RayCaster(geometry, before.caster if before else None, plan.occlusion)
-    emitters = build_emitters(scene, geometry)
-    return World(scene, geometry, caster, emitters, plan, planner)
+    return World(
+        scene=scene,
+        geometry=geometry,
+        materials=geometry.materials,
+        caster=caster,
+        emitters=build_emitters(scene, geometry),
+        plan=plan,
+        planner=planner,
+    )
 
 
 def next_world(before: World, scene: Scene) -> World:

@@ -4,7 +4,9 @@ Each source draws each of four cells, or nothing, with probability 1/5, so that 
 of cell x has W = 5 mu_k(x).  A decision between the weights of the contract's stream is
 asked twice, in the middle of either side of its threshold, and each answer counts with
 the length of its side.  What must come out, E[W 1{z = x}] = mu(x) of the receiver, for
-each cell of its domain, knows nothing of what the weights are divided by.
+each cell of its domain, knows nothing of what the weights are divided by.  Where the
+sum is another one the thresholds may be others too, so that it is no expectation: then
+the rows are judged as a replay judges them.
 """
 
 from itertools import product
@@ -17,6 +19,7 @@ from restir_gi.reference.oracle.buffers import given
 from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.oracle.contract.fields import Precision, Value
 from restir_gi.reference.oracle.levels.probe import Examine, Finding, Probe
+from restir_gi.reference.oracle.levels.replayed import replayed
 
 PIXELS, CELLS = 3, 4
 NOTHING = CELLS
@@ -125,13 +128,7 @@ def _expectation(cells: Indices, probability: Scalars, c: int) -> Examine:
         for x in np.flatnonzero(TARGET[c] > 0):
             found, truth = float((probability * W * (z == x)).sum()), MU[c, x]
             if abs(found - truth) > room * truth:
-                off = 100 * (found / truth - 1)
-                return Finding(
-                    False,
-                    f"{case.name}: E[W 1(z = x)] of cell {x} is {found:.6g} instead of"
-                    f" {truth:.6g} ({off:+.3g} %), summed over all outcomes and"
-                    " decisions of the contract's stream",
-                )
+                return replayed("L1", case).examine(case, out, precision)
         wrong = out["M"] != TRUST.sum()
         if wrong.any():
             value = out["M"][wrong][0]

@@ -79,6 +79,7 @@ REUSE_MISTAKES: tuple[Hypothesis, ...] = (
         "whatever the weights, the sum is divided by ΣM",
         "Z = ΣM_k",
         Z,
+        replaced=("1/Z", "balance"),
         normalization="1/M",
     ),
     _known(
@@ -86,6 +87,7 @@ REUSE_MISTAKES: tuple[Hypothesis, ...] = (
         "1/Z in place of the balance heuristic",
         Z,
         BALANCE,
+        replaced=("balance",),
         normalization="1/Z",
     ),
     _known(
@@ -93,6 +95,7 @@ REUSE_MISTAKES: tuple[Hypothesis, ...] = (
         "the balance heuristic in place of 1/Z",
         BALANCE,
         Z,
+        replaced=("1/Z",),
         normalization="balance",
     ),
     _known(
@@ -189,7 +192,7 @@ REUSE_MISTAKES: tuple[Hypothesis, ...] = (
     _known(
         "reuse-capped-beforehand",
         "sources are capped, and not what is kept of them",
-        "M_k = min(M_k, cap)",
+        "M_k = min(M_k, cap), M = ΣM_k",
         CAP,
         departure="confidence",
         capped="before",

@@ -37,6 +37,9 @@ class _TableSlot:
     rows: Indices
     same_domain: bool
 
+    def unshifted(self, at: Indices) -> Any:
+        return self.reservoirs.y.value[self.rows[at]]
+
     def shifted(self, at: Indices) -> tuple[Vec3s, Scalars]:
         return self.here[at, self.k, None], self.jacobian[at, self.k]
 

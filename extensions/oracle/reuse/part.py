@@ -9,11 +9,11 @@ from restir_gi.extensions.oracle.reuse.replay import judge_path_reuse
 from restir_gi.reference.oracle.contract.fields import Precision
 from restir_gi.reference.oracle.levels.probe import Probe
 from restir_gi.reference.oracle.levels.replayed import replayed
-from restir_gi.reference.oracle.parts import Part
+from restir_gi.reference.oracle.parts import SEED, Part
 
 
-def _probes(precision: Precision) -> list[Probe]:
-    tables = [replayed("L0", case) for case in table_cases(precision)]
+def _probes(precision: Precision, seed: int = SEED) -> list[Probe]:
+    tables = [replayed("L0", case) for case in table_cases(precision, seed)]
     return [*tables, *lattice_probes(precision)]
 
 

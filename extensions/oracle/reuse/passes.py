@@ -50,4 +50,18 @@ PATH_REUSE = Pass(
         "[Lin22, Eqs. 22 and 36 to 38]. A sample may be anything: its value "
         "where stands in the tables"
     ),
+    clauses=(
+        "the weight has the Jacobian once",
+        "the target is that at the receiver",
+        "nulls count",
+        "slots without a source do not count",
+        "the sum is divided as it is asked for",
+        "only those count in 1/Z that could have made the sample",
+        "the maker's target is brought into the receiver's measure",
+        "pairs compare source and receiver",
+        "the canonical sample has its share",
+        "M is capped on the way out, and nothing else",
+        "u decides as in every stream",
+        "W = 0 where no weight arrives",
+    ),
 )

@@ -19,7 +19,12 @@ from restir_gi.reference.oracle.replay.judgement import (
     beside,
 )
 from restir_gi.reference.oracle.replay.rules import Rules
-from restir_gi.reference.oracle.replay.stream import choices_of, left_open, sums_of
+from restir_gi.reference.oracle.replay.stream import (
+    at_an_end,
+    choices_of,
+    left_open,
+    sums_of,
+)
 from restir_gi.reference.oracle.replay.verbs import choose
 
 
@@ -55,8 +60,9 @@ def judge_path_reuse(
     if part.capped == "W":
         W = W * (capped(M, t.cap) / M)
     W = choose(empty, exact(np.zeros(case.rows), rounding), W)
-    M = M if part.capped == "never" else capped(M, t.cap)
-    differs = int(((kept != surely) & ~illegal & ~empty).sum())
+    M = M if part.capped in ("never", "before") else capped(M, t.cap)
+    drawn = ~np.any([at_an_end(slot.u) for slot in slots[1:]], axis=0)
+    differs = int(((kept != surely) & ~illegal & ~empty & drawn).sum())
     terms = {f"w of slot {k}": slot.w.value for k, slot in enumerate(slots)}
     terms |= {f"u of slot {k}": slot.u.value for k, slot in enumerate(slots) if k}
     terms |= {"sum of w": S.value, "Z": Z.value, "p_hat": here.value}

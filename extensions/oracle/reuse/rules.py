@@ -16,9 +16,8 @@ class ReuseRules:
     target_base : bool; the sources' target takes the place of the receiver's
     nulls_count : bool; M of sources without a sample
     empty_count : bool; M of slots without a source
-    normalization : str
-        What is divided by, whatever is asked for, but for weights in pairs; 'asked'
-        for that.
+    replaced : tuple of str; weights, not in pairs, that are not taken where asked for
+    normalization : str; what stands in their place
     every_domain : bool; Z counts who could not have made the sample too
     maker_counts : bool; who made the sample is in Z
     made : 'over', 'none', 'times' or 'here'
@@ -34,8 +33,8 @@ class ReuseRules:
     beside_confidence : bool; weights in pairs are multiplied by M_k as well
     divided_again : bool; weights in pairs are divided by ΣM as well
     capped : 'M', 'before', 'weights', 'W' or 'never'
-        What is capped: M on the way out, M of all sources beforehand, M in their
-        weights but not in Z, W with M, or nothing.
+        What is capped: M on the way out, M of all sources beforehand and no more, M in
+        their weights but not in Z, W with M, or nothing.
     u_turned : bool; 1 − u decides
     """
 
@@ -43,7 +42,8 @@ class ReuseRules:
     target_base: bool = False
     nulls_count: bool = True
     empty_count: bool = False
-    normalization: str = "asked"
+    replaced: tuple[str, ...] = ()
+    normalization: str = "1/M"
     every_domain: bool = False
     maker_counts: bool = True
     made: str = "over"

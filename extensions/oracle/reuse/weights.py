@@ -101,7 +101,7 @@ def divisor(t: ReuseTables, kept: Indices, rules: ReuseRules) -> Bounded:
     """
     if t.mis in PAIRS:
         return total(t.M) if rules.divided_again else t.one
-    asked = t.mis if rules.normalization == "asked" else rules.normalization
+    asked = rules.normalization if t.mis in rules.replaced else t.mis
     if asked == "1/M":
         return total(t.M)
     p = [_at(t, k, kept) for k in range(len(t.W))]

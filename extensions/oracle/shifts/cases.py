@@ -1,6 +1,6 @@
 """Cases of shifts in real scenes: rows in which everything happens that can."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -13,8 +13,9 @@ from restir_gi.extensions.shifting import Criterion
 from restir_gi.reference.oracle.buffers import given
 from restir_gi.reference.oracle.cases import Case
 from restir_gi.reference.oracle.contract.fields import Precision, Value, dtype_of
+from restir_gi.reference.oracle.parts import SEED
 
-SIZE, SEED, BOUNCES = 24, 3, 4
+SIZE, BOUNCES = 24, 4
 NEVER = 2.0
 """More than any perceptual roughness."""
 
@@ -26,6 +27,7 @@ KINDS = {
     "wide": WIDE,
     "reconnection": CRITERIA["reconnection"],
     "replay": Criterion(roughness=NEVER),
+    "early": Criterion(roughness=0.2, distance=0.5, last_joint=2),
 }
 
 
@@ -60,19 +62,34 @@ PLACES = (
     RowOrigin("smooth-coat", "wide", 9, 2, 2),
     RowOrigin("bright", "hybrid", 12, 2, 1),
     RowOrigin("mirror", "reconnection", 10, 4, 1),
+    RowOrigin("glazed", "hybrid", 22, 0, 1),
     RowOrigin("rough-metal", "replay", 11, 1, 1),
     RowOrigin("bright", "replay", 13, 1, 2),
+    RowOrigin("paint", "early", 14, 1, 1),
+    RowOrigin("glass", "early", 15, 2, 1),
+    RowOrigin("paint", "early", 23, 2, 1),
+    RowOrigin("paint", "wide", 16, 1, 0),
+    RowOrigin("glossy-metal", "wide", 17, 1, 1),
+    RowOrigin("glass", "reconnection", 18, 2, 1),
+    RowOrigin("mirror", "reconnection", 19, 1, 1),
+    RowOrigin("glazed", "hybrid", 20, 1, 1),
+    RowOrigin("glazed", "hybrid", 21, 2, 1),
 )
 
 
 @cache
-def shift_case(place: RowOrigin, precision: Precision) -> Case:
-    """Rows of one frame."""
+def shift_case(place: RowOrigin, precision: Precision, seed: int = SEED) -> Case:
+    """Rows of one frame.
+
+    Parameters
+    ----------
+    seed : int; of its random numbers
+    """
     criterion = KINDS[place.kind]
     frame = frame_of(
         place.scene,
         SIZE,
-        seed=SEED,
+        seed=seed,
         frame=place.frame,
         bounces=BOUNCES,
         criterion=criterion,
@@ -83,9 +100,17 @@ def shift_case(place: RowOrigin, precision: Precision) -> Case:
     inputs = buffers(frame, criterion, start=start, to=to[start], bounces=BOUNCES)
     rows = eventful(frame, criterion, start=start, to=to[start], inputs=inputs)
     inputs = {name: array[rows] for name, array in inputs.items()}
-    name = f"shift-{place.scene}-{place.kind}"
-    settings = settings_of(float(frame.world.geometry.extent), criterion, place)
+    name = f"shift-{place.scene}-{place.kind}-{place.frame}"
+    extent = float(frame.world.geometry.extent)
+    settings = settings_of(extent, criterion, place) | {"seed": seed}
     return Case(name, "shift", settings, given(inputs, precision))
+
+
+def without_light_choice(case: Case) -> Case:
+    """A case in which the lights after the joint are never chosen by sampling them."""
+    none = np.zeros_like(case.inputs["pdf_light"])
+    name = f"{case.name}-not-chosen"
+    return replace(case, name=name, inputs={**case.inputs, "pdf_light": none})
 
 
 def settings_of(

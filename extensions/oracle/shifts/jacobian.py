@@ -11,32 +11,24 @@ from restir_gi.reference.oracle.replay.rules import Rules
 
 
 def jacobian_of(
-    base: Bounded,
-    offset: Bounded,
-    p: tuple[Bounded, Bounded],
-    p_onward: tuple[Bounded, Bounded],
-    rules: ShiftRules,
+    base: Bounded, spread: Bounded, p: Bounded, p_onward: Bounded, rules: ShiftRules
 ) -> Bounded:
     """Jacobian of a path that is joined, (N,).
 
     Parameters
     ----------
     base : (N,) Bounded
-        Both densities of the base path and the solid angle of its joint, multiplied.
-    offset : (N,) Bounded; solid angle of the offset path's joint alone
-    p, p_onward : pairs of (N,) Bounded
-        Densities of the base path and of the offset path.
+        The base path's solid angle and those of its densities that count, multiplied.
+    spread : (N,) Bounded; solid angle of the offset path's joint
+    p, p_onward : (N,) Bounded; densities of the offset path
     """
-    whole = offset * p[1] if rules.offset_left else offset
-    whole = whole * p_onward[1] if rules.offset_onward else whole
+    offset = spread * p if rules.left_density and rules.offset_left else spread
+    if rules.onward_density and rules.offset_onward:
+        offset = offset * p_onward
     if rules.jacobian_omitted:
         # Where there is no shift there is none, whatever its Jacobian.
-        return bounded_somehow(whole / whole)
-    if not rules.left_density:
-        base, whole = base / p[0], offset * p_onward[1]
-    if not rules.onward_density:
-        base, whole = base / p_onward[0], offset * p[1]
-    return bounded_somehow(base / whole if rules.inverted else whole / base)
+        return bounded_somehow(offset / offset)
+    return bounded_somehow(base / offset if rules.inverted else offset / base)
 
 
 def judge_jacobian(
@@ -51,10 +43,10 @@ def judge_jacobian(
             given[f"x_{end}"], given["joint_position"], given["joint_normal"]
         )
         spreads.append(part.spread(abs(steep), squared))
-    left = given["p_from"], given["p_to"]
-    onward = given["p_onward_from"], given["p_onward_to"]
-    base = spreads[0] * left[0] * onward[0]
-    found = jacobian_of(base, spreads[1], p=left, p_onward=onward, rules=part)
+    base = spreads[0] * given["p_from"] if part.left_density else spreads[0]
+    base = base * given["p_onward_from"] if part.onward_density else base
+    p, p_onward = given["p_to"], given["p_onward_to"]
+    found = jacobian_of(base, spreads[1], p=p, p_onward=p_onward, rules=part)
     return Judgement(
         (beside("jacobian", outputs["jacobian"], found),),
         {"spread from": spreads[0].value, "spread to": spreads[1].value},

@@ -11,6 +11,7 @@ JOINABLE = ("joinable",)
 CRITERIA = (*JOINABLE, "shift")
 
 ROUGH_RIGHT = "√alpha ≥ roughness at both points"
+ENDS_RIGHT = "√alpha ≥ roughness and single = 0 at both points"
 FAR_RIGHT = "distance > least_distance · extent"
 
 
@@ -30,24 +31,24 @@ CRITERION = (
     mistake(
         "first-end-rough",
         "only the point that is left has to be rough",
-        "√alpha_from ≥ roughness",
-        ROUGH_RIGHT,
+        "√alpha_from ≥ roughness and single_from = 0",
+        ENDS_RIGHT,
         CRITERIA,
         part=ShiftRules(ends=(0,)),
     ),
     mistake(
         "second-end-rough",
         "only the point that is reached has to be rough",
-        "√alpha_to ≥ roughness",
-        ROUGH_RIGHT,
+        "√alpha_to ≥ roughness and single_to = 0",
+        ENDS_RIGHT,
         CRITERIA,
         part=ShiftRules(ends=(1,)),
     ),
     mistake(
         "one-rough-end-is-enough",
         "one of the two points has to be rough",
-        "√alpha ≥ roughness at either point",
-        ROUGH_RIGHT,
+        "√alpha ≥ roughness and single = 0 at either point",
+        ENDS_RIGHT,
         CRITERIA,
         part=ShiftRules(one_end_is_enough=True),
     ),

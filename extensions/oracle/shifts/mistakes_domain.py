@@ -51,8 +51,8 @@ DOMAINS = (
     mistake(
         "delta-left-is-no-joint-forgotten",
         "points that are left by a delta lobe count as joints",
-        "came_v is 0 for v < m",
-        "came_v is 0, or delta_v 1, for v < m",
+        "came_v is 0 for v ≤ m",
+        "came_v is 0, or delta_v 1, for v < m, and at m of a replayed emitter hit",
         SHIFT,
         part=ShiftRules(delta_left_asked=False),
     ),

@@ -9,9 +9,9 @@ SHARE_RIGHT = "the share of the technique, with the offset path's density at x_c
 VALUES = (
     mistake(
         "distance-from-the-base",
-        "the distance to the joint is measured from the base path's x_(c−1)",
-        "D = x_c − base_position",
-        "D = x_c − position_(c−1)",
+        "the solid angle of the joint is that from the base path's x_(c−1)",
+        "s of D = x_c − base_position",
+        "s of D = x_c − position_(c−1)",
         SHIFT,
         "Vulkan-ReSTIR-PT ae52a17",
         part=ShiftRules(bases_distance=True),

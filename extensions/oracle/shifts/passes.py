@@ -32,6 +32,13 @@ JOINABLE = Pass(
     outputs=(bits("joinable", "1 or 0"),),
     settings=CRITERION,
     source="[Lin22, section 7.2]; thresholds are perceptual roughness, √alpha",
+    clauses=(
+        "thresholds are perceptual roughness",
+        "both ends are rough",
+        "single directions are not joined",
+        "the distance is above the least one, in extents",
+        "0 where the distance is 0",
+    ),
 )
 
 PATH_JACOBIAN = Pass(
@@ -54,6 +61,13 @@ PATH_JACOBIAN = Pass(
     ),
     outputs=(real("jacobian", "J = |∂u_to / ∂u_from|"),),
     source="[Lin22, section 7.2], in primary sample space",
+    joins=(("x_from", "joint_position"), ("x_to", "joint_position")),
+    clauses=(
+        "the offset path stands above",
+        "the densities are in it",
+        "the solid angles are in it",
+        "0 where any factor is 0",
+    ),
 )
 
 RECORD = (
@@ -148,6 +162,22 @@ SHIFT = Pass(
         "point, its columns hold the base path's numbers: what stands there is to be "
         "refused, not read. None of the columns base_ is needed. What lies under a "
         "smooth coat counts as diffuse"
+    ),
+    clauses=(
+        "both ends of a joint are rough",
+        "the joint is far enough away",
+        "the joint is seen, from its front",
+        "a path that could be joined earlier does not exist",
+        "points left by a delta lobe are no joints",
+        "the walk is long enough",
+        "points beyond the last joint are not joined",
+        "only joints at x_2 where replays is 0",
+        "the throughput is the offset path's",
+        "the density at x_c is divided by, but not where the light was chosen",
+        "the share is that of the offset path and of its technique",
+        "the share is 1 where pdf_light is 0",
+        "the Jacobian is that of the offset path over the base path",
+        "the Jacobian of what is replayed is 1",
     ),
 )
 

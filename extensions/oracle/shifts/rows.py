@@ -20,7 +20,7 @@ from restir_gi.reference.numerics.records import take
 from restir_gi.reference.oracle.cases import Buffers
 from restir_gi.reference.scene.surface import SurfacePoints
 
-ROWS = 6
+ROWS = 12
 """Of each kind of event."""
 
 
@@ -156,7 +156,8 @@ def eventful(
             inputs["seen"],
             facing.sum(axis=1) > 0,
             inputs["left"].any(axis=1),
-            inputs["delta"].any(axis=1),
+            inputs["delta"][:, :2] @ [1, 2],
+            inputs["delta"][:, 2:].any(axis=1),
             inputs["joint_alpha"] < 1.0,
         ],
         axis=1,

@@ -33,10 +33,12 @@ BLOCKS: dict[str, Material | None] = {
     "smooth-coat": Coated((0.5, 0.3, 0.2), alpha=0.0),
     "glass": Dielectric(1.5),
     "bright": mirror((0.9, 0.9, 0.9)),
+    "glazed": Coated((0.5, 0.3, 0.2), alpha=0.0, ior=3.0),
 }
 """Materials of both blocks of a Cornell box.
 
-In the bright box the ceiling shines, so that rays often hit an emitter.
+In the bright box the ceiling shines, so that rays often hit an emitter; in the glazed
+one the walls are coated too.
 Of the rough metal √alpha is above the usual threshold of 0.2, and alpha is not.
 """
 
@@ -97,7 +99,8 @@ def room(scene: str, size: int) -> tuple[World, SurfacePoints]:
 def _other(scene: str, mesh: Mesh) -> Mesh:
     """A mesh of the box as a scene has it."""
     material = BLOCKS[scene]
-    if material is not None and "block" in mesh.name:
+    here = "block" in mesh.name or (scene == "glazed" and mesh.name != "light")
+    if material is not None and here:
         return replace(mesh, material=material)
     if scene == "bright" and mesh.name == "ceiling":
         return replace(mesh, emission=(1.0, 1.0, 1.0))

@@ -110,7 +110,7 @@ def _jacobian(
         told(given[name], rounding)
         for name in ("joint_position", "joint_normal", "base_position")
     )
-    base, *p = (
+    base, p_base, p = (
         told(given[name], rounding) for name in ("density", "base_pdf_left", "pdf_left")
     )
     steep, squared = spread_between(x_base, joint, normal)
@@ -121,8 +121,10 @@ def _jacobian(
     steep, squared = spread_between(x, joint, normal)
     offset = (rules.spread_to or rules.spread)(abs(steep), squared)
     offset = right if rules.bases_distance else offset
-    onward = _onward(case, rounding, rules)
-    return jacobian_of(base, offset, p=(p[0], p[1]), p_onward=onward, rules=rules)
+    onward_base, onward = _onward(case, rounding, rules)
+    base = base if rules.left_density else base / p_base
+    base = base if rules.onward_density else base / onward_base
+    return jacobian_of(base, offset, p=p, p_onward=onward, rules=rules)
 
 
 def _onward(

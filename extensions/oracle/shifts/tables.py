@@ -22,8 +22,11 @@ from restir_gi.reference.scene.materials.parameters import Kind, MaterialTable
 from restir_gi.reference.scene.materials.table import pdf, scattering
 from restir_gi.reference.scene.origins import contact
 from restir_gi.reference.scene.surface import SurfacePoints
-from restir_gi.reference.transport.direct_light import choose_light, emitter_hits
-from restir_gi.reference.transport.light_mis import bsdf_sampling_weight
+from restir_gi.reference.transport.direct_light import (
+    bsdf_sampling_weight,
+    choose_light,
+    emitter_hits,
+)
 from restir_gi.reference.transport.world import World
 
 

@@ -24,6 +24,7 @@ class ErrorMap:
     low, high : float
         Values at the ends of the colour scale; beyond them the colour stays.
     colors : str; scale, by matplotlib's name
+    left_out : (int, int, int); colour of pixels that were left out
     """
 
     name: str
@@ -33,14 +34,14 @@ class ErrorMap:
     low: float
     high: float
     colors: str
+    left_out: tuple[int, int, int] = MARKER
 
     def pixels(self) -> Bytes:
-        """Coloured (H, W, 3) uint8; magenta where a pixel was left out."""
+        """Coloured (H, W, 3) uint8."""
         known = ~np.isnan(self.values)
         t = (np.where(known, self.values, self.low) - self.low) / (self.high - self.low)
-        return np.where(known[..., None], _colored(t, self.colors), MARKER).astype(
-            np.uint8
-        )
+        colored = np.where(known[..., None], _colored(t, self.colors), self.left_out)
+        return colored.astype(np.uint8)
 
     def bar(self, steps: int = 17) -> Bytes:
         """Colour bar, (steps, 3) uint8; from low to high."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from io import BytesIO
 from typing import TYPE_CHECKING
 
 from restir_gi.reference.images.display import Bytes, auto_exposure, to_display
@@ -69,6 +70,13 @@ def blank(width: float, height: float) -> "Figure":
 
     engine = ConstrainedLayoutEngine(w_pad=PAD, h_pad=PAD)
     return Figure(figsize=(width, height), dpi=DPI, layout=engine)
+
+
+def png_of(picture: "Figure") -> bytes:
+    """Contents of a PNG file."""
+    buffer = BytesIO()
+    picture.savefig(buffer, format="png")
+    return buffer.getvalue()
 
 
 def split(

@@ -10,6 +10,7 @@ import numpy as np
 from restir_gi.reference.images.display import Bytes
 from restir_gi.reference.numerics.intervals import Interval
 from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.reports.figures.canvas import png_of
 
 if TYPE_CHECKING:  # matplotlib takes half a second to load
     from matplotlib.figure import Figure
@@ -76,6 +77,4 @@ class PaperFigure:
 
     def png(self) -> bytes:
         """Contents of a PNG file."""
-        buffer = BytesIO()
-        self.picture.savefig(buffer, format="png")
-        return buffer.getvalue()
+        return png_of(self.picture)

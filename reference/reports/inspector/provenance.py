@@ -6,8 +6,7 @@ import numpy as np
 
 from restir_gi.reference.numerics.arrays import Indices
 from restir_gi.reference.numerics.records import NONE, indices
-from restir_gi.reference.passes.history import History
-from restir_gi.reference.passes.pixels import NeighborPixels
+from restir_gi.reference.passes.pixels import History, NeighborPixels
 
 
 @dataclass(frozen=True, slots=True, eq=False)

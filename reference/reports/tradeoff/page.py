@@ -1,12 +1,12 @@
 """The folder of a sweep: figures, numbers, and one page that needs nothing else."""
 
 from collections.abc import Callable
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from restir_gi.reference.reports.figures.canvas import png_of
 from restir_gi.reference.reports.page import render_page
 from restir_gi.reference.reports.tradeoff.change import draw_recoveries
 from restir_gi.reference.reports.tradeoff.charts import (
@@ -42,7 +42,7 @@ def write_results(out: Path, results: Results, store: Store) -> None:
     out : Path; folder that exists
     """
     figures = [
-        (name, title, words, _png(draw(results, store)))
+        (name, title, words, png_of(draw(results, store)))
         for name, title, words, draw, wanted in FIGURES
         if wanted(results)
     ]
@@ -52,12 +52,6 @@ def write_results(out: Path, results: Results, store: Store) -> None:
     write_file(out / "numbers.json", json_text(plain).encode())
     write_file(out / "numbers.csv", as_csv(results).encode())
     write_file(out / "index.html", _page(results, figures))
-
-
-def _png(picture: "Figure") -> bytes:
-    buffer = BytesIO()
-    picture.savefig(buffer, format="png")
-    return buffer.getvalue()
 
 
 def _page(results: Results, figures: list[tuple[str, str, str, bytes]]) -> bytes:

@@ -5,13 +5,14 @@ import numpy as np
 from restir_gi.reference.numerics.arrays import Scalars
 from restir_gi.reference.oracle.levels.probe import Answer
 from restir_gi.reference.oracle.replay.judgement import Compared, Judgement
+from restir_gi.reference.oracle.replay.typical import excess_of
 from restir_gi.reference.reports.comparison.maps import (
     SIGNED,
     UNSIGNED,
     ErrorMap,
     scale_of,
 )
-from restir_gi.reference.reports.verdict.worst import excess_of, other_decisions
+from restir_gi.reference.reports.verdict.worst import other_decisions
 
 ALLOWED = (
     "(found − expected) / what rounding allows: red where the backend gives too much,"

@@ -9,7 +9,11 @@ from restir_gi.reference.oracle.verdict import Verdict
 from restir_gi.reference.reports.comparison.maps import ErrorMap
 from restir_gi.reference.reports.page import render_page
 from restir_gi.reference.reports.verdict.maps import error_maps
-from restir_gi.reference.reports.verdict.table import left_running
+from restir_gi.reference.reports.verdict.table import (
+    left_running,
+    pieces,
+    was_asked,
+)
 from restir_gi.reference.reports.verdict.worst import answers_of, worst_answer
 from restir_gi.reference.system.files import make_folder, write_file
 from restir_gi.reference.system.json_text import json_text
@@ -31,23 +35,6 @@ def write_page(out: Path, verdict: Verdict, plain: Mapping[str, Any]) -> None:
     write_file(out / "index.html", page)
 
 
-def pieces(value: Any, missing: str = "–") -> list[str]:
-    """A number of a verdict as it is read, or several.
-
-    One for each number, of nine digits: as many as tell two float32 apart.
-
-    Parameters
-    ----------
-    missing : str; in place of what JSON cannot hold; once, if all are
-    """
-    if isinstance(value, list):
-        each = [piece for item in value for piece in pieces(item, missing)]
-        return [missing] if set(each) == {missing} else each
-    if value is None:
-        return [missing]
-    return [f"{value:.9g}" if isinstance(value, float) else str(value)]
-
-
 def _maps(verdict: Verdict, pass_name: str) -> list[ErrorMap]:
     worst = worst_answer(answers_of(verdict, pass_name))
     return [] if worst is None else error_maps(worst)
@@ -62,5 +49,9 @@ def _page(plain: Mapping[str, Any], maps: Mapping[str, list[ErrorMap]]) -> bytes
         "restir_gi.reference.reports.verdict",
         "verdict.html",
         {"verdict": plain, "maps": maps, "pictures": pictures},
-        {"pieces": pieces, "left_running": left_running},
+        {
+            "pieces": pieces,
+            "left_running": left_running,
+            "was_asked": lambda steps: [step for step in steps if was_asked(step)],
+        },
     )

@@ -5,6 +5,7 @@ import numpy as np
 from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars
 from restir_gi.reference.oracle.levels.probe import Answer
 from restir_gi.reference.oracle.replay.judgement import Compared, Judgement
+from restir_gi.reference.oracle.replay.typical import excess_of
 from restir_gi.reference.oracle.verdict import Verdict
 
 
@@ -21,23 +22,13 @@ def answers_of(verdict: Verdict, pass_name: str) -> list[Answer]:
     ]
 
 
-def excess_of(compared: Compared) -> Scalars:
-    """Largest difference of each row, in units of what rounding allows.
-
-    Returns (N,) float; infinite where nothing was allowed; 0 where anything was.
-    """
-    with np.errstate(over="ignore"):
-        excess = compared.excess
-    return np.where(np.isnan(excess), 0.0, excess)
-
-
 def worst_answer(answers: list[Answer]) -> Answer | None:
     """The wrong replay with the most wrong rows.
 
     Has a judgement; ``None`` where no replay is wrong: a backend may have crashed, or
     only an expectation may be off.
     """
-    wrong = [a for a in answers if _judgement(a) and not _sure(a).passed]
+    wrong = [a for a in answers if _judgement(a) and a.finding and not a.finding.passed]
     return max(wrong, key=lambda answer: _badness(_sure(answer)), default=None)
 
 

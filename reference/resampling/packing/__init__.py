@@ -1,4 +1,4 @@
-"""Reservoirs in bits: the 48 bytes of the paper, and two public layouts beside them.
+"""Reservoirs in bits: the 48 bytes of the paper, and three public layouts beside them.
 
 Unlike the other kernels these take floats alone, of 16 to 64 bits: bits are their end.
 """
