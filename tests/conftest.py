@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
 
+from restir_gi.reference.truth.pictures import PLACE
+
 # How long an example takes says nothing about whether it is right.
 NO_CLOCK = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow]}
 
@@ -98,6 +100,12 @@ def scenes_folder():
     if not folder.is_dir():
         pytest.skip("set RESTIR_SCENES to a folder of real scenes")
     return folder
+
+
+@pytest.fixture(autouse=True, scope="session")
+def truths_of_these_tests(tmp_path_factory):
+    """Truths of pictures are kept apart from those of whoever runs the tests."""
+    os.environ[PLACE] = str(tmp_path_factory.mktemp("truths"))
 
 
 @pytest.fixture(autouse=True)

@@ -7,6 +7,7 @@ project: the words are plain numbers, and floats are made by the standard librar
 
 import struct
 from dataclasses import dataclass
+from math import hypot
 
 import numpy as np
 from hypothesis import strategies as st
@@ -166,6 +167,86 @@ def words_of_rtxdi(f):
     ]
 
 
+INFINITY = 0x7F800000
+"""Bits of an infinite float32."""
+
+
+@dataclass(frozen=True)
+class PathFields:
+    """What one stored path of RTXDI holds, as codes where there are codes.
+
+    Attributes
+    ----------
+    x_s, L_o, target : three floats
+        That float32 holds.
+    W, partial_jacobian, onward_pdf : float
+        Non-negative, of float32.
+    n_s : three ints
+        Steps of 1/32767, from -32767 to 32767, of a unit vector.
+    M : int
+        Code of a half.
+    on_light, boosts : bool
+    light, light_place, seed : int
+        Of 32 bits.
+    age, reconnection_vertex, path_length, random_index : int
+        Whole numbers, of which the age has 5 bits, the others 8.
+    """
+
+    x_s: tuple
+    W: float
+    n_s: tuple
+    M: int
+    partial_jacobian: float
+    onward_pdf: float
+    L_o: tuple
+    on_light: bool
+    light: int
+    light_place: int
+    age: int
+    boosts: bool
+    reconnection_vertex: int
+    path_length: int
+    random_index: int
+    target: tuple
+    seed: int
+
+
+def words_of_path(f):
+    """Sixteen words: four times four."""
+    x, y, z = (step + UNIT for step in f.n_s)
+    light = (INFINITY, f.light, f.light_place)
+    return [
+        *(float_bits(c) for c in f.x_s),
+        float_bits(f.W),
+        x | y << 16,
+        z | f.M << 16,
+        float_bits(f.partial_jacobian),
+        float_bits(f.onward_pdf),
+        *(light if f.on_light else (float_bits(c) for c in f.L_o)),
+        f.age
+        | f.boosts << 7
+        | f.reconnection_vertex << 8
+        | f.path_length << 16
+        | f.random_index << 24,
+        *(float_bits(c) for c in f.target),
+        f.seed,
+    ]
+
+
+def nearest_steps(v):
+    """Steps of 1/32767 that are nearest to the unit vector along v."""
+    return tuple(round(UNIT * c / hypot(*v)) for c in v)
+
+
+@st.composite
+def steps_of_directions(draw):
+    """Steps that are those of their own direction: its length may move them."""
+    steps = nearest_steps(draw(triples(st.integers(-UNIT, UNIT)).filter(any)))
+    while nearest_steps(steps) != steps:
+        steps = nearest_steps(steps)
+    return steps
+
+
 @st.composite
 def canonical_normals(draw):
     """Codes that an encoder writes."""
@@ -207,3 +288,27 @@ FIELDS = st.builds(
     seed=UINT32,
 )
 """Reservoirs that any writer may have written: finite, and in canonical codes."""
+
+BYTE, POSITIVE = st.integers(0, 255), st.floats(0, LARGEST_FLOAT, width=32)
+
+PATH_FIELDS = st.builds(
+    PathFields,
+    x_s=triples(FLOATS),
+    W=POSITIVE,
+    n_s=steps_of_directions(),
+    M=st.integers(0, 0x7BFF),
+    partial_jacobian=POSITIVE,
+    onward_pdf=POSITIVE,
+    L_o=triples(FLOATS),
+    on_light=st.booleans(),
+    light=UINT32,
+    light_place=UINT32,
+    age=st.integers(0, 31),
+    boosts=st.booleans(),
+    reconnection_vertex=BYTE,
+    path_length=BYTE,
+    random_index=BYTE,
+    target=triples(FLOATS),
+    seed=UINT32,
+)
+"""The same for paths."""

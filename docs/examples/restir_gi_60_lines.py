@@ -16,7 +16,7 @@ from restir_gi.reference.passes.initial import initial_samples
 from restir_gi.reference.passes.neighbors import find_neighbors
 from restir_gi.reference.passes.shade import shade
 from restir_gi.reference.resampling import reservoir as r
-from restir_gi.reference.resampling.mis import one_over_z
+from restir_gi.reference.resampling.reservoir import one_over_z
 from restir_gi.reference.resampling.shift import reconnection_jacobian
 from restir_gi.reference.resampling.source import source_pdf
 from restir_gi.reference.resampling.target import target

@@ -29,7 +29,7 @@ costs a visibility ray.
 .. literalinclude:: /../reference/resampling/reuse.py
    :pyobject: could_have_made
 
-.. literalinclude:: /../reference/resampling/mis.py
+.. literalinclude:: /../reference/resampling/reservoir.py
    :pyobject: one_over_z
 """
 

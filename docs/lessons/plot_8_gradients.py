@@ -11,7 +11,7 @@ looks for the image that fits all of them best:
 .. math:: I = \arg\min_I\; \alpha^2 \lVert I - P \rVert^2
    + \lVert D_x I - d_x \rVert^2 + \lVert D_y I - d_y \rVert^2 .
 
-.. literalinclude:: /../gradient_domain/differences.py
+.. literalinclude:: /../gradient_domain/reconstruction.py
    :pyobject: differences
 
 .. literalinclude:: /../gradient_domain/reconstruction.py
@@ -27,8 +27,11 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from restir_gi.figures.gradient_domain.toy import toy
-from restir_gi.gradient_domain.differences import Differences, differences
-from restir_gi.gradient_domain.reconstruction import least_squares
+from restir_gi.gradient_domain.reconstruction import (
+    Differences,
+    differences,
+    least_squares,
+)
 from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
 from restir_gi.reference.numerics.schedule import Schedule
 from restir_gi.reference.reports.figures.record import Work

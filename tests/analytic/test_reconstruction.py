@@ -10,9 +10,14 @@ from scipy import sparse
 from scipy.optimize import linprog
 from scipy.sparse.linalg import spsolve
 
-from restir_gi.gradient_domain.differences import Differences, differences, spread_back
 from restir_gi.gradient_domain.least_absolute import least_absolute
-from restir_gi.gradient_domain.reconstruction import ALPHA, least_squares
+from restir_gi.gradient_domain.reconstruction import (
+    ALPHA,
+    Differences,
+    differences,
+    least_squares,
+    spread_back,
+)
 
 EPS = 2.0**-52
 SIZES = [(1, 1), (1, 7), (9, 1), (2, 2), (13, 8), (64, 48)]

@@ -7,8 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from restir_gi.gradient_domain.differences import differences
-from restir_gi.gradient_domain.reconstruction import least_squares
+from restir_gi.gradient_domain.reconstruction import differences, least_squares
 from restir_gi.reference.reports.timing import seconds_in_turns
 
 SIZES = ((480, 270), (960, 540), (1920, 1080), (3840, 2160))

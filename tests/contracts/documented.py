@@ -10,7 +10,7 @@ ROOT = Path(__file__).parents[2]
 FENCE = re.compile(
     r"^```(?:sh|bash|shell|console)\n(.*?)^```", re.MULTILINE | re.DOTALL
 )
-PROSE = re.compile(r"`(restir [a-z]+ [^`.<]*[^`<]*)`")
+PROSE = re.compile(r"`(restir [a-z-]+ [^`.<]*[^`<]*)`")
 
 
 @dataclass(frozen=True, slots=True)

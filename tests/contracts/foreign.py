@@ -64,7 +64,13 @@ ALSO = {
     "missing-one-over-pi": {"shade-without-pi"},
     "cosine-omitted": {"shade-without-cosine"},
     "cosine-twice": {"shade-cosine-twice"},
-    "visibility-ignored-in-z": {"receivers-visibility-in-z"},
+    # Where all that arrives is within the cap, a cap on arrival does nothing.
+    "cap-missing": {
+        "capped-on-arrival",
+        "past-capped-on-arrival",
+        "capped-everywhere-on-arrival",
+        "cap-off-by-one",
+    },
 }
 """Other names that are right: of another pass, or of what gives the same numbers."""
 
@@ -79,4 +85,4 @@ def assert_named(verdict, plant):
     names = [{h.name for h in one.matches} for one in verdict.diagnoses]
     assert verdict.status == ("PASS" if plant in DEPARTS else "FAIL")
     assert any(NAMED[plant] in found for found in names)
-    assert all(found & right and len(found) <= 2 for found in names), names
+    assert all(found & right and len(found - right) <= 1 for found in names), names

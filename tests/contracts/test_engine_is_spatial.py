@@ -25,8 +25,7 @@ from restir_gi.reference.options.weights import (
 )
 from restir_gi.reference.passes.spatial import spatial_resampling
 from restir_gi.reference.resampling.generalized import resample
-from restir_gi.reference.resampling.mis import one_over_z
-from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
+from restir_gi.reference.resampling.reservoir import Reservoirs, Samples, one_over_z
 from restir_gi.reference.scene.animation import Animation
 from restir_gi.reference.scene.catalogue.registry import find_animation
 from restir_gi.reference.settings import Settings

@@ -25,7 +25,7 @@ from restir_gi.figures.gradient_domain.scores import (
 )
 from restir_gi.figures.gradient_domain.toy import VARIANTS, functions, toy
 from restir_gi.figures.gradient_domain.variants import METHODS, PRIMAL, scene_of
-from restir_gi.gradient_domain.differences import differences
+from restir_gi.gradient_domain.reconstruction import differences
 from restir_gi.reference.numerics.moments import Moments
 from restir_gi.reference.numerics.schedule import Schedule
 from restir_gi.reference.reports import timing

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from restir_gi.gradient_domain.after_restir import render_after_frames
-from restir_gi.gradient_domain.differences import Differences, differences
 from restir_gi.gradient_domain.gradient_pt import render_gradient_paths
 from restir_gi.gradient_domain.gradient_restir import PLUS, render_gradient_frames
 from restir_gi.gradient_domain.method import (
@@ -17,6 +16,7 @@ from restir_gi.gradient_domain.method import (
     RECONSTRUCT,
     developed,
 )
+from restir_gi.gradient_domain.reconstruction import Differences, differences
 from restir_gi.gradient_domain.settings import (
     AfterSettings,
     GradientPathSettings,

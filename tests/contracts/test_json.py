@@ -57,6 +57,7 @@ def lines(folder):
         "inspect": (a, "--out", f"{new}.html"),
         "plan": ("cornell-box", "--frames", "2", *SMALL),
         "check": ("float32", "--budget", "12"),
+        "capture-template": ("--layout", "rtxdi", "--out", f"{new}-capture"),
         "demo": ("cornell-box", "--spp", "2", "--frames", "1", "--runs", "2",
                  "--out", new, *SMALL),
     }  # fmt: skip
@@ -81,7 +82,16 @@ def of_command(folder, capsys, name):
 
 
 @pytest.mark.parametrize(
-    "name", ["scenes", "render", "reference", "compare", "inspect", "plan"]
+    "name",
+    [
+        "scenes",
+        "render",
+        "reference",
+        "compare",
+        "inspect",
+        "plan",
+        "capture-template",
+    ],
 )
 def test_numbers_are_numbers(folder, capsys, name):
     assert numbers_in_text(of_command(folder, capsys, name)) == []

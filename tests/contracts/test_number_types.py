@@ -21,7 +21,6 @@ from restir_gi.reference.numerics.arrays import (
 )
 from restir_gi.reference.numerics.frames import turn
 from restir_gi.reference.resampling.jacobian_limits import clamp_jacobian
-from restir_gi.reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
 from restir_gi.reference.resampling.pairwise import (
     pairwise_canonical,
     pairwise_neighbor,
@@ -29,11 +28,14 @@ from restir_gi.reference.resampling.pairwise import (
 from restir_gi.reference.resampling.reservoir import (
     Candidates,
     Reservoirs,
+    balance_heuristic,
     cap_confidence,
     choose_second,
     finalize,
     initial_candidates,
     merge,
+    one_over_m,
+    one_over_z,
     reused_candidates,
 )
 from restir_gi.reference.resampling.shift import reconnection_jacobian

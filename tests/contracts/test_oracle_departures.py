@@ -6,6 +6,7 @@ import pytest
 from restir_gi.reference.oracle.cases import for_ever
 from restir_gi.reference.oracle.checking import judge
 from restir_gi.reference.oracle.parts import whole_contract
+from restir_gi.reference.oracle.steps import LevelStep
 from restir_gi.reference.oracle.verdict import departs
 from restir_gi.reference.reports.verdict.page import write_page
 from restir_gi.reference.reports.verdict.plain import as_plain
@@ -74,7 +75,7 @@ def test_the_report_tells_it(verdicts, tmp_path):
     assert "no bias comes of the others: target, initial" in plain["headline"]
     write_page(tmp_path, verdict, plain)
     text = (tmp_path / "index.html").read_text(encoding="utf-8")
-    assert "Other than the contract: target" in text
+    assert "no bias comes of it: target" in text
     assert "not held against the backend" in text
     assert "First wrong pass" not in text
 
@@ -82,9 +83,18 @@ def test_the_report_tells_it(verdicts, tmp_path):
 def test_what_relies_on_the_targets_numbers_says_nothing(verdicts):
     verdict = verdicts["the target lacks the cosine"]
     silent = {t.step.title for t in verdict.steps} - {s.title for s in verdict.binding}
-    assert silent == {"spheres", "relations"}
+    long = {"furnace of 40 frames", "half-lit sphere of 40 frames"}
+    assert silent == {"spheres", "relations", *long}
     order = verdicts["the stream runs backwards"]
     assert len(order.binding) == len(order.steps)
+
+
+def test_what_stands_in_binds_only_where_the_bound_is_void():
+    proof = LevelStep("L4", "mean", relies_on=("target", "mis"))
+    statistics = LevelStep("L4", "mean by its variance", only_under=("target", "mis"))
+    for kinds in (set(), {"order"}, {"mis"}, {"mis", "order"}):
+        assert proof.binds(kinds) != statistics.binds(kinds)
+        assert proof.binds(kinds) == ("mis" not in kinds)
 
 
 def nan(outcome):

@@ -4,7 +4,12 @@ from pathlib import Path
 
 import pytest
 
+from restir_gi.reference.oracle.capture.describe import describe as capture_page
 from restir_gi.reference.oracle.contract.describe import describe as contract_page
+from restir_gi.reference.oracle.declaration.describe import (
+    describe as declaration_page,
+)
+from restir_gi.reference.oracle.declaration.schema import written_schema
 from restir_gi.reference.oracle.diagnosis.describe import describe as bugs_page
 from restir_gi.reference.oracle.diagnosis.diagnose import known_mistakes
 from restir_gi.reference.oracle.parts import whole_contract
@@ -13,8 +18,11 @@ CONTRACT = whole_contract()
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGES = {
+    "reference/capture.md": capture_page,
     "reference/contract.md": lambda: contract_page(CONTRACT),
     "explanation/bugs.md": lambda: bugs_page(known_mistakes()),
+    "reference/declaration.md": lambda: declaration_page(CONTRACT),
+    "../reference/oracle/declaration/declaration.schema.json": written_schema,
 }
 
 

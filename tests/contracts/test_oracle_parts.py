@@ -37,7 +37,7 @@ def judge_doubled(case, outputs, rules, precision):
     return Judgement((beside("y", outputs["y"], x * constant(factor, x)),))
 
 
-def probes(precision):
+def probes(precision, seed=1):
     x = {"x": np.arange(1, 9).astype(precision)}
     return [
         replayed(level, Case(f"doubled-{level}", "doubled", {}, x))

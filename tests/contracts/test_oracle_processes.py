@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from restir_gi.reference.oracle.backends.command import ProgramBackend
+from restir_gi.reference.oracle.backends.inside import InsideBackend
 from restir_gi.reference.oracle.backends.process import PythonBackend
 from restir_gi.reference.oracle.backends.running import Limits
 from restir_gi.reference.oracle.levels.kernels import kernel_probes
@@ -187,3 +188,51 @@ def test_a_program_that_does_not_exist_is_bad_usage():
     backend = ProgramBackend("/no/such/program {directory}", LIMITS)
     with pytest.raises(UsageError, match="cannot run /no/such/program"):
         answers(backend)
+
+
+def test_output_and_traceback_of_a_call_that_failed_are_kept(tmp_path):
+    path = tmp_path / "loud.py"
+    path.write_text(
+        """
+class Loud:
+    def jacobian(self, **given):
+        print("adapter: none")
+        return self._mapped()
+
+    def _mapped(self):
+        raise ValueError("the buffer is not mapped")
+BACKEND = Loud()
+""",
+        encoding="utf-8",
+    )
+    found = answers(PythonBackend(str(path), LIMITS))
+    output = next(a.finding.output for a in found if a.finding)
+    assert "adapter: none\nTraceback" in output
+    assert "in _mapped" in output
+    assert "worker.py" not in output
+    assert output.endswith("ValueError: the buffer is not mapped")
+
+
+@pytest.mark.parametrize("end", ["exit 3", "kill -ABRT $$", "exec sleep 600"])
+def test_both_streams_of_a_program_that_failed_are_kept(tmp_path, end):
+    body = f"echo starting; echo no device >&2; {end}"
+    path = tmp_path / "backend.sh"
+    path.write_text(f"#!/bin/sh\n{body}\n", encoding="utf-8")
+    path.chmod(0o755)
+    limits = Limits(seconds=1.0)
+    found = answers(ProgramBackend(f"{path} {{directory}}", limits))
+    assert found[0].finding.output == "starting\nno device"
+
+
+def test_an_object_in_this_process_has_a_traceback():
+    class Broken:
+        """It raises."""
+
+        def jacobian(self, **given):
+            """Fail."""
+            raise ValueError("lost")
+
+    (answer, *_) = [a for a in answers(InsideBackend(Broken())) if a.finding]
+    assert answer.finding.output.startswith("Traceback")
+    assert "in jacobian" in answer.finding.output
+    assert "inside.py" not in answer.finding.output

@@ -28,7 +28,6 @@ from restir_gi.reference.options import checkerboard, history_search, jacobian, 
 from restir_gi.reference.passes import gbuffer, initial, neighbors
 from restir_gi.reference.resampling import (
     jacobian_limits,
-    mis,
     pairwise,
     reservoir,
     shift,
@@ -37,12 +36,14 @@ from restir_gi.reference.resampling import (
     target,
 )
 from restir_gi.reference.resampling.packing import (
+    components,
     log_luv,
     octahedral,
     paper,
     restir_pt,
     rounding,
     rtxdi,
+    rtxdi_path,
 )
 from restir_gi.reference.scene.materials import (
     bsdf_sampling,
@@ -121,6 +122,8 @@ CLOSED = reservoir.Reservoirs(SAMPLES, ALPHA * LIVE, np.ceil(40 * COS))
 CODES = paper.pack(A, OMEGA, CLOSED, WORD[1])
 AGE_AND_MISC = WORD[2] % 300, WORD[3].astype(np.uint16)
 MASK = rng.random(N) < 0.5
+WORDS3 = rng.integers(0, 2**16, (N, 3), dtype=np.uint16)
+PATHS = rtxdi_path.PathRecord(*WORD[:1], MASK, *WORD, *U[:2], A, ~MASK, *WORD[:2])
 VISIBLE = VisiblePoints(POINTS, np.where(POINTS.hit, 1 + 0.1 * COS, 0.0))
 COAT = np.array(coat.transmittance_table(0.3, 1.5))
 CUMULATIVE = tables.cumulate(np.array([0.2, 0.0, 0.5, 0.3]))
@@ -212,13 +215,13 @@ KERNELS = {
         (U[0],),
     ),
     # Resampling.
-    mis.balance_heuristic: (
-        lambda a, b, c: mis.balance_heuristic([a, b], [b, c], c * LIVE[0]),
+    reservoir.balance_heuristic: (
+        lambda a, b, c: reservoir.balance_heuristic([a, b], [b, c], c * LIVE[0]),
         (COS, ALPHA, U[0]),
     ),
-    mis.one_over_m: (lambda a, b: mis.one_over_m([a, b]), (COS, ALPHA)),
-    mis.one_over_z: (
-        lambda a, b, h: mis.one_over_z([a, b], [h, ~h]),
+    reservoir.one_over_m: (lambda a, b: reservoir.one_over_m([a, b]), (COS, ALPHA)),
+    reservoir.one_over_z: (
+        lambda a, b, h: reservoir.one_over_z([a, b], [h, ~h]),
         (COS, ALPHA, MASK),
     ),
     reservoir.cap_confidence: (lambda r: reservoir.cap_confidence(r, 20.0), (CLOSED,)),
@@ -276,6 +279,8 @@ KERNELS = {
         (POINTS, SAMPLES),
     ),
     # Packing.
+    components.decode_components: (components.decode_components, (WORDS3,)),
+    components.encode_components: (components.encode_components, (OMEGA,)),
     log_luv.decode_log_luv: (log_luv.decode_log_luv, (WORD[0],)),
     log_luv.encode_log_luv: (log_luv.encode_log_luv, (COLOR,)),
     octahedral.decode_normal: (octahedral.decode_normal, (CODES["n_v"],)),
@@ -289,6 +294,8 @@ KERNELS = {
     rounding.widened: (rounding.widened, (CODES["L_o"],)),
     rtxdi.pack: (rtxdi.pack, (CLOSED, *AGE_AND_MISC)),
     rtxdi.unpack: (rtxdi.unpack, (rtxdi.pack(CLOSED, *AGE_AND_MISC),)),
+    rtxdi_path.pack: (rtxdi_path.pack, (CLOSED, PATHS)),
+    rtxdi_path.unpack: (rtxdi_path.unpack, (rtxdi_path.pack(CLOSED, PATHS),)),
     # Materials.
     coat.base_scattering: (coat.base_scattering, (COLOR, COS, MASK)),
     coat.specular_lobe: (coat.specular_lobe, (COS, U[0], U[1], FACETS)),
@@ -418,7 +425,6 @@ MODULES = [
     gbuffer,
     initial,
     neighbors,
-    mis,
     reservoir,
     shift,
     target,
@@ -428,7 +434,8 @@ MODULES += [not_reused, roulette, source, suffix]
 MODULES += [coat, coated, conductor, dielectric, fresnel, lambertian, microfacet]
 MODULES += [rough_dielectric]
 MODULES += [bsdf_sampling, parameters, table]
-MODULES += [log_luv, octahedral, paper, restir_pt, rounding, rtxdi]
+MODULES += [components, log_luv, octahedral, paper, restir_pt, rounding, rtxdi]
+MODULES += [rtxdi_path]
 
 
 def public_functions(module):

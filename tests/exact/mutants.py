@@ -12,7 +12,7 @@ from tests.mutants.catalogue import AT_NEIGHBOR, TAKE
 from tests.mutants.plant import planted
 
 RESERVOIR = "restir_gi.reference.resampling.reservoir"
-MIS = "restir_gi.reference.resampling.mis"
+MIS = "restir_gi.reference.resampling.reservoir"
 PAIRWISE = "restir_gi.reference.resampling.pairwise"
 SHIFT = "restir_gi.reference.resampling.shift"
 REUSE = "restir_gi.reference.resampling.reuse"
@@ -71,7 +71,6 @@ THERE = "target(value) * jacobian, len(p_hat)"
 OWN = "weighted = [_with_weight(canonical, m)]"
 DONOR = "pairwise_neighbor(M, made, c.M, k.weighted.p_hat, S, defensive)"
 DONORS = "S = one_over_m(M_k)"
-BACK = "return np.where(possible & seen, p, p * 0), J"
 
 MUTANTS = [
     # The Jacobian.
@@ -397,8 +396,8 @@ MUTANTS = [
     ExactMutant(
         "pairs do not ask whether the source could make the sample",
         WEIGHTS,
-        BACK,
-        "return p, J",
+        "np.where(sees(q_n.frame.world, q_n.x, y, possible), p, p * 0)",
+        "p",
         ("pairwise_pass", "defensive_pass"),
     ),
     ExactMutant(
@@ -421,22 +420,22 @@ MUTANTS = [
     ExactMutant(
         "a limit on the Jacobian that the balance heuristic does not know",
         WEIGHTS,
-        "possible = asked & (p > 0)\n    if q.refuses is not None:",
-        "possible = asked & (p > 0)\n    if False:",
+        "if refuses := q_n.q.refuses:",
+        "if refuses := None:",
         ("balance_pass_with_mirrored_limit",),
     ),
     ExactMutant(
         "a limit on the Jacobian that the balance heuristic applies the other way",
         WEIGHTS,
-        "possible &= ~q.refuses(q_n.x.position, x_q, y)",
-        "possible &= ~q.refuses(x_q, q_n.x.position, y)",
+        "possible &= ~refuses(q_n.x.position, x_q, y)",
+        "possible &= ~refuses(x_q, q_n.x.position, y)",
         ("balance_pass_with_mirrored_limit",),
     ),
     ExactMutant(
         "the balance heuristic does not ask for visibility",
         WEIGHTS,
-        "made | sees(frame.world, q_n.x, y, possible & ~made)",
-        "made | possible",
+        "sees(q_n.frame.world, q_n.x, y, possible)",
+        "possible",
         ("balance_pass", "pairwise_pass", "defensive_pass"),
     ),
     ExactMutant(

@@ -35,9 +35,8 @@ from restir_gi.reference import restir_gi
 from restir_gi.reference.numerics.arrays import divide_or_zero
 from restir_gi.reference.options.motion import EarlierReservoirs
 from restir_gi.reference.passes import pixels as scene
-from restir_gi.reference.passes.history import History
 from restir_gi.reference.passes.initial import InitialSamples
-from restir_gi.reference.passes.pixels import FrameReservoirs, reconnection
+from restir_gi.reference.passes.pixels import FrameReservoirs, History, reconnection
 from restir_gi.reference.resampling import target as targets
 from restir_gi.reference.resampling.reservoir import Reservoirs
 from restir_gi.reference.restir_gi import PassInput

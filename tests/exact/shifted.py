@@ -64,6 +64,10 @@ class ToyDonor:
     part: Any = None
     same_domain: bool = False
 
+    def unshifted(self, at):
+        """Of its own samples, at home."""
+        return self.reservoirs.y.value[self.rows[at]]
+
     def shifted(self, at):
         """Of its own samples; refused are the unseen, and shifts beyond the limit."""
         cell = self.reservoirs.y.cell[self.rows[at]]

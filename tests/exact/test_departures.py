@@ -9,6 +9,7 @@ from fractions import Fraction
 
 import pytest
 
+from restir_gi.reference.oracle.diagnosis.alternatives import CONFIDENCES, ORDERS
 from restir_gi.reference.oracle.diagnosis.diagnose import known_mistakes
 from tests.exact import claims, pages
 from tests.exact.domain import TARGET
@@ -122,6 +123,7 @@ def test_what_is_said_to_be_a_departure():
         "shade-back-of-sample",  # where W is 0, since p̂ is
         "jacobian-cut-at-the-back",  # where p̂ is 0
         "reuse-u-turned",  # the first, on whole samples
+        *(h.name for h in ORDERS),  # in tests of innocence
     }
     assert {name for name, kind in kinds.items() if kind == "confidence"} == {
         "never-capped",
@@ -129,4 +131,5 @@ def test_what_is_said_to_be_a_departure():
         "capped-on-arrival",
         "reuse-never-capped",  # the first and the last, on whole samples
         "reuse-capped-beforehand",
+        *(h.name for h in CONFIDENCES),  # in tests of innocence
     }

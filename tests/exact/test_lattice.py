@@ -16,13 +16,13 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from restir_gi.reference.resampling import reservoir
-from restir_gi.reference.resampling.mis import one_over_z
 from restir_gi.reference.resampling.reservoir import (
     Candidates,
     Reservoirs,
     finalize,
     initial_candidates,
     merge,
+    one_over_z,
     reused_candidates,
 )
 

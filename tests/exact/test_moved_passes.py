@@ -20,9 +20,8 @@ from restir_gi.reference.options.motion import (
     EarlierReservoirs,
     TemporalShift,
 )
-from restir_gi.reference.passes.history import History
 from restir_gi.reference.passes.initial import InitialSamples
-from restir_gi.reference.passes.pixels import FrameReservoirs, sees
+from restir_gi.reference.passes.pixels import FrameReservoirs, History, sees
 from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
 from restir_gi.reference.resampling.suffix import Suffix
 from restir_gi.reference.resampling.target import target

@@ -10,7 +10,7 @@ from scipy.stats import poisson
 
 from restir_gi.reference.oracle.builtin.backend import FLOAT32
 from restir_gi.reference.oracle.cases import Case
-from restir_gi.reference.oracle.levels.patches import eye, patch_reservoirs
+from restir_gi.reference.oracle.levels.patches import NEAR, eye, patch_reservoirs
 from restir_gi.reference.oracle.replay.bounded import exact, rounding_of
 from restir_gi.reference.oracle.replay.formulas import preference
 from restir_gi.reference.oracle.replay.judgement import BUDGET_ALARM, Decisions
@@ -65,8 +65,8 @@ def test_the_bound_is_a_few_units():
 def temporal_case(u):
     """Past and new sample weigh the same at pixel 0."""
     cells = np.zeros(len(u), np.int64)
-    past, new = patch_reservoirs(0, cells), patch_reservoirs(0, cells + 2)
-    inputs = eye(0, len(u)) | {f"past_{name}": a for name, a in past.items()}
+    past, new = (patch_reservoirs(NEAR, "scattered", 0, cells + k, 1.0) for k in (0, 2))
+    inputs = eye(NEAR, 0, len(u)) | {f"past_{name}": a for name, a in past.items()}
     inputs |= {f"new_{n}": new[n] for n in ("position", "normal", "radiance")}
     inputs |= {"new_pdf": 1 / new["W"], "u": u}
     single = {name: np.float32(array) for name, array in inputs.items()}

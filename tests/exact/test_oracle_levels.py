@@ -6,12 +6,27 @@ from itertools import combinations
 import numpy as np
 import pytest
 
+from restir_gi.reference.oracle.backends.inside import InsideBackend
 from restir_gi.reference.oracle.builtin.backend import FLOAT32, FLOAT64
+from restir_gi.reference.oracle.cases import Case
+from restir_gi.reference.oracle.contract.registry import CONTRACT
 from restir_gi.reference.oracle.frames import frame_cases
-from restir_gi.reference.oracle.levels.lattice import lattice_probes
-from restir_gi.reference.oracle.levels.patches import EYE, PLACE, UP, theory
+from restir_gi.reference.oracle.levels.lattice import lattice_step
+from restir_gi.reference.oracle.levels.patches import (
+    CLOSE_NEIGHBORS,
+    FAR_NEIGHBORS,
+    NEAR,
+    PLACE,
+    theory,
+)
 from restir_gi.reference.oracle.levels.relations import relations_of
-from restir_gi.reference.oracle.levels.spheres import furnace, half_lit
+from restir_gi.reference.oracle.levels.spheres import (
+    furnace,
+    half_lit,
+    long_furnace,
+    long_half_lit,
+    long_run,
+)
 from restir_gi.reference.oracle.prepared_frame import prepare_frame
 from restir_gi.reference.passes import pixels
 from restir_gi.reference.scene.catalogue.registry import find_scene
@@ -45,9 +60,28 @@ def precision(request):
 # ---------------------------------------------------------------- lattices
 
 
+class RecordedCalls:
+    """A backend of the passes that choose, from what answers their cases."""
+
+    def __init__(self, precision, ask):
+        self.precision, self._ask = precision, ask
+
+    def __getattr__(self, name):
+        if name not in ("merge", "temporal", "moved", "spatial"):
+            raise AttributeError(name)
+        passed = CONTRACT[name]
+
+        def answer(**given):
+            known = [s.name for s in passed.settings if s.name in given]
+            settings = {name: given.pop(name) for name in known}
+            return self._ask(Case("asked", name, settings, given))
+
+        return answer
+
+
 def lattice_findings(precision, ask):
-    found = lattice_probes(precision)
-    return {p.case.name: p.examine(p.case, ask(p.case), precision) for p in found}
+    step = lattice_step(CONTRACT, InsideBackend(RecordedCalls(precision, ask)))
+    return {a.probe.case.name: a.finding for a in step.answers if a.finding}
 
 
 def test_lattices_pass_what_is_right(precision):
@@ -57,13 +91,15 @@ def test_lattices_pass_what_is_right(precision):
 
 def test_the_solid_angles_are_those_of_small_patches():
     """By the definition, with vectors of Python's own."""
-    known = theory()
-    for i, x in np.argwhere(known.mu > 0):
-        v = PLACE[x] - EYE[i]
-        d2 = sum(c * c for c in v)
-        cosine = -sum(a * b for a, b in zip(v, known.normal[x], strict=True)) / d2**0.5
-        assert known.mu[i, x] == pytest.approx(0.05 * cosine / d2, rel=1e-12)
-        assert sum(a * b for a, b in zip(v, UP[i], strict=True)) > 0
+    for world in (NEAR, FAR_NEIGHBORS, CLOSE_NEIGHBORS):
+        known = theory(world)
+        for i, x in np.argwhere(known.mu > 0):
+            v = PLACE[x] - world.eye[i]
+            d2 = sum(c * c for c in v)
+            facing = -sum(a * b for a, b in zip(v, known.normal[x], strict=True))
+            wanted = 0.05 * facing / d2**1.5
+            assert known.mu[i, x] == pytest.approx(wanted, rel=1e-12)
+            assert sum(a * b for a, b in zip(v, world.up[i], strict=True)) > 0
 
 
 @pytest.mark.parametrize("factor", [1 + 1e-4, 1 - 1e-4])
@@ -157,6 +193,69 @@ def test_the_half_lit_sphere_counts_misses():
 
     ask = changed("float32", "temporal", change)
     assert "misses count" in half_lit(ask, "float32").text
+
+
+def test_confidences_that_are_wrong_for_another_reason_are_told_as_seen():
+    def change(case, out):
+        return out | {"M": out["M"] * np.float32(0.75)}
+
+    text = half_lit(changed("float32", "spatial", change), "float32").text
+    assert "M is 2.25 instead of 3 in 512 of 512 pixels" in text
+    assert "misses" not in text
+
+
+# ---------------------------------------------------------------- 40 frames
+
+
+def long_findings(ask, precision="float32"):
+    frames = long_run(ask, precision)
+    return long_furnace(frames, precision), long_half_lit(frames, precision)
+
+
+def with_cap(case, out, cap):
+    return call(FLOAT32, replace(case, settings={**case.settings, "cap": cap}))
+
+
+def never_capped(case, out):
+    return with_cap(case, out, 1e9)
+
+
+def capped_twice(case, out):
+    past = np.minimum(case.inputs["past_M"], np.float32(4))
+    return call(FLOAT32, replace(case, inputs={**case.inputs, "past_M": past}))
+
+
+def weight_kept(case, out):
+    """M is capped, and W stays that of the sum of weights over the capped M."""
+    M = with_cap(case, out, 1e9)["M"]
+    return out | {"W": out["W"] * M / out["M"]}
+
+
+def test_long_runs_pass_what_is_right(precision):
+    asked = []
+
+    def ask(case):
+        asked.append(case.rows)
+        return call(BACKENDS[precision], case)
+
+    assert [f.text for f in long_findings(ask, precision)] == ["", ""]
+    assert len(asked) <= 160
+    assert max(asked) <= 128
+
+
+@pytest.mark.parametrize("change", [never_capped, capped_twice])
+def test_the_furnace_does_not_hang_on_where_m_is_capped(change):
+    """And the half-lit sphere does, of which the other is a control."""
+    whole, half = long_findings(changed("float32", "temporal", change))
+    assert whole.passed
+    assert not half.passed
+
+
+def test_a_weight_that_outlives_its_cap_shows_in_the_long_furnace_alone():
+    ask = changed("float32", "temporal", weight_kept)
+    assert furnace(ask, "float32").passed
+    whole, _ = long_findings(ask)
+    assert "frame 8" in whole.text  # the first in which the cap is passed
 
 
 # ---------------------------------------------------------------- relations

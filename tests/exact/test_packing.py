@@ -12,7 +12,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from restir_gi.reference.resampling.packing import paper, restir_pt, rtxdi
+from restir_gi.reference.resampling.packing import paper, restir_pt, rtxdi, rtxdi_path
+from restir_gi.reference.resampling.packing.components import (
+    decode_components,
+    encode_components,
+)
 from restir_gi.reference.resampling.packing.log_luv import (
     RGB_TO_XYZ,
     XYZ_TO_RGB,
@@ -76,6 +80,26 @@ class RtxdiInC(ctypes.LittleEndianStructure):
     )
 
 
+class PathInC(ctypes.LittleEndianStructure):
+    """The same for RTXDI's paths, their word of counts as bytes."""
+
+    _fields_ = (
+        ("x_s", FLOAT3),
+        ("W", ctypes.c_float),
+        ("n_s", ctypes.c_uint16 * 3),
+        ("M", ctypes.c_uint16),
+        ("partial_jacobian", ctypes.c_float),
+        ("onward_pdf", ctypes.c_float),
+        ("L_o", ctypes.c_uint32 * 3),
+        ("age", ctypes.c_uint8),
+        ("reconnection_vertex", ctypes.c_uint8),
+        ("path_length", ctypes.c_uint8),
+        ("random_index", ctypes.c_uint8),
+        ("target", FLOAT3),
+        ("seed", ctypes.c_uint32),
+    )
+
+
 def places(dtype):
     """Byte where each field begins."""
     return [dtype.fields[name][1] for name in dtype.names]
@@ -87,6 +111,7 @@ def places(dtype):
         (paper.RESERVOIR, PaperInC, 48),
         (restir_pt.RESERVOIR, PaperInC, 48),
         (rtxdi.RESERVOIR, RtxdiInC, 32),
+        (rtxdi_path.RESERVOIR, PathInC, 64),
     ],
 )
 def test_the_layout_is_that_of_a_struct_in_c_without_gaps(dtype, in_c, size):
@@ -300,6 +325,35 @@ def test_control_wrong_encoders_change_codes(wrong):
     assert changed(wrong).any()
 
 
+# ---------------------------------------------------------------- components
+
+
+def test_all_codes_of_a_component_are_read_as_steps_from_the_middle():
+    """Beside a component of one step, or none: 8 roundings of numbers up to 1."""
+    for beside in (0, 1):
+        codes = np.full((65536, 3), 32767, np.uint16)
+        codes[:, 1], codes[:, 2] = CODES, 32767 + beside
+        steps = np.minimum(np.arange(65536.0), 65534) - 32767
+        length = np.sqrt(steps**2 + beside)
+        length[length == 0] = 1
+        expected = np.stack([0 * steps, steps / length, beside / length], axis=-1)
+        assert abs(decode_components(codes) - expected).max() <= 8 * EPS
+
+
+def test_all_codes_of_a_component_are_written():
+    """Of unit vectors with that component, the rest of them along x."""
+    z = (np.arange(65535) - 32767) / 32767
+    n = np.stack([np.sqrt(1 - z * z), 0 * z, z], axis=-1)
+    assert_array_equal(encode_components(n)[:, 2], np.arange(65535))
+    assert_array_equal(encode_components(-n)[:, 2], np.arange(65535)[::-1])
+
+
+def test_control_components_in_twos_complement_are_seen():
+    codes = np.array([[32767, 32767, 65534]], np.uint16)
+    assert_array_equal(decode_components(codes), [[0, 0, 1]])
+    assert (decode_components(codes + np.uint16(32769)) != [[0, 0, 1]]).any()
+
+
 # ---------------------------------------------------------------- LogLuv
 
 
@@ -407,11 +461,11 @@ def test_errors_of_all_colors_of_rec_709():
 # ---------------------------------------------------------------- any bits
 
 
-@pytest.mark.parametrize("layout", [paper, restir_pt, rtxdi])
+@pytest.mark.parametrize("layout", [paper, restir_pt, rtxdi, rtxdi_path])
 def test_any_bits_are_read_as_finite_numbers(layout):
     """And may be written again: reading is total."""
-    bits = np.random.default_rng(48).integers(0, 256, (9999, 48), dtype=np.uint8)
-    bits = np.vstack([bits, np.full((1, 48), 255, np.uint8)])
+    bits = np.random.default_rng(48).integers(0, 256, (9999, 64), dtype=np.uint8)
+    bits = np.vstack([bits, np.full((1, 64), 255, np.uint8)])
     codes = bits[:, : layout.RESERVOIR.itemsize].copy().view(layout.RESERVOIR)[:, 0]
     found = layout.unpack(codes)
     (r,) = [part for part in found if isinstance(part, Reservoirs)]

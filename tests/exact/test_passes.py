@@ -21,11 +21,11 @@ from restir_gi.reference.numerics.rng import TabledUniforms
 from restir_gi.reference.passes import pixels as pixels_module
 from restir_gi.reference.passes import temporal as temporal_module
 from restir_gi.reference.passes.gbuffer import visible_points
-from restir_gi.reference.passes.history import History
 from restir_gi.reference.passes.initial import InitialSamples
 from restir_gi.reference.passes.neighbors import neighbors_of
 from restir_gi.reference.passes.pixels import (
     FrameReservoirs,
+    History,
     NeighborPixels,
     Pixels,
     sees,

@@ -24,7 +24,6 @@ from restir_gi.reference.oracle.backends.inside import InsideBackend
 from restir_gi.reference.oracle.backends.process import PythonBackend
 from restir_gi.reference.oracle.backends.running import LAST_BYTES, LastWords, Limits
 from restir_gi.reference.oracle.blackbox.renderer import Renderer
-from restir_gi.reference.oracle.blackbox.truth import LEAST_SAMPLES, path_traced
 from restir_gi.reference.oracle.builtin.backend import FLOAT32
 from restir_gi.reference.oracle.cases import (
     NO_TIME,
@@ -37,7 +36,6 @@ from restir_gi.reference.oracle.checking import judge
 from restir_gi.reference.oracle.levels.kernels import kernel_probes
 from restir_gi.reference.oracle.parts import whole_contract
 from restir_gi.reference.oracle.verdict import Verdict
-from restir_gi.reference.scene.catalogue.registry import find_scene
 from restir_gi.reference.system.errors import UsageError
 
 pytestmark = pytest.mark.skipif(
@@ -345,14 +343,6 @@ def test_a_kill_from_outside_is_nobodys_fault(tmp_path):
     ):
         assert all(isinstance(outcome, Unasked) for outcome in found)
         assert "SIGKILL" in found[0].reason
-
-
-def test_the_truth_of_a_picture_takes_half_of_what_is_left():
-    scene = find_scene("cornell-box")
-    few = path_traced(scene, (8, 8), 1, 10**6, map(float, range(800, 0, -1)).__next__)
-    assert few.samples == 400 > LEAST_SAMPLES
-    with pytest.raises(UnaskedError):
-        path_traced(scene, (8, 8), 1, 10**6, lambda: 0.0)
 
 
 def test_a_picture_takes_no_longer_than_is_left(tmp_path):

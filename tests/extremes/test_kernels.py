@@ -15,16 +15,18 @@ from numpy.testing import assert_allclose, assert_array_equal
 from restir_gi.reference.numerics.arrays import dot, length
 from restir_gi.reference.numerics.records import take
 from restir_gi.reference.passes.gbuffer import similar
-from restir_gi.reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
 from restir_gi.reference.resampling.reservoir import (
     Candidates,
     Reservoirs,
     Samples,
+    balance_heuristic,
     cap_confidence,
     choose_second,
     finalize,
     initial_candidates,
     merge,
+    one_over_m,
+    one_over_z,
     reused_candidates,
 )
 from restir_gi.reference.resampling.shift import reconnection_jacobian

@@ -143,6 +143,6 @@ def test_every_page_of_a_folder_says_who_made_it(name):
 
 def test_control_the_templates_are_those_of_all_pages():
     assert PAGES == [
-        "comparison.html", "demo.html", "inspector.html", "tradeoff.html",
-        "verdict.html",
+        "comparison.html", "demo.html", "inspector.html", "pictures.html",
+        "tradeoff.html", "verdict.html",
     ]  # fmt: skip

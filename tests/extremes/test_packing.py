@@ -12,7 +12,14 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from restir_gi.reference.numerics.arrays import length, normalize
-from restir_gi.reference.resampling.packing import paper, rtxdi
+from restir_gi.reference.resampling.packing import paper, rtxdi, rtxdi_path
+from restir_gi.reference.resampling.packing.components import (
+    WORST_ANGLE as WORST_OF_COMPONENTS,
+)
+from restir_gi.reference.resampling.packing.components import (
+    decode_components,
+    encode_components,
+)
 from restir_gi.reference.resampling.packing.log_luv import (
     decode_log_luv,
     encode_log_luv,
@@ -167,6 +174,14 @@ def arrays_of(r):
     return r.W, r.M, r.y.position, r.y.normal, r.y.radiance
 
 
+def record_of(r, n):
+    """What is stored of paths whose numbers are those of a reservoir."""
+    bright, none = r.y.radiance, np.zeros(len(n), bool)
+    return rtxdi_path.PathRecord(
+        n, none, n, n, n, n, r.W, r.W, bright, on_light=none, light=n, light_place=n
+    )
+
+
 ENDS = [0.0, 1e-320, 1e-40, 1e-8, 1.0, 65504.0, 65505.0, 1e30, 1e38, 1e39, 1e308]
 
 
@@ -175,11 +190,15 @@ def test_extreme_reservoirs_stay_finite():
     r = reservoirs(*rows.T)
     x, n, none = r.y.position * 1e300, r.y.normal, np.zeros(len(rows), np.uint32)
     _, _, found, _ = paper.unpack(paper.pack(x, n, r, none))
+    paths, record = rtxdi_path.unpack(rtxdi_path.pack(r, record_of(r, none)))
     for array in (
         *arrays_of(found),
         *arrays_of(rtxdi.unpack(rtxdi.pack(r, none, none))[0]),
+        *arrays_of(paths),
+        *(record.partial_jacobian, record.onward_pdf, record.target),
     ):
         assert np.isfinite(array).all()
+    assert not record.on_light.any()
     assert_array_equal(found.W[r.W == 0], 0)
     assert_array_equal(found.M > 0, r.M > 0)
 
@@ -201,6 +220,34 @@ def test_each_field_saturates_at_its_own_end():
     codes = rtxdi.pack(r, count, np.full(rows, 65535))
     for name, largest in (("M", 255), ("age", 255), ("misc", 65535), ("W", F32.max)):
         assert_array_equal(codes[name], largest)
+
+
+def test_paths_saturate_and_mask_at_their_ends():
+    """Floats and halves become their largest numbers; ages and counts lose bits."""
+    radiance, rows = [1e39, np.inf, -np.inf, np.nan], 4
+    M = np.array([65505.0, 65520.0, 1e30, 2049.0])
+    r = reservoirs(radiance, np.full(rows, 1e39), M)
+    record = record_of(r, np.array([31, 32, 256 + 77, 2**32 - 1]))
+    codes = rtxdi_path.pack(r, record)
+    assert codes["M"].tolist() == [65504, 65504, 65504, 2048]
+    assert_array_equal(codes["W"], F32.max)
+    largest = [F32.max, F32.max, -F32.max, 0]
+    assert_array_equal(codes["L_o"].view("f4"), np.repeat([largest], 3, axis=0).T)
+    assert codes["age"].tolist() == [31, 0, 13, 31]
+    for name in ("reconnection_vertex", "path_length", "random_index"):
+        assert codes[name].tolist() == [31, 32, 77, 255]
+
+
+def test_an_infinite_red_stands_for_a_light():
+    """Of either sign, whatever the other two words are; NaN is none."""
+    codes = np.zeros(3, rtxdi_path.RESERVOIR)
+    codes["L_o"] = [[0x7F800000, 1, 2], [0xFF800000, 3, 0x7F800000], [0x7FC00000, 4, 5]]
+    r, path = rtxdi_path.unpack(codes)
+    assert path.on_light.tolist() == [True, True, False]
+    assert path.light.tolist() == [1, 3, 0]
+    assert path.light_place.tolist() == [2, 0x7F800000, 0]
+    assert_array_equal(r.y.radiance[:2], 0)
+    assert (rtxdi_path.pack(r, path)["L_o"][:2, 0] == 0x7F800000).all()
 
 
 def test_a_null_without_a_normal_is_stored_and_stays_a_null():
@@ -356,6 +403,47 @@ def test_the_planted_encoder_without_a_mistake_is_right():
 )
 def test_control_wrong_encoders_exceed_the_angle(wrong):
     assert worst_angle(wrong) > 1.2 * WORST_ANGLE
+
+
+# ---------------------------------------------------------------- components
+
+
+def worst_of_components(encode):
+    """Largest angle of normals in three components, over a dense set."""
+    rng = np.random.default_rng(64)
+    # All three components half-way between codes, and nearly perpendicular to what that
+    # leaves: (x, y, z) with x + y + z = 0, where all are rounded to the same side.
+    x, y = rng.uniform(-0.7, 0.7, (2, 400_000))
+    across = np.rint(UNIT * normalize(np.stack([x, y, -x - y], axis=-1))) + 0.5
+    n = normalize(np.concatenate([spiral(200_000), across, across - 1e-6]))
+    chord = length(n - decode_components(encode(n)))
+    return (2 * np.arcsin(chord / 2)).max()
+
+
+def test_the_worst_angle_of_components_meets_its_bound():
+    """√3 / (2 · 32767); the sine of it, and roundings, are 1e-9 of the bound at most.
+
+    To be near it all three components have to be half-way at once, and so they are in
+    some of many directions.
+    """
+    assert_allclose(WORST_OF_COMPONENTS, 2.643e-5, rtol=1e-4)
+    worst = worst_of_components(encode_components)
+    assert 0.98 * WORST_OF_COMPONENTS < worst <= WORST_OF_COMPONENTS * (1 + 1e-9)
+
+
+def test_control_truncated_components_exceed_the_angle():
+    def truncated(n):
+        return np.floor(UNIT * n + UNIT).astype(np.uint16)
+
+    assert worst_of_components(truncated) > 1.5 * WORST_OF_COMPONENTS
+
+
+def test_what_is_no_direction_has_no_components():
+    odd = np.array([[0.0, 0, 0], [np.nan, 0, 0], [-0.0, np.nan, 0]])
+    assert_array_equal(encode_components(odd), UNIT)
+    assert_array_equal(decode_components(encode_components(odd)), 0)
+    beyond = np.array([[2.0, -2, 0], [np.inf, -np.inf, 1]])
+    assert_array_equal(encode_components(beyond)[:, :2], [[2 * UNIT, 0]] * 2)
 
 
 # ---------------------------------------------------------------- LogLuv

@@ -7,11 +7,10 @@ from itertools import islice
 import numpy as np
 import pytest
 
-from restir_gi.extensions.area_restir import render_area_frames
+from restir_gi.extensions.area_restir import render_area_frames, windows
 from restir_gi.extensions.area_settings import AreaSettings
 from restir_gi.extensions.area_shift import AreaNeighbor, AreaShift, kept_in_place
 from restir_gi.extensions.frame_loop import path_shift
-from restir_gi.extensions.windows import windows
 from restir_gi.reference.frame import FrameContext
 from restir_gi.reference.numerics.records import NONE, take
 from restir_gi.reference.numerics.schedule import Schedule

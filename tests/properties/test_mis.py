@@ -8,7 +8,11 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_array_equal
 
-from restir_gi.reference.resampling.mis import balance_heuristic, one_over_m, one_over_z
+from restir_gi.reference.resampling.reservoir import (
+    balance_heuristic,
+    one_over_m,
+    one_over_z,
+)
 
 K, ROWS = 4, 3
 

@@ -13,7 +13,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from restir_gi.reference.numerics.arrays import length
-from restir_gi.reference.resampling.packing import paper, restir_pt, rtxdi
+from restir_gi.reference.resampling.packing import paper, restir_pt, rtxdi, rtxdi_path
+from restir_gi.reference.resampling.packing.components import (
+    WORST_ANGLE as WORST_OF_COMPONENTS,
+)
+from restir_gi.reference.resampling.packing.components import encode_components
 from restir_gi.reference.resampling.packing.log_luv import RGB_TO_XYZ
 from restir_gi.reference.resampling.packing.octahedral import WORST_ANGLE, encode_normal
 from restir_gi.reference.resampling.packing.rounding import nearest_count, nearest_float
@@ -28,12 +32,16 @@ from restir_gi.reference.strategies import (
 )
 from tests.words import (
     FIELDS,
+    PATH_FIELDS,
     UNIT,
     Fields,
+    PathFields,
     direction,
     half_value,
+    nearest_steps,
     to_bytes,
     words_of_48_bytes,
+    words_of_path,
     words_of_rtxdi,
 )
 
@@ -53,6 +61,27 @@ EXAMPLE = Fields(
     seed=0xDEADBEEF,
 )
 """All fields differ, some are negative: the input of the controls."""
+
+PATH = PathFields(
+    x_s=(1.5, -2.0, 3.25),
+    W=0.3125,
+    n_s=nearest_steps((-3, 5, -4)),
+    M=0x5640,
+    partial_jacobian=2.75,
+    onward_pdf=0.625,
+    L_o=(0.25, 7.5, 11.0),
+    on_light=False,
+    light=0x8000BEEF,
+    light_place=0x1234CAFE,
+    age=19,
+    boosts=True,
+    reconnection_vertex=3,
+    path_length=7,
+    random_index=201,
+    target=(1.25, 17.0, 23.0),
+    seed=0xDEADBEEF,
+)
+"""The same of a path."""
 
 # ---------------------------------------------------------------- bit fields
 
@@ -125,6 +154,40 @@ def faults_of_rtxdi(f, dtype=rtxdi.RESERVOIR, pack=rtxdi.pack):
     return wrong + ["bits"] * (pack(r, age, misc).tobytes() != before)
 
 
+RECORDED = (
+    "age",
+    "boosts",
+    "reconnection_vertex",
+    "path_length",
+    "random_index",
+    "seed",
+    "partial_jacobian",
+    "onward_pdf",
+    "target",
+    "on_light",
+)
+
+
+def faults_of_path(f, dtype=rtxdi_path.RESERVOIR, pack=rtxdi_path.pack):
+    """What is wrong in reading and writing one row of RTXDI's paths."""
+    before = to_bytes(words_of_path(f))
+    codes = by_name(np.frombuffer(before, dtype), rtxdi_path.RESERVOIR)
+    r, path = rtxdi_path.unpack(codes)
+    found = {"x_s": r.y.position, "L_o": r.y.radiance, "W": r.W, "M": r.M}
+    radiance = (0, 0, 0) if f.on_light else f.L_o
+    expected = {"x_s": f.x_s, "L_o": radiance, "W": f.W, "M": half_value(f.M)}
+    found |= {name: getattr(path, name) for name in (*RECORDED, "light", "light_place")}
+    expected |= {name: getattr(f, name) for name in RECORDED}
+    expected["light"] = f.light * f.on_light
+    expected["light_place"] = f.light_place * f.on_light
+    found = {name: np.asarray(column, float) for name, column in found.items()}
+    wrong = differ(found, expected)
+    # A quotient of two numbers that are rounded less than 8 times together.
+    normal = np.array(f.n_s) / np.sqrt(np.sum(np.square(f.n_s)))
+    wrong += differ({"n_s": r.y.normal}, {"n_s": normal}, 8 * EPS)
+    return wrong + ["bits"] * (pack(r, path).tobytes() != before)
+
+
 @given(FIELDS)
 def test_words_of_the_paper(f):
     assert faults_of_48_bytes(f, paper, f.seed) == []
@@ -138,6 +201,11 @@ def test_words_of_restir_pt(f):
 @given(FIELDS)
 def test_words_of_rtxdi(f):
     assert faults_of_rtxdi(f) == []
+
+
+@given(PATH_FIELDS)
+def test_words_of_paths(f):
+    assert faults_of_path(f) == []
 
 
 def reordered(dtype, *names):
@@ -171,6 +239,59 @@ def test_control_another_order_of_the_48_bytes_is_found(order):
 )
 def test_control_another_order_of_rtxdi_is_found(order):
     assert faults_of_rtxdi(EXAMPLE, reordered(rtxdi.RESERVOIR, *order)) != []
+
+
+def exchanged(dtype, one, other):
+    """A layout with two of its fields in each other's place."""
+    names = {one: other, other: one}
+    return reordered(dtype, *(names.get(name, name) for name in dtype.names))
+
+
+@pytest.mark.parametrize("f", [PATH, replace(PATH, on_light=True)])
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        ("x_s", "target"),
+        ("L_o", "target"),
+        ("W", "partial_jacobian"),
+        ("partial_jacobian", "onward_pdf"),
+        ("n_s", "M"),
+        ("age", "reconnection_vertex"),
+        ("reconnection_vertex", "path_length"),
+        ("path_length", "random_index"),
+        ("onward_pdf", "seed"),
+    ],
+)
+def test_control_another_order_of_paths_is_found(f, one, other):
+    assert faults_of_path(f) == []
+    assert faults_of_path(f, exchanged(rtxdi_path.RESERVOIR, one, other)) != []
+
+
+def with_path_field(name, change):
+    """A writer of paths that changes what it writes into a field."""
+
+    def pack(*row):
+        codes = rtxdi_path.pack(*row)
+        codes[name] = change(codes[name])
+        return codes
+
+    return pack
+
+
+@pytest.mark.parametrize(
+    "pack",
+    [
+        # Two's complement in place of an offset.
+        with_path_field("n_s", lambda n: n - UNIT),
+        with_path_field("n_s", lambda n: n + 1),
+        with_path_field("M", lambda M: M.astype("u2").view("f2")),
+        with_path_field("age", lambda age: age & 31),
+        with_path_field("L_o", lambda L: L[:, ::-1]),
+        with_path_field("seed", lambda seed: seed.byteswap()),
+    ],
+)
+def test_control_a_wrong_writer_of_paths_is_found(pack):
+    assert faults_of_path(PATH, pack=pack) == ["bits"]
 
 
 def with_field(name, change):
@@ -252,6 +373,64 @@ def test_errors_of_the_paper_are_within_their_bounds(row):
     assert (found[3] == SEEDS).all()
 
 
+def record_of(r, n):
+    """What is stored of paths whose numbers are those of a reservoir."""
+    return rtxdi_path.PathRecord(
+        *(n, n > 2, n, n, n, n, r.W, r.W, r.y.radiance),
+        on_light=n == 1,
+        light=n,
+        light_place=n,
+    )
+
+
+def excess_of_path(r, path, found, found_path):
+    """Fields of a path that came back with more than their stated error.
+
+    Float64 is exact here, but for angles: the bound on them is a sine, which is off by
+    1.2e-10 of itself, and unit vectors are by as much as in the tests of the others.
+    """
+    floats = {"x_s": (r.y.position, found.y.position), "W": (r.W, found.W)}
+    radiance = np.where(path.on_light[:, None], 0, r.y.radiance)
+    floats["L_o"] = (radiance, found.y.radiance)
+    for name in ("partial_jacobian", "onward_pdf", "target"):
+        floats[name] = (getattr(path, name), getattr(found_path, name))
+    off = {
+        name: abs(b - a) - np.maximum(2.0**-24 * abs(a), 2.0**-150)
+        for name, (a, b) in floats.items()
+    }
+    M = np.minimum(r.M, 65504)
+    exact = (np.rint(M) == M) & (M <= 2048)
+    off["M"] = abs(found.M - M) - np.where(exact, 0, 2.0**-11 * M)
+    off["n_s"] = angle(found.y.normal, r.y.normal) - WORST_OF_COMPONENTS * (1 + 1e-9)
+    return [name for name, error in off.items() if (error > 0).any()]
+
+
+@given(stored())
+def test_errors_of_paths_are_within_their_bounds(row):
+    r, path = row[2], record_of(row[2], SEEDS)
+    found = rtxdi_path.unpack(rtxdi_path.pack(r, path))
+    assert excess_of_path(r, path, *found) == []
+
+
+def test_control_paths_with_errors_exceed_the_bounds():
+    # Whatever a hair below a number of 24 bits, or half a step, can show.
+    below = np.full((1, 3), 1 + 2.0**-22 - 2.0**-40)
+    normal = np.array([[0.6, 0.0, 0.8]])
+    y = Samples(position=below, normal=normal, radiance=below)
+    r, n = Reservoirs(y, W=below[:, 0], M=np.array([2.75])), np.zeros(1, np.uint32)
+    path = record_of(r, n)
+    codes = rtxdi_path.pack(r, path)
+    assert excess_of_path(r, path, *rtxdi_path.unpack(codes)) == []
+    for name in ("x_s", "W", "partial_jacobian", "onward_pdf", "target"):
+        wrong = codes.copy()
+        wrong[name] = toward_0(wrong[name].astype(float) - 2.0**-23, np.float32)
+        assert excess_of_path(r, path, *rtxdi_path.unpack(wrong)) == [name]
+    wrong = codes.copy()
+    wrong["n_s"] = encode_components(normal * [1, 1, -1])
+    wrong["M"] = 2
+    assert excess_of_path(r, path, *rtxdi_path.unpack(wrong)) == ["M", "n_s"]
+
+
 @given(stored())
 def test_restir_pt_rounds_as_the_paper(row):
     codes = restir_pt.pack(*row, SEEDS)
@@ -265,6 +444,7 @@ def test_nulls_stay_nulls_and_others_stay_others(row):
     for found in (
         paper.unpack(paper.pack(*row, SEEDS))[2],
         rtxdi.unpack(rtxdi.pack(r, SEEDS, SEEDS))[0],
+        rtxdi_path.unpack(rtxdi_path.pack(r, record_of(r, SEEDS)))[0],
     ):
         assert ((found.W == 0) == (r.W == 0)).all()
         assert (found.M > 0).all()

@@ -10,9 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
-from restir_gi.extensions.area_paths import PlacedValue
 from restir_gi.extensions.area_restir import area_drawn
-from restir_gi.extensions.area_shift import AreaShift
+from restir_gi.extensions.area_shift import AreaShift, PlacedValue
 from restir_gi.extensions.frame_loop import path_shift
 from restir_gi.gradient_domain.gradient_restir import (
     MINUS,

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from restir_gi.gradient_domain.differences import differences
 from restir_gi.gradient_domain.gradient_restir import edge_neighbors, unlike
 from restir_gi.gradient_domain.pairs import (
     Axis,
@@ -15,6 +14,7 @@ from restir_gi.gradient_domain.pairs import (
     pair_at,
     pixel_pairs,
 )
+from restir_gi.gradient_domain.reconstruction import differences
 from restir_gi.gradient_domain.settings import GradientSettings
 from restir_gi.reference.frame import FrameContext
 from restir_gi.reference.numerics.records import NONE

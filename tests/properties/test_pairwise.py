@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.testing import assert_array_equal
 
-from restir_gi.reference.resampling.mis import balance_heuristic, one_over_m
 from restir_gi.reference.resampling.pairwise import (
     pairwise_canonical,
     pairwise_neighbor,
 )
+from restir_gi.reference.resampling.reservoir import balance_heuristic, one_over_m
 
 K, ROWS = 4, 3
 FORMS = [False, True]

@@ -14,7 +14,9 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from restir_gi.reference.cli.opening import size_in_shape
-from restir_gi.reference.oracle.blackbox.truth import TILES, path_traced
+from restir_gi.reference.oracle.blackbox.convention import Convention
+from restir_gi.reference.oracle.blackbox.evidence import Tolerance
+from restir_gi.reference.oracle.blackbox.tiles import TILES
 from restir_gi.reference.passes.gbuffer import visible_points
 from restir_gi.reference.scene.camera import (
     FOV_AXES,
@@ -26,6 +28,7 @@ from restir_gi.reference.scene.camera import (
 from restir_gi.reference.scene.loaders.load import load_scene
 from restir_gi.reference.scene.named import Named, frames_of
 from restir_gi.reference.transport.world import build_world
+from restir_gi.reference.truth.pictures import PictureTruths
 
 # Directions are unit vectors after some 40 roundings, and the smallest component that
 # is divided by is cos 89.5 degrees = 0.0087: 40 · 2⁻⁵³ / 0.0087 < 1e-12.
@@ -245,7 +248,11 @@ def test_the_truth_of_a_size_is_that_of_the_file_whatever_its_shape(tmp_path):
     (tmp_path / "square").mkdir()
     wide = load_scene(json_file(tmp_path / "wide", "y", (160, 90)))
     square = load_scene(json_file(tmp_path / "square", "y", (64, 64)))
-    found = [path_traced(scene, (16, 16), 1, 2) for scene in (wide, square)]
+    about = (16, 16), Convention(), Tolerance(0.9, 0.9), lambda: 1e6
+    found = [
+        PictureTruths(scene, *about, folder=tmp_path)(Convention())
+        for scene in (wide, square)
+    ]
     assert_array_equal(found[0].mean, found[1].mean)
 
 

@@ -12,9 +12,12 @@ from itertools import islice
 
 import numpy as np
 
-from restir_gi.gradient_domain.differences import Differences, differences
 from restir_gi.gradient_domain.gradient_pt import render_gradient_paths
-from restir_gi.gradient_domain.reconstruction import least_squares
+from restir_gi.gradient_domain.reconstruction import (
+    Differences,
+    differences,
+    least_squares,
+)
 from restir_gi.gradient_domain.settings import GradientPathSettings
 from restir_gi.reference.numerics.rng import Stream
 from restir_gi.reference.transport.accumulate import path_samples

@@ -14,10 +14,10 @@ import pytest
 
 import restir_gi.extensions.area_shift
 from restir_gi.gradient_domain.after_restir import render_after_frames
-from restir_gi.gradient_domain.differences import Differences
 from restir_gi.gradient_domain.gradient_pt import render_gradient_paths
 from restir_gi.gradient_domain.gradient_restir import render_gradient_frames
 from restir_gi.gradient_domain.method import RECONSTRUCT
+from restir_gi.gradient_domain.reconstruction import Differences
 from restir_gi.gradient_domain.settings import (
     AfterSettings,
     GradientPathSettings,

@@ -7,11 +7,19 @@ the truth is the truth and that the bound is one.
 
 import numpy as np
 import pytest
+from scipy.special import stdtr
 
 from restir_gi.reference.oracle.builtin.backend import FLOAT32, FLOAT64
 from restir_gi.reference.oracle.levels.distribution import SCENES, same_distribution
 from restir_gi.reference.oracle.levels.means import mean_over_runs, replicates, truth
 from restir_gi.reference.oracle.levels.spheres import room
+from restir_gi.reference.oracle.statistics.variance import (
+    extended,
+    open_moments,
+    p_values,
+    standard_error,
+)
+from tests.contracts.resamplers import Resampler
 
 
 def ask_right(case):
@@ -44,6 +52,56 @@ def test_control_three_percent_are_found(factor):
     found = mean_over_runs(brighter(factor), "float32", lambda: 60.0)
     assert not found.finding.passed
     assert found.runs < 20000
+
+
+# ---------------------------------------------------------------- by the variance
+
+
+def with_other(**choices):
+    """The loop with passes that are as right, and in which pixels exceed the bound."""
+    resampler = Resampler(**choices)
+
+    def ask(case):
+        own = hasattr(resampler, case.pass_name)
+        backend = resampler if own else FLOAT32
+        return getattr(backend, case.pass_name)(**case.inputs, **case.settings)
+
+    return ask
+
+
+def test_where_no_bound_holds_the_variance_does_not_accuse():
+    """With probability 5e-7 at most; the bets do, which is why they are void there."""
+    found = mean_over_runs(with_other(target="outgoing"), "float32", lambda: 0.0)
+    assert found.by_variance.passed
+    assert "proved" in found.finding.text
+
+
+def test_control_two_percent_are_found_by_the_variance():
+    ask = with_other(weights="balance")
+
+    def darker(case):
+        out = dict(ask(case))
+        if case.pass_name == "shade":
+            out["color"] = out["color"] * np.float32(0.98)
+        return out
+
+    found = mean_over_runs(darker, "float32", lambda: 60.0)
+    assert "-0.02" in found.by_variance.text
+    assert "finite variance" in found.by_variance.text
+
+
+def test_p_values_of_skewed_means_are_not_too_small():
+    """Of 20,000 means of 512 exponential variables some 20 are below 1e-3.
+
+    At most 33: 34 or more have probability 3e-3 if p is right.  The control is
+    Student's p-value alone, which is too small too often, of 80,000 means.
+    """
+    y = np.random.default_rng(5).exponential(size=(4, 512, 20_000))
+    moments = [extended(open_moments(np.ones(20_000)), part) for part in y]
+    assert (p_values(moments[0], 0.0) < 1e-3).sum() <= 33
+    ratios = [np.divide(*standard_error(m)) for m in moments]
+    student = 2 * stdtr(511, -np.abs(np.concatenate(ratios)))
+    assert (student < 1e-3).sum() > 106  # 107 of 80,000 have probability 2e-3
 
 
 def test_without_time_a_bound_is_told_with_what_more_would_buy():
@@ -108,4 +166,20 @@ def test_bets_at_a_raised_level_keep_it():
             ask_right, "float32", lambda: 0.0, alpha=1e-2, first_seed=5000 + run
         )
         alarms += not found.finding.passed
+    assert alarms <= 6
+
+
+@pytest.mark.slow
+def test_the_variance_at_a_raised_level_keeps_it():
+    """Of 100 runs at 1e-2 at most 6 alarms: 7 or more have probability 1e-4."""
+    alarms = 0
+    for run in range(100):
+        found = mean_over_runs(
+            with_other(weights="balance"),
+            "float32",
+            lambda: 0.0,
+            alpha=2e-2,
+            first_seed=7000 + run,
+        )
+        alarms += not found.by_variance.passed  # of the first batch: half of alpha
     assert alarms <= 6

@@ -21,7 +21,7 @@ from restir_gi.figures.gradient_domain.variants import (
     METHODS,
     scene_of,
 )
-from restir_gi.gradient_domain.differences import Differences
+from restir_gi.gradient_domain.reconstruction import Differences
 from restir_gi.reference.numerics.arrays import Scalars
 from restir_gi.reference.numerics.intervals import (
     Interval,

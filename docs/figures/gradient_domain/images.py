@@ -22,8 +22,8 @@ from restir_gi.figures.gradient_domain.variants import (
     WITH,
     scene_of,
 )
-from restir_gi.gradient_domain.differences import Differences
 from restir_gi.gradient_domain.method import RECONSTRUCT
+from restir_gi.gradient_domain.reconstruction import Differences
 from restir_gi.gradient_domain.settings import Reconstruction
 from restir_gi.reference.numerics.arrays import Scalars, Vec3s
 from restir_gi.reference.numerics.intervals import (

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from restir_gi.gradient_domain.differences import Differences, differences
+from restir_gi.gradient_domain.reconstruction import Differences, differences
 from restir_gi.reference.images import metrics
 from restir_gi.reference.images.display import Bytes
 from restir_gi.reference.images.flip import flip_hdr, flip_ldr

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from restir_gi.extensions.area_paths import PlacedValue
+from restir_gi.extensions.area_shift import PlacedValue
 from restir_gi.gradient_domain.after_restir import one_sided
 from restir_gi.gradient_domain.gradient_restir import (
     MINUS,

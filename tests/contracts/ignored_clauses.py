@@ -1,0 +1,812 @@
+"""For each clause of the contract a way to ignore it: which answers would be others.
+
+A way takes a question, the right answers to it and the precision, and tells which rows
+a backend would have wrong that ignores the clause.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+from math import cos, pi, radians
+
+import numpy as np
+
+from restir_gi.reference.oracle.builtin.backend import BuiltIn
+from restir_gi.reference.oracle.diagnosis.diagnose import known_mistakes
+from restir_gi.reference.oracle.parts import judge_of
+from restir_gi.reference.oracle.replay.rules import CONTRACT_RULES
+
+PRECISION = "float32"
+
+
+@dataclass(frozen=True, eq=False)
+class AskedCase:
+    """A case, and what a right backend gives."""
+
+    case: object
+    right: dict
+
+    def wrong(self, outputs=None, rules=CONTRACT_RULES, case=None):
+        """Rows that no rounding explains, (N,) bool."""
+        judge = judge_of(self.case.pass_name)
+        with np.errstate(all="ignore"):
+            found = judge(case or self.case, outputs or self.right, rules, PRECISION)
+        return found.wrong
+
+    def terms(self, name):
+        """A term of the replay of the right answers."""
+        judge = judge_of(self.case.pass_name)
+        found = judge(self.case, self.right, CONTRACT_RULES, PRECISION)
+        return found.terms[name]
+
+
+def right_answers(case):
+    """What the built-in backend gives."""
+    with np.errstate(all="ignore"):
+        own = getattr(BuiltIn(PRECISION), case.pass_name)
+        return own(**case.inputs, **case.settings)
+
+
+Way = Callable[[AskedCase], np.ndarray]
+
+
+@cache
+def _rules(name):
+    return next(h.rules for h in known_mistakes() if h.name == name)
+
+
+def known(*names: str) -> tuple[Way, ...]:
+    """Mistakes that the diagnosis knows: each ignores the clause."""
+    return tuple(
+        lambda asked, name=name: asked.wrong(rules=_rules(name)) for name in names
+    )
+
+
+def given(**changes) -> tuple[Way, ...]:
+    """Backends that see other inputs: each a function of the inputs."""
+
+    def way(asked):
+        inputs = dict(asked.case.inputs)
+        for name, change in changes.items():
+            inputs[name] = change(asked.case.inputs).astype(inputs[name].dtype)
+        return asked.wrong(right_answers(replace(asked.case, inputs=inputs)))
+
+    return (way,)
+
+
+def answered(where, **values) -> tuple[Way, ...]:
+    """Backends that answer other numbers in some rows.
+
+    Parameters
+    ----------
+    where : callable; from what was asked to (N,) bool
+    **values : number, or callable from what was asked to an array
+    """
+
+    def way(asked):
+        rows, outputs = where(asked), dict(asked.right)
+        for name, value in values.items():
+            found = value(asked) if callable(value) else value
+            mask = rows.reshape(rows.shape + (1,) * (outputs[name].ndim - 1))
+            outputs[name] = np.where(mask, found, outputs[name]).astype(
+                outputs[name].dtype
+            )
+        return asked.wrong(outputs) & rows
+
+    return (way,)
+
+
+def set_to(**settings) -> tuple[Way, ...]:
+    """Backends that calculate with other settings."""
+
+    def way(asked):
+        found = {k: v(asked.case) if callable(v) else v for k, v in settings.items()}
+        changed = replace(asked.case, settings={**asked.case.settings, **found})
+        return asked.wrong(case=changed)
+
+    return (way,)
+
+
+# ------------------------------------------------ what rows are
+
+
+def _typical(name):
+    """A density in place of all."""
+
+    def change(inputs):
+        return np.where(inputs[name] > 0, np.float32(1 / (2 * pi)), 0)
+
+    return change
+
+
+def _toward(inputs, x="visible_position", y="position", normal="visible_normal"):
+    v = inputs[y].astype(float) - inputs[x]
+    return (inputs[normal] * v).sum(axis=1)
+
+
+def _below(asked):
+    """Below the horizon, lit, and with light that would be reflected."""
+    i = asked.case.inputs
+    shows = _toward(i, normal="normal") < 0
+    return (_toward(i) < 0) & shows & (i["albedo"] * i["radiance"]).any(axis=1)
+
+
+def _nothing_kept(asked):
+    return asked.terms("sum of w") == 0
+
+
+def _light_in_vain(asked):
+    return _nothing_kept(asked) & asked.right["radiance"].any(axis=1)
+
+
+def _first_has_none(asked):
+    first, second = (asked.terms(f"w of slot {k}") for k in (0, 1))
+    return (first == 0) & (second > 0)
+
+
+def _past(name):
+    return lambda asked: asked.case.inputs[f"past_{name}"]
+
+
+def _edge_on(asked):
+    i = asked.case.inputs
+    sides = [_toward(i, x, "position", "normal") == 0 for x in ("x_from", "x_to")]
+    return np.any(sides, axis=0) & ~_touching(asked)
+
+
+def _touching(asked):
+    i = asked.case.inputs
+    sides = [(i[x] == i["position"]).all(axis=1) for x in ("x_from", "x_to")]
+    return np.any(sides, axis=0)
+
+
+def _scaled_words(asked):
+    return asked.right["words"].astype(float) * 2.0**-32
+
+
+def _low_bits(asked):
+    return (asked.right["words"] & 0xFFFFFF) * 2.0**-24
+
+
+def everywhere(asked):
+    """All rows."""
+    return np.ones(asked.case.rows, bool)
+
+
+def _without(column):
+    def change(inputs):
+        key = inputs["key"].copy()
+        key[:, column] = 0
+        return key
+
+    return change
+
+
+def _zero(*names):
+    def where(asked):
+        return np.any([asked.case.inputs[n] == 0 for n in names], axis=0)
+
+    return where
+
+
+# ------------------------------------------------ search for neighbours, plainly
+
+
+def neighbors(case, rounding=np.rint, halves=True, least=True, clamped=False):
+    """Pass ``neighbors``, once more."""
+    s, i = case.settings, case.inputs
+    width, row = int(s["width"]), np.arange(case.rows)
+    height, n = case.rows // width, i["visible_normal"].astype(float)
+    floor = float(s["min_radius"])
+    radius = np.full(case.rows, max(float(s["radius"]) * width, floor))
+    found = []
+    for k in range(i["u"].shape[1]):
+        u = i["u"][:, k].astype(float)
+        reach = radius * np.sqrt(u[:, 0])
+        x, y = (
+            start + rounding(reach * turn(2 * pi * u[:, 1]))
+            for start, turn in ((row % width, np.cos), (row // width, np.sin))
+        )
+        inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+        if clamped:
+            x, y, inside = x.clip(0, width - 1), y.clip(0, height - 1), inside | True
+        to = np.where(inside, y * width + x, 0).astype(int)
+        z, z_to = (d.astype(float) for d in (i["depth"], i["depth"][to]))
+        alike = (n * n[to]).sum(axis=1) >= cos(radians(float(s["max_angle"])))
+        alike &= np.abs(z - z_to) <= float(s["max_depth"]) * np.maximum(z, z_to)
+        usable = inside & alike & (z > 0) & (z_to > 0)
+        found.append(np.where(usable & (to != row), to, -1))
+        if halves == "itself too":
+            usable = usable & (to != row)
+        narrower = np.maximum(radius / 2, floor if least else 0.0)
+        radius = np.where(usable | (not halves), radius, narrower)
+    return np.stack(found, axis=1).astype(np.int32)
+
+
+def _search(**changes):
+    def way(asked):
+        return asked.wrong({"neighbors": neighbors(asked.case, **changes)})
+
+    return (way,)
+
+
+def _itself(asked):
+    """The pixel in place of −1."""
+    wrong = neighbors(asked.case)
+    itself = asked.case.inputs["u"][:, :, 0] == 0
+    seen = (asked.case.inputs["depth"] > 0)[:, None] & itself
+    row = np.arange(len(wrong))[:, None]
+    return asked.wrong({"neighbors": np.where(seen, row, wrong).astype(np.int32)})
+
+
+def _in_layout(layout, **values) -> tuple[Way, ...]:
+    """Backends that answer other numbers in one layout.
+
+    Parameters
+    ----------
+    **values : callable, from an output to another one
+    """
+
+    def way(asked):
+        if asked.case.settings.get("layout", "paper") != layout:
+            return np.zeros(asked.case.rows, bool)
+        changed = {n: value(asked.right[n]) for n, value in values.items()}
+        return asked.wrong(asked.right | changed)
+
+    return (way,)
+
+
+def _exchanged(one, other):
+    """Words of which two change places."""
+
+    def change(words):
+        found = words.copy()
+        found[:, [one, other]] = words[:, [other, one]]
+        return found
+
+    return change
+
+
+# ------------------------------------------------ the clauses
+
+
+PLACES_OF_RTXDI = (
+    "rtxdi-m-and-age-exchanged",
+    "rtxdi-misc-below",
+    "rtxdi-w-before-radiance",
+    "rtxdi-normal-last",
+)
+PLACES_OF_PATHS = (
+    "rtxdi-path-m-below-z",
+    "rtxdi-path-density-before-jacobian",
+    "rtxdi-path-target-before-radiance",
+    "rtxdi-path-lengths-exchanged",
+    "rtxdi-path-age-above",
+    "rtxdi-path-boosts-in-bit-5",
+)
+
+TARGET = known("target-always-scattered", "target-always-outgoing")
+STREAM = {
+    "the target is the one that is asked for": TARGET,
+    "W is divided by the target of what is kept": known("target-of-the-first"),
+    "M is capped when it is stored": known("never-capped", "cap-off-by-one"),
+    "M counts where nothing is kept": answered(_nothing_kept, M=0),
+    "W = 0 where nothing is kept although there is light": answered(
+        _light_in_vain, W=1
+    ),
+}
+TEMPORAL = STREAM | {
+    "the past has w₀ = p̂ W₀ M₀": known(
+        "confidence-missing-in-weight",
+        "target-missing-in-weight",
+        "dropped-where-w-large",
+    ),
+    "the new sample has the density of its row": (
+        *known("density-left-out", "density-multiplied"),
+        *given(new_pdf=_typical("new_pdf")),
+    ),
+    "w₁ = 0 where pdf is 0": given(
+        new_pdf=lambda i: np.where(i["new_pdf"] == 0, 1, i["new_pdf"])
+    ),
+    "the new sample is kept where u (w₀ + w₁) < w₁": known(
+        "accepts-by-the-old-sum", "keeps-the-other-side", "always-accepts"
+    ),
+    "the new sample is kept where w₀ = 0 < w₁": answered(
+        _first_has_none,
+        **{name: _past(name) for name in ("position", "normal", "radiance")},
+    ),
+    "Z counts both, before the cap": known("capped-before-weight", "first-not-counted"),
+    "nulls count, in the past and now": known(
+        "nulls-not-counted", "reused-nulls-not-counted"
+    ),
+    "an empty past does not count": known("empty-counts"),
+}
+SHIFTED = {
+    "w has the Jacobian of the shift": known(
+        "jacobian-omitted",
+        "jacobian-inverted",
+        "jacobian-unsquared",
+        "jacobian-without-cosines",
+    ),
+    "J is not limited": known(
+        "jacobian-clamped-to-3", "jacobian-at-most-10", "jacobian-rejected-beyond-10"
+    ),
+    "w = 0 where the receiver does not see the sample": known(
+        "visibility-missing-in-weight"
+    ),
+    "M of what is not seen counts": known("hidden-not-counted"),
+    "w = 0 below the horizon and where the back is seen": known(
+        "light-below-the-horizon", "back-of-sample-shines"
+    ),
+    "the sum is divided as it is asked for": known("one-over-m", "one-over-z-where-m"),
+    "the domain asks the horizon of the source": known(
+        "receivers-target-in-z", "horizon-missing-in-z"
+    ),
+    "the domain asks on which side the sample shines": known("side-missing-in-z"),
+    "the domain asks what the source sees": known("visibility-missing-in-z"),
+    "the domain asks the view of the source": known(
+        "view-of-the-receiver-in-the-domain"
+    ),
+    "who made the sample is in the domain": known("maker-missing-in-z"),
+}
+
+
+def _scatters(where):
+    """Of passes that evaluate f: mistakes of that pass."""
+    return {
+        "a declared surface has its lobe beside the diffuse part": known(
+            f"{where}-lobe-left-out", f"{where}-diffuse-left-out"
+        ),
+        "a declared surface takes F at the half vector": known(
+            f"{where}-fresnel-at-the-normal", f"{where}-fresnel-left-out"
+        ),
+        "a declared surface is 0 where the view is below the horizon": known(
+            f"{where}-diffuse-seen-from-below"
+        ),
+    }
+
+
+WAYS: dict[str, dict[str, tuple[Way, ...]]] = {
+    "random": {
+        "each word of the key changes the numbers": tuple(
+            way for word in range(4) for way in given(key=_without(word))
+        ),
+        "u takes the upper 24 bits of a word": (
+            *answered(everywhere, u=_scaled_words),
+            *answered(everywhere, u=_low_bits),
+        ),
+    },
+    "direction": {
+        "the cosine with the normal is that of the source": known(
+            "directions-of-the-other-sampler", "direction-root-forgotten"
+        ),
+        "the density is that of the source": known(
+            "density-of-the-other-sampler", "uniform-density-for-cosine"
+        ),
+        "the azimuth is 2π u₁": known("half-of-the-azimuths", "azimuth-in-turns"),
+        "directions leave on the side of the normal": known("normal-points-inward"),
+    },
+    "target": {
+        "scattered has albedo, cos θ and 1/π": known(
+            "target-without-albedo", "target-without-cosine", "target-without-pi"
+        ),
+        "outgoing has none of them": known("target-always-scattered"),
+        "luminance has the weights of Rec. 709": known(
+            "luminance-of-rec-601", "mean-of-channels"
+        ),
+        "0 where the sample is below the horizon": known(
+            "light-below-the-horizon", "outgoing-without-horizon"
+        ),
+        "0 where the sample shows its back": known("back-of-sample-shines"),
+        **_scatters("target"),
+    },
+    "jacobian": {
+        "the cosines are those at x_s, the receiver's above": known(
+            "jacobian-without-cosines",
+            "jacobian-cosines-upside-down",
+        ),
+        "the distances are squared, the source's above": known(
+            "jacobian-unsquared", "jacobian-distances-upside-down"
+        ),
+        "J is not limited": known(
+            "jacobian-clamped-to-3",
+            "jacobian-at-most-10",
+            "jacobian-rejected-beyond-10",
+        ),
+        "the back of the patch counts as its front": known("jacobian-cut-at-the-back"),
+        "0 where cos φ_from or cos φ_to is 0": answered(_edge_on, jacobian=1),
+        "0 where points touch": answered(_touching, jacobian=1),
+    },
+    "merge": {
+        "the second is kept where u (w_a + w_b) < w_b": known(
+            "accepts-by-the-old-sum", "keeps-the-other-side", "always-accepts"
+        ),
+        "a weight is kept beside 0, whatever u is": answered(
+            lambda a: (a.case.inputs["w_a"] == 0) & (a.case.inputs["w_b"] > 0),
+            second=0,
+        ),
+        "a weight of 0 is never kept beside another": answered(
+            lambda a: (
+                (a.case.inputs["w_b"] == 0)
+                & (a.case.inputs["u"] == 0)
+                & (a.case.inputs["w_a"] > 0)
+            ),
+            second=1,
+        ),
+        "w and M are sums, M of what has no weight too": (
+            *known("sum-of-weights-lost", "confidence-lost"),
+            *answered(_zero("w_b"), M=lambda a: a.case.inputs["M_a"]),
+        ),
+    },
+    "finalize": {
+        "w is divided by Z and by p̂": known(
+            "not-normalized", "not-divided-by-target", "normalized-twice"
+        ),
+        "W is not limited": known("weight-cut-at-10"),
+        "0 where p̂ is 0": answered(_zero("p_hat"), W=1),
+        "0 where Z is 0": answered(_zero("Z"), W=1),
+    },
+    "similar": {
+        "the normals differ by max_angle at most": set_to(max_angle=180.0),
+        "the depths differ by max_depth of the larger at most": (
+            *set_to(max_depth=10.0),
+            *known("depth-relative-to-own"),
+        ),
+        "0 where a depth is 0": answered(
+            lambda a: (a.case.inputs["depth_a"] == 0) & (a.case.inputs["depth_b"] == 0),
+            similar=1,
+        ),
+    },
+    "initial": {
+        "the target is the one that is asked for": TARGET,
+        "W has the density of its row": (
+            *known("density-left-out", "density-multiplied"),
+            *given(pdf=_typical("pdf")),
+        ),
+        "nulls count": known("nulls-not-counted"),
+        "W = 0 where pdf is 0": answered(
+            lambda a: (a.case.inputs["pdf"] == 0) & (a.right["p_hat"] > 0), W=1
+        ),
+        "W = 0 where p̂ is 0 although there is light": answered(
+            lambda a: (a.right["p_hat"] == 0) & a.case.inputs["radiance"].any(axis=1),
+            W=1,
+        ),
+    },
+    "temporal": TEMPORAL,
+    "moved": TEMPORAL
+    | SHIFTED
+    | {
+        "the domain asks the albedo of the source": given(
+            past_albedo=lambda i: np.ones_like(i["past_albedo"])
+        ),
+    },
+    "neighbors": {
+        "the radius is a share of the width": set_to(
+            radius=lambda case: 0.5 * case.settings["radius"]
+        ),
+        "offsets are uniform on the disk": given(u=lambda i: i["u"] ** [2, 1]),
+        "offsets are rounded to the nearest whole": (
+            *_search(rounding=np.floor),
+            *_search(rounding=np.trunc),
+        ),
+        "−1 outside of the image": _search(clamped=True),
+        "−1 where the pixel is not similar": (
+            *set_to(max_angle=180.0),
+            *set_to(max_depth=10.0),
+            *known("depth-relative-to-own"),
+        ),
+        "the radius halves after a failure": known("radius-not-halved"),
+        "the radius does not fall below the least": _search(least=False),
+        "the pixel itself is −1": (_itself,),
+        "the pixel itself does not halve the radius": _search(halves="itself too"),
+    },
+    "spatial": STREAM
+    | SHIFTED
+    | {
+        "reused samples have w = p̂ W M": known(
+            "confidence-missing-in-weight",
+            "target-missing-in-weight",
+            "dropped-where-w-large",
+            "neighbors-counted-double",
+        ),
+        "the stream is past, own and neighbours in order": known(
+            "stream-reversed", "canonical-not-merged"
+        ),
+        "each decision has a number of its own": known(
+            "one-number-for-all-neighbors", "one-number-for-all-decisions"
+        ),
+        "a candidate is kept where u (w_before + w) < w": known(
+            "accepts-by-the-old-sum", "keeps-the-other-side", "always-accepts"
+        ),
+        "Z adds the M of each, before the cap": known(
+            "capped-before-weight", "last-confidence-in-z", "one-each-in-z"
+        ),
+        "nulls count": known("reused-nulls-not-counted"),
+        "empty rows do not count": known("empty-counts"),
+        "a neighbour −1 has no weight and no M": known(
+            "rejected-counted", "none-is-pixel-0"
+        ),
+        "past and own are always in the domain": known("canonical-missing-in-z"),
+        "the domain asks the albedo of the source": given(
+            albedo=lambda i: np.ones_like(i["albedo"])
+        ),
+    },
+    "shade": {
+        "the integrand has albedo, cos θ and 1/π": known(
+            "shade-without-albedo", "shade-without-cosine", "shade-without-pi"
+        ),
+        "the integrand is multiplied by W": known("shade-without-weight"),
+        "0 where the sample is below the horizon": answered(_below, color=1),
+        "0 where the sample shows its back": known("shade-back-of-sample"),
+        **_scatters("shade"),
+    },
+    "gbuffer": {
+        "rays go through the centres of pixels": known("pixel-corner"),
+        "y counts downwards, x to the right": known(
+            "image-upside-down", "image-mirrored"
+        ),
+        "the angle of view is the horizontal one": known("angle-of-the-height"),
+        "up is made orthogonal to the view": known("up-as-it-is"),
+        "the depth is along the axis": known("distance-for-depth"),
+        "nothing behind the pinhole is hit": known("behind-the-camera"),
+        "the normal is turned to the side that is seen": known("normal-not-turned"),
+        "triangles are met from both sides": known("back-faces-not-met"),
+        "all is 0 where there is no hit": answered(
+            lambda a: a.right["hit"] == 0, depth=1
+        ),
+    },
+    "reproject": {
+        "the place is cut off to a whole pixel": known(
+            "place-rounded", "place-half-a-pixel-aside"
+        ),
+        "places outside of the image have no row": known(
+            "place-clamped", "place-beyond-the-border", "place-truncated"
+        ),
+        "points behind the pinhole have no row": known("behind-the-camera"),
+        "misses have no row": known("misses-go-on"),
+        "the normal is that of the place before": known(
+            "own-pixel-tested", "normals-not-tested"
+        ),
+        "the depth is that of the place before": known(
+            "own-depth-tested", "similarity-not-tested"
+        ),
+        "the depths differ by max_depth of the larger at most": known(
+            "place-depth-relative-to-own"
+        ),
+        "the angle of view is the horizontal one": known("angle-of-the-height"),
+        "up is made orthogonal to the view": known("up-as-it-is"),
+    },
+    "validation": {
+        "the tolerance is relative to the larger luminance": known(
+            "validation-absolute",
+            "validation-relative-to-then",
+            "validation-relative-to-now",
+        ),
+        "luminance has the weights of Rec. 709": known(
+            "filters-by-rec-601", "validation-by-channels"
+        ),
+        "samples that became darker, and brighter, are cleared": known(
+            "validation-of-darker-alone", "validation-of-brighter-alone"
+        ),
+        "nulls stay": known("validation-clears-nulls", "validation-asks-nulls"),
+        "a sample that is no longer met is cleared": known("validation-without-ray"),
+        "M is cleared too": known("validation-keeps-m"),
+    },
+    "boiling": {
+        "light is luminance times W": known("boiling-by-w-alone", "boiling-without-w"),
+        "luminance has the weights of Rec. 709": known("filters-by-rec-601"),
+        "the mean is that of pixels with light": known("boiling-mean-over-all"),
+        "tiles have 16 × 16 pixels and are cut off": known(
+            "boiling-tiles-of-8", "boiling-mean-of-the-image"
+        ),
+        "the limit has the strength in both factors": known(
+            "boiling-limit-not-divided"
+        ),
+        "M is cleared too": known("boiling-keeps-m"),
+    },
+    "checkerboard": {
+        "the half changes from frame to frame": known(
+            "checkerboard-stands-still", "checkerboard-other-half"
+        ),
+        "rows and columns take turns": known(
+            "checkerboard-of-columns", "checkerboard-of-pixel-numbers"
+        ),
+        "pixels without history draw": known("checkerboard-without-history"),
+    },
+    "roulette": {
+        "tiles decide together, and are cut off at the right": known(
+            "roulette-by-pixels", "roulette-tiles-rounded-down"
+        ),
+        "the frame and the seed are in the key": (
+            *known("roulette-stands-still"),
+            *set_to(seed=5),
+        ),
+        "what goes on is divided by the probability": known("roulette-not-divided"),
+        "u = probability does not go on": set_to(
+            probability=lambda case: case.settings["probability"] * (1 + 2.0**-20)
+        ),
+    },
+    "pack": {
+        "the fields stand in their places": known(
+            "v-before-u", "m-before-blue", "seed-before-w", "halves-from-above"
+        ),
+        "the lower half of normals is folded": known("octahedron-not-folded"),
+        "normals are divided by |x| + |y| + |z|": known("octahedron-not-divided"),
+        "the sign of 0 is +1": known("sign-of-0-is-0"),
+        "numbers are rounded to nearest": known(
+            "pack-halves-toward-0", "pack-normals-toward-0"
+        ),
+        "what is too large becomes the largest": known(
+            "pack-halves-overflow", "pack-m-wraps"
+        ),
+        "small halves are kept": known("small-halves-are-0"),
+        "a positive M becomes 1 at least": known("pack-m-becomes-0"),
+        "restir_pt: the last word is the age": _in_layout(
+            "restir_pt", words=_exchanged(10, 11)
+        ),
+        "rtxdi: the fields stand in their places": known(*PLACES_OF_RTXDI),
+        "rtxdi: M and age are 255 at most": known(
+            "rtxdi-m-runs-over",
+            "rtxdi-m-wraps",
+            "rtxdi-age-runs-over",
+            "rtxdi-age-wraps",
+        ),
+        "rtxdi: the application's bits are kept": known("rtxdi-misc-left-out"),
+        "rtxdi: L is a logarithm to the base 2": known("log-luv-natural"),
+        "rtxdi: level and chromaticities are rounded down": known("log-luv-rounded"),
+        "rtxdi: u′ stands above v′": known("log-luv-v-first"),
+        "rtxdi_path: the fields stand in their places": known(*PLACES_OF_PATHS),
+        "rtxdi_path: a component of 0 has the code 32767": known(
+            "rtxdi-path-normal-with-sign"
+        ),
+        "rtxdi_path: components are rounded to nearest": known(
+            "rtxdi-path-normals-cut"
+        ),
+        "rtxdi_path: M is a half, 65504 at most": known(
+            "rtxdi-path-m-overflows", "rtxdi-path-m-is-a-count"
+        ),
+        "rtxdi_path: of an age five bits are kept": known(
+            "rtxdi-path-age-runs-over", "rtxdi-path-age-stops"
+        ),
+        "rtxdi_path: a light that was sampled has an infinite red": (
+            *known("rtxdi-path-light-not-marked"),
+            *_in_layout("rtxdi_path", words=_exchanged(9, 10)),
+        ),
+    },
+    "unpack": {
+        "the fields stand in their places": known(
+            "v-before-u", "m-before-blue", "seed-before-w", "halves-from-above"
+        ),
+        "the lower half of normals is folded": known("octahedron-not-folded"),
+        "codes have a sign, and −32768 is −32767": known(
+            "unpack-without-sign", "octahedron-by-32768"
+        ),
+        "M has no sign": known("unpack-m-with-sign"),
+        "normals are made unit vectors": known("unpack-not-normalized"),
+        "small halves are kept": known("small-halves-are-0"),
+        "infinity is the largest number, NaN is 0": answered(
+            lambda a: np.abs(a.right["radiance"]).max(axis=1) >= np.float32(65504),
+            radiance=0,
+        ),
+        "restir_pt: the last word is the age": _in_layout(
+            "restir_pt", age=lambda age: age + np.uint32(1)
+        ),
+        "rtxdi: the fields stand in their places": known(*PLACES_OF_RTXDI),
+        "rtxdi: a cell is read at its middle": known("log-luv-without-half"),
+        "rtxdi: L is a logarithm to the base 2": known("log-luv-natural"),
+        "rtxdi: u′ stands above v′": known("log-luv-v-first"),
+        "rtxdi: channels are 0 at least": known("log-luv-negative"),
+        "rtxdi_path: the fields stand in their places": known(*PLACES_OF_PATHS),
+        "rtxdi_path: a component of 0 has the code 32767": known(
+            "rtxdi-path-normal-with-sign"
+        ),
+        "rtxdi_path: normals are made unit vectors": known(
+            "rtxdi-path-normals-not-normalized"
+        ),
+        "rtxdi_path: M is a half": known("rtxdi-path-m-is-a-count"),
+        "rtxdi_path: an age has five bits": known("rtxdi-path-age-not-masked"),
+        "rtxdi_path: an infinite red stands for a light": known(
+            "rtxdi-path-light-not-marked"
+        ),
+    },
+    "path_reuse": {
+        "the weight has the Jacobian once": known(
+            "reuse-jacobian-left-out", "reuse-jacobian-divides", "reuse-jacobian-twice"
+        ),
+        "the target is that at the receiver": known("reuse-target-of-the-donor"),
+        "nulls count": known("reuse-nulls-not-counted"),
+        "slots without a source do not count": known("reuse-empty-slots-counted"),
+        "the sum is divided as it is asked for": known(
+            "reuse-one-over-m", "reuse-z-for-balance", "reuse-balance-for-z"
+        ),
+        "only those count in 1/Z that could have made the sample": known(
+            "reuse-z-of-everybody", "reuse-maker-not-in-z"
+        ),
+        "the maker's target is brought into the receiver's measure": known(
+            "reuse-made-without-jacobian",
+            "reuse-made-times-jacobian",
+            "reuse-made-at-the-receiver",
+        ),
+        "pairs compare source and receiver": known(
+            "reuse-pairs-exchanged",
+            "reuse-pairs-canonical-in-s",
+            "reuse-pairs-times-confidence",
+            "reuse-pairs-divided-again",
+        ),
+        "the canonical sample has its share": known(
+            "reuse-canonical-counts-whole",
+            "reuse-canonical-forgotten",
+            "reuse-defensive-without-canonical",
+        ),
+        "M is capped on the way out, and nothing else": known(
+            "reuse-never-capped",
+            "reuse-capped-beforehand",
+            "reuse-capped-in-weights-alone",
+            "reuse-w-capped-with-m",
+        ),
+        "u decides as in every stream": known("reuse-u-turned"),
+        "W = 0 where no weight arrives": answered(lambda a: a.right["W"] == 0, W=1),
+    },
+    "joinable": {
+        "thresholds are perceptual roughness": known("alpha-for-roughness"),
+        "both ends are rough": known("first-end-rough", "second-end-rough"),
+        "single directions are not joined": known("single-directions-joined"),
+        "the distance is above the least one, in extents": known(
+            "least-distance-not-asked", "least-distance-in-metres"
+        ),
+        "0 where the distance is 0": answered(_zero("distance"), joinable=1),
+    },
+    "path_jacobian": {
+        "the offset path stands above": known("path-jacobian-inverted"),
+        "the densities are in it": known(
+            "path-jacobian-without-left-density", "path-jacobian-without-onward-density"
+        ),
+        "the solid angles are in it": known(
+            "path-jacobian-without-cosine",
+            "path-jacobian-distance-once",
+            "path-jacobian-without-distance",
+        ),
+        "0 where any factor is 0": answered(
+            lambda a: a.right["jacobian"] == 0, jacobian=1
+        ),
+    },
+    "shift": {
+        "both ends of a joint are rough": known("first-end-rough", "second-end-rough"),
+        "the joint is far enough away": known("least-distance-not-asked"),
+        "the joint is seen, from its front": known(
+            "hidden-joint-accepted", "joint-seen-from-behind"
+        ),
+        "a path that could be joined earlier does not exist": known(
+            "earlier-joints-accepted", "joint-before-accepted"
+        ),
+        "points left by a delta lobe are no joints": known(
+            "delta-left-is-no-joint-forgotten"
+        ),
+        "the walk is long enough": known("path-length-not-asked"),
+        "points beyond the last joint are not joined": set_to(last_joint=127),
+        "only joints at x_2 where replays is 0": known("replays-not-asked"),
+        "the throughput is the offset path's": known(
+            "bases-throughput", "throughput-left-out"
+        ),
+        "the density at x_c is divided by, but not where the light was chosen": known(
+            "chosen-light-has-a-density", "offset-without-onward-density"
+        ),
+        "the share is that of the offset path and of its technique": known(
+            "share-of-the-base", "share-of-the-other-technique", "share-left-out"
+        ),
+        "the share is 1 where pdf_light is 0": answered(
+            lambda a: (
+                (a.case.inputs["pdf_light"] == 0)
+                & (a.case.inputs["technique"] == 1)
+                & (a.case.inputs["joint"] == a.case.inputs["end"])
+                & (a.right["jacobian"] > 0)
+            ),
+            value=0,
+            jacobian=0,
+        ),
+        "the Jacobian is that of the offset path over the base path": known(
+            "path-jacobian-inverted", "path-jacobian-omitted", "offset-distance-once"
+        ),
+        "the Jacobian of what is replayed is 1": known("replayed-over-density"),
+    },
+}
