@@ -70,12 +70,15 @@ class Bounded:
     def __mul__(self, other: "Bounded") -> "Bounded":
         a, b = np.abs(self.value), np.abs(other.value)
         with np.errstate(invalid="ignore", over="ignore"):
-            error = a * other.error + self.error * b + self.error * other.error
-        # Of an exact 0 nothing is left, even times what is not known at all.
-        none = ((a == 0) & (self.error == 0)) | ((b == 0) & (other.error == 0))
-        error = np.where(np.isnan(error), np.where(none, 0.0, np.inf), error)
-        flushed = np.where((a > 0) & (b > 0), self.rounding.tiny, 0.0)
-        return self._result(self.value * other.value, error + flushed)
+            error = a * other.error + self.error * (b + other.error)
+            unknown = np.isnan(error)
+            if unknown.any():
+                # Of an exact 0 nothing is left, even times what is not known at all.
+                none = (a == 0) & (self.error == 0) | (b == 0) & (other.error == 0)
+                error = np.where(unknown, np.where(none, 0.0, np.inf), error)
+            flushed = self.rounding.tiny * ((a > 0) & (b > 0))
+            error = error + flushed + self.rounding.unit * (a * b)
+            return Bounded(self.value * other.value, error, self.rounding)
 
     def __truediv__(self, other: "Bounded") -> "Bounded":
         """Quotient; 0 over an exact 0, and a bound of infinity over what may be 0."""
