@@ -21,7 +21,9 @@ may have any subset; what is missing is not judged. Each pass is a function of t
 buffers that it is given: nothing is kept between calls, and random numbers and
 visibility are data, so that neither a ray tracer nor a generator of the same kind is
 needed.
+"""
 
+RULES = """\
 **Buffers.** N rows each; a row is an element of a storage buffer. A frame's rows are
 its pixels, row = y · width + x, from the top left. Numbers are little-endian and
 tightly packed in C order: a vector is three reals, without padding.
@@ -94,7 +96,26 @@ PREFIXES = ("", "past_")
 
 def describe(passes: Passes) -> str:
     """Page of the contract, in Markdown."""
-    return "".join((INTRODUCTION, _surfaces(), *map(_section, passes.values())))
+    sections = map(_section, passes.values())
+    return "".join((INTRODUCTION, _table(passes), RULES, _surfaces(), *sections))
+
+
+def _table(passes: Passes) -> str:
+    """All passes, each with a link to its section."""
+    rows = "".join(
+        f"| [`{name}`](#{name}) | {_cell(one.summary)} | {_declared(one)} |\n"
+        for name, one in passes.items()
+    )
+    return (
+        f"\n| pass | what it calculates | declared settings |\n|---|---|---|\n{rows}\n"
+    )
+
+
+def _declared(one: Pass) -> str:
+    """Values that are asked only of backends that declare them."""
+    return ", ".join(
+        f"`{s.name}`: {_cell(' | '.join(s.more))}" for s in one.settings if s.more
+    )
 
 
 def _surfaces() -> str:
