@@ -42,6 +42,9 @@ class Case:
         Inputs are what came out of the backend's own storage, so that nothing is lost
         once more as they are read.  For some it says by how much the backend's numbers
         may differ where its decoder rounds.  ``None``: they are the numbers themselves.
+    around : Case or None
+        The case whose rows the neighbours are, of one that has some of its rows alone;
+        ``None``: this one.
     """
 
     name: str
@@ -52,6 +55,7 @@ class Case:
     width: int | None = None
     beyond: Masks | None = None
     decoded: Mapping[str, Scalars] | None = None
+    around: "Case | None" = None
 
     @property
     def rows(self) -> int:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from restir_gi.reference.oracle.contract.fields import Pass, Passes, Precision
 from restir_gi.reference.oracle.contract.registry import CONTRACT
 from restir_gi.reference.oracle.diagnosis.hypothesis import Hypothesis
+from restir_gi.reference.oracle.replay.blocks import BY_ROW, in_blocks
 from restir_gi.reference.oracle.replay.judges import JUDGES, Judge
 from restir_gi.reference.system.errors import UsageError
 
@@ -133,5 +134,6 @@ def whole_contract() -> Passes:
 def judge_of(pass_name: str) -> Judge:
     """What judges a pass, from case, outputs, rules and precision to a `Judgement`."""
     if pass_name in JUDGES:
-        return JUDGES[pass_name]
+        judge = JUDGES[pass_name]
+        return in_blocks(judge) if pass_name in BY_ROW else judge
     return next(p.judges[pass_name] for p in parts() if pass_name in p.judges)

@@ -12,6 +12,7 @@ import numpy as np
 from restir_gi.reference.numerics.arrays import Masks, Scalars
 from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.replay.blocks import blocks
 from restir_gi.reference.oracle.replay.mis import CHAINED, with_mis_weights
 from restir_gi.reference.oracle.replay.resampling import COPIED, held_by
 from restir_gi.reference.oracle.replay.reuse import STREAMS
@@ -76,6 +77,20 @@ def candidates_of(
     """
     if rules.normalization in CHAINED:
         return None
+    found = [
+        _candidates(part, {n: a[at] for n, a in outputs.items()}, rules, precision)
+        for at, part in blocks(case)
+    ]
+    w, error, same, held, shown = (
+        np.concatenate([getattr(one, name) for one in found], axis=-1)
+        for name in ("w", "error", "same", "held", "shown")
+    )
+    return replace(found[0], w=w, error=error, same=same, held=held, shown=shown)
+
+
+def _candidates(
+    case: Case, outputs: Buffers, rules: Rules, precision: Precision
+) -> StreamChances:
     slots, closing = STREAMS[case.pass_name](case, rules, precision)
     held = held_by(outputs, slots, rules)
     asked = closing.mis if rules.normalization == "asked" else rules.normalization

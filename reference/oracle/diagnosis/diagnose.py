@@ -23,13 +23,14 @@ from restir_gi.reference.oracle.diagnosis.search import (
     single,
 )
 from restir_gi.reference.oracle.diagnosis.shading import SHADING
-from restir_gi.reference.oracle.diagnosis.subsets import BY_ROW, judged, whole
 from restir_gi.reference.oracle.diagnosis.subsets import explained as reproduces
+from restir_gi.reference.oracle.diagnosis.subsets import judged, whole
 from restir_gi.reference.oracle.diagnosis.surfaces import SURFACES
 from restir_gi.reference.oracle.diagnosis.targets import TARGETS
 from restir_gi.reference.oracle.diagnosis.weights import WEIGHTS
 from restir_gi.reference.oracle.levels.probe import Answer
 from restir_gi.reference.oracle.parts import parts
+from restir_gi.reference.oracle.replay.blocks import BY_ROW
 from restir_gi.reference.oracle.replay.mis import OWN
 from restir_gi.reference.oracle.replay.rules import CONTRACT_RULES
 

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from restir_gi.reference.numerics.arrays import Indices, Masks
 from restir_gi.reference.oracle.contract.fields import Precision
 from restir_gi.reference.oracle.diagnosis.subsets import (
-    BY_ROW,
     AskedRows,
     judged,
     some_rows,
 )
+from restir_gi.reference.oracle.replay.blocks import BY_ROW
 from restir_gi.reference.oracle.replay.judgement import Compared
 from restir_gi.reference.oracle.replay.resampling import COPIED, held_by
 from restir_gi.reference.oracle.replay.reuse import stream_of

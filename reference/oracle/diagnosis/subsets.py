@@ -8,23 +8,10 @@ from restir_gi.reference.numerics.arrays import Indices, Masks
 from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.oracle.contract.fields import Precision
 from restir_gi.reference.oracle.parts import judge_of
+from restir_gi.reference.oracle.replay.blocks import rows_of
 from restir_gi.reference.oracle.replay.judgement import Judgement
 from restir_gi.reference.oracle.replay.mis import UNBIASED
 from restir_gi.reference.oracle.replay.rules import Rules
-
-BY_ROW = (
-    "target",
-    "jacobian",
-    "merge",
-    "finalize",
-    "similar",
-    "initial",
-    "temporal",
-    "moved",
-    "spatial",
-    "shade",
-)
-"""Passes whose rows can be asked about apart; `spatial` with their neighbours."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,31 +41,9 @@ def some_rows(asked: AskedRows, rows: Indices) -> AskedRows:
     ----------
     rows : (K,) int
     """
-    case, inputs = asked.case, dict(asked.case.inputs)
-    taken = np.unique(rows)
-    if "neighbors" in inputs:
-        # Row 0 stays the first: there are those who read it for none.
-        around = inputs["neighbors"][taken].ravel()
-        taken = np.unique(np.concatenate([[0], taken, around[around >= 0]]))
-    place = np.zeros(case.rows, int)
-    place[taken] = np.arange(len(taken))
-    looked_at = np.isin(taken, rows) & asked.rows[taken]
-    found = {name: array[taken] for name, array in inputs.items()}
-    if "neighbors" in inputs:
-        at = np.maximum(found["neighbors"], 0)
-        there = (found["neighbors"] >= 0) & looked_at[:, None]
-        found["neighbors"] = np.where(there, place[at], -1).astype(at.dtype)
-    outputs = {name: np.asarray(a)[taken] for name, a in asked.outputs.items()}
-    decoded = {n: a[taken] for n, a in case.decoded.items()} if case.decoded else None
-    cut = replace(
-        case,
-        inputs=found,
-        random=False,
-        width=None,
-        beyond=None,
-        decoded=decoded if case.decoded else case.decoded,
-    )
-    return AskedRows(cut, outputs, looked_at)
+    outputs = {name: np.asarray(a)[rows] for name, a in asked.outputs.items()}
+    cut = replace(rows_of(asked.case, rows), random=False, beyond=None)
+    return AskedRows(cut, outputs, asked.rows[rows])
 
 
 def judged(

@@ -2,13 +2,13 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
 from restir_gi.reference.numerics.arrays import Indices, Masks
 from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.replay.blocks import rows_of
 from restir_gi.reference.oracle.replay.bounded import (
     Bounded,
     Rounding,
@@ -16,7 +16,7 @@ from restir_gi.reference.oracle.replay.bounded import (
     exact,
     rounding_of,
 )
-from restir_gi.reference.oracle.replay.cached import jacobian_by, target_by
+from restir_gi.reference.oracle.replay.cached import jacobian_by, kept_by, target_by
 from restir_gi.reference.oracle.replay.chain import judge_chain
 from restir_gi.reference.oracle.replay.judgement import Judgement
 from restir_gi.reference.oracle.replay.mis import CHAINED
@@ -40,27 +40,25 @@ from restir_gi.reference.oracle.replay.storage import stored_sample, stored_W
 from restir_gi.reference.oracle.replay.verbs import choose
 
 
-# A search replays the same case under hundreds of rules, of which few change what is
-# cached here.
-@lru_cache(maxsize=64)
+@kept_by(64, lambda case, *others: case.rows)
 def _receiver(case: Case, precision: Precision, prefix: str = "") -> ReceiverPoint:
     return receiver_read(case, rounding_of(precision), prefix)
 
 
-@lru_cache(maxsize=256)
+@kept_by(256, lambda case, *others: case.rows)
 def _sample(case: Case, precision: Precision, prefix: str, storage: str) -> SamplePoint:
     y = sample_read(case, rounding_of(precision), prefix)
     return stored_sample(y, storage) if case.decoded is None else y
 
 
-@lru_cache(maxsize=256)
+@kept_by(256, lambda case, *others: case.rows)
 def _sample_around(
     case: Case, precision: Precision, k: int, storage: str
 ) -> tuple[ReceiverPoint, SamplePoint]:
     """Visible point of neighbour k, and its sample; those of row 0 for none."""
     row = np.maximum(case.inputs["neighbors"][:, k], 0)
-    y = _sample(case, precision, "", storage).rows(row)
-    return _receiver(case, precision).rows(row), y
+    around = rows_of(case.around or case, row)
+    return _receiver(around, precision), _sample(around, precision, "", storage)
 
 
 # Candidates in the order of the contract, and how their stream ends.
@@ -248,7 +246,8 @@ def _neighbor(
     rounding = rounding_of(precision)
     there, row = row >= 0, np.maximum(row, 0)
     x_from, y = _sample_around(case, precision, k, rules.storage)
-    W, M = (exact(case.inputs[name][row], rounding) for name in ("W", "M"))
+    around = (case.around or case).inputs
+    W, M = (exact(around[name][row], rounding) for name in ("W", "M"))
     W = stored_W(W, rules.storage) if case.decoded is None else W
     none = constant(0.0, M)
     there = there | rules.none_is_first

@@ -20,12 +20,12 @@ from restir_gi.reference.oracle.cases import Case, pass_of, with_numbers
 from restir_gi.reference.oracle.contract.fields import Field, Precision
 from restir_gi.reference.oracle.diagnosis.naming.fits import SHARE
 from restir_gi.reference.oracle.diagnosis.subsets import (
-    BY_ROW,
     AskedRows,
     judged,
     some_rows,
 )
 from restir_gi.reference.oracle.parts import whole_contract
+from restir_gi.reference.oracle.replay.blocks import BY_ROW
 from restir_gi.reference.oracle.replay.rules import CONTRACT_RULES
 
 Array = NDArray[Any]
