@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from restir_gi.reference.oracle.capture.shares import StreamChances
 from restir_gi.reference.oracle.statistics.choices import Chances, wins
 
 ROWS, FRAMES = 500, 3
@@ -70,3 +71,23 @@ def test_the_number_of_wins_is_told():
 def test_ten_thousand_right_captures_are_not_accused():
     # At 1e-6 one of them would be accused with probability 0.01 at most.
     assert rate(1e6, 10_000) == 0.0
+
+
+def test_a_weight_of_which_nothing_is_known_leaves_all_chances_open():
+    w = np.array([[1.0, 1.0, 0.0], [3.0, 3.0, 3.0], [0.0, 4.0, 1.0]])
+    error = np.array([[0.0, np.inf, 0.0], [0.5, 0.5, 0.5], [0.0, 0.0, 0.0]])
+    one = StreamChances(
+        names=("a", "b", "c"),
+        order=(0, 1, 2),
+        w=w,
+        error=error,
+        same=np.eye(3, dtype=bool)[..., None].repeat(3, axis=2),
+        held=np.zeros((3, 3), bool),
+        shown=np.ones(3, bool),
+    )
+    low, high = one.shares()
+    np.testing.assert_allclose(low[:, 0], [1 / 4.5, 2.5 / 3.5, 0])
+    np.testing.assert_allclose(high[:, 0], [1 / 3.5, 3.5 / 4.5, 0])
+    np.testing.assert_allclose(low[:, 1], [0, 0, 0])
+    np.testing.assert_allclose(high[:, 1], [1, 3.5 / 7.5, 4 / 6.5])
+    np.testing.assert_allclose(low[:, 2], [0, 2.5 / 3.5, 1 / 4.5])

@@ -62,10 +62,15 @@ class StreamChances:
 
 
 def _part(own: Scalars, others: Scalars) -> Scalars:
-    """Each number as a part of itself and of all the others, (S, N)."""
-    whole = own + others.sum(axis=0) - others
-    found: Scalars = np.divide(own, whole, out=np.zeros_like(own), where=whole > 0)
-    return found
+    """Each number as a part of itself and of all the others, (S, N).
+
+    Of a number without a bound it may be all.
+    """
+    rest = [np.delete(others, k, axis=0).sum(axis=0) for k in range(len(others))]
+    whole = own + np.stack(rest)
+    bounded = (whole > 0) & np.isfinite(whole)
+    found: Scalars = np.divide(own, whole, out=np.zeros_like(own), where=bounded)
+    return np.where(np.isinf(own), 1.0, found)
 
 
 def candidates_of(
