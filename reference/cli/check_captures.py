@@ -75,11 +75,12 @@ def judge_capture(arguments: argparse.Namespace) -> Verdict:
             remark(note)
         file = arguments.declaration or capture.declaration
         said = NOTHING_DECLARED if file is None else read_declaration(file)
+        said = with_names(said, arguments.declare, arguments.accept)
         tick(0, 1, "tracing visibility")
         return judge_captured(
-            recorded_of(capture, _world(capture)),
+            recorded_of(capture, _world(capture), said.shading_sees),
             arguments.budget,
-            with_names(said, arguments.declare, arguments.accept),
+            said,
             arguments.extremes,
             tell=lambda title: tick(0, 1, title),
         )

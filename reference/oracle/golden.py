@@ -24,6 +24,7 @@ from restir_gi.reference.oracle.contract.fields import Passes, Precision
 from restir_gi.reference.oracle.contract.surfaces import SURFACE
 from restir_gi.reference.oracle.exact.registry import limits_of
 from restir_gi.reference.oracle.exr_frames import write_frames
+from restir_gi.reference.oracle.levels.declared import declared_kernel_probes
 from restir_gi.reference.oracle.levels.exact import exact_outputs, examined_exactly
 from restir_gi.reference.oracle.levels.grades import graded
 from restir_gi.reference.oracle.levels.kernels import kernel_probes
@@ -201,6 +202,7 @@ def read_golden(folder: Path) -> tuple[Precision, list[Probe]]:
         probe.case.name: probe
         for probe in (
             *kernel_probes(precision),
+            *declared_kernel_probes(precision),
             *(surface_kernel_probes(precision) if declared else ()),
             *lattice_probes(precision),
             *row_probes(precision),

@@ -12,9 +12,11 @@ from restir_gi.reference.oracle.backends.selected import (
     selection_of,
 )
 from restir_gi.reference.oracle.contract.fields import Passes, Precision
+from restir_gi.reference.oracle.contract.passes import VISIBILITY
 from restir_gi.reference.oracle.contract.surfaces import SURFACE
 from restir_gi.reference.oracle.diagnosis.hypothesis import Departure
 from restir_gi.reference.oracle.frames import frame_cases
+from restir_gi.reference.oracle.levels.declared import declared_kernel_probes
 from restir_gi.reference.oracle.levels.distribution import SCENES as DISTRIBUTION_SCENES
 from restir_gi.reference.oracle.levels.distribution import same_distribution
 from restir_gi.reference.oracle.levels.grades import graded
@@ -112,6 +114,9 @@ def ladder(passes: Passes, backend: Backend, seed: int = SEED) -> Iterator[Level
                 yield level, part.title, take
 
     yield level_of("L0", "kernels", partial(kernel_probes, precision, seed))
+    if backend.selection.declares(VISIBILITY.name):
+        of_declared = partial(declared_kernel_probes, precision, seed)
+        yield level_of("L0", "declared settings", of_declared)
     if surfaces:
         of_kernels = partial(surface_kernel_probes, precision, seed)
         yield level_of("L0", "declared surfaces", of_kernels)

@@ -538,6 +538,9 @@ WAYS: dict[str, dict[str, tuple[Way, ...]]] = {
         "the integrand is multiplied by W": known("shade-without-weight"),
         "0 where the sample is below the horizon": answered(_below, color=1),
         "0 where the sample shows its back": known("shade-back-of-sample"),
+        "0 where the sample is not seen, if that is asked": known(
+            "shade-visibility-ignored", "shade-visibility-turned"
+        ),
         **_scatters("shade"),
     },
     "gbuffer": {

@@ -10,6 +10,7 @@ from restir_gi.extensions.oracle.shifts.cases import PLACES, shift_case
 from restir_gi.reference.oracle.builtin.backend import BuiltIn
 from restir_gi.reference.oracle.contract.surfaces import MATERIAL
 from restir_gi.reference.oracle.ladder import scene_probes
+from restir_gi.reference.oracle.levels.declared import declared_kernel_probes
 from restir_gi.reference.oracle.levels.kernels import kernel_probes
 from restir_gi.reference.oracle.levels.rows import row_probes
 from restir_gi.reference.oracle.levels.surfaces import (
@@ -50,6 +51,7 @@ CLAUSES = [
 def asked_of(name):
     """All cases of the ladder of a pass that are judged row by row."""
     probes = [*kernel_probes(PRECISION), *row_probes(PRECISION)]
+    probes += declared_kernel_probes(PRECISION)
     probes += surface_kernel_probes(PRECISION)
     probes += surface_row_probes(PRECISION)
     probes += surface_scene_probes(PRECISION)
@@ -332,6 +334,7 @@ def _rows(probes):
 MAKERS = {
     "kernels": kernel_probes,
     "rows": row_probes,
+    "kernels of declared settings": declared_kernel_probes,
     "kernels of surfaces": surface_kernel_probes,
     "rows of surfaces": surface_row_probes,
     **{part.title: part.probes for part in parts()},

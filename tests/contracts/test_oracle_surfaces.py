@@ -12,6 +12,7 @@ from restir_gi.reference.oracle.builtin.backend import FLOAT32, FLOAT64, BuiltIn
 from restir_gi.reference.oracle.builtin.surfaces import SurfacePixels
 from restir_gi.reference.oracle.capture.cases import RecordedFrames, captured_cases
 from restir_gi.reference.oracle.capture.frames import CapturedBuffers, CapturedFrame
+from restir_gi.reference.oracle.cases import pass_of
 from restir_gi.reference.oracle.checking import judge
 from restir_gi.reference.oracle.contract.surfaces import SURFACE
 from restir_gi.reference.oracle.diagnosis.diagnose import (
@@ -78,7 +79,12 @@ def recorded(selection):
 def test_who_declares_nothing_sees_nothing_of_it():
     """The same calls, without those of declared surfaces among them."""
     before, with_them = (recorded(chosen)[0] for chosen in (NOTHING, BOTH))
-    fields = {f.name for p in PASSES for f in CONTRACT[p].inputs if f.only}
+    fields = {
+        f.name
+        for p in PASSES
+        for f in CONTRACT[p].inputs
+        if f.only and f.only[0] == SURFACE.name
+    }
     assert not fields & {name for _, names, _ in before for name in names}
     assert "surface" not in {name for _, names, _ in before for name in names}
     assert [c for c in with_them if "surface" not in c[1]] == before
@@ -121,11 +127,9 @@ def probes(precision="float32"):
 @pytest.mark.parametrize("precision", ["float32", "float64"])
 def test_cases_have_the_buffers_of_their_surface(precision):
     for probe in probes(precision):
-        case, given = probe.case, []
-        for f in CONTRACT[case.pass_name].inputs:
-            if f.only is None or case.settings[f.only[0]] in f.only[1]:
-                given.append(f.name)
-        assert set(given) == set(case.inputs), case.name
+        case = probe.case
+        given = {f.name for f in pass_of(CONTRACT, case).inputs}
+        assert given == set(case.inputs), case.name
 
 
 @pytest.mark.parametrize("precision", ["float32", "float64"])

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from restir_gi.reference.options.visibility import without_hidden
 from restir_gi.reference.oracle.builtin.buffers import (
     Array,
     Arrays,
@@ -24,6 +25,7 @@ from restir_gi.reference.oracle.builtin.surfaces import (
 )
 from restir_gi.reference.oracle.builtin.world import Known, surface_of
 from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.contract.passes import ASKED
 from restir_gi.reference.oracle.contract.surfaces import LAMBERTIAN
 from restir_gi.reference.passes.initial import InitialSamples
 from restir_gi.reference.passes.neighbors import find_neighbors
@@ -147,12 +149,17 @@ def _shade(
     precision: Precision,
     W: Array,
     surface: str = LAMBERTIAN,
+    visibility: str = "none",
     **buffers: Array,
 ) -> dict[str, Array]:
-    q = pixels_of(buffers, "scattered", surface=surface)
     r = Reservoirs(samples_of(buffers), W, W)
+    if visibility == ASKED:
+        seen = bit(buffers["visible"], 0)
+        known = [Known(np.arange(len(W)), r.y.position, seen)]
+        r = without_hidden(pixels_of(buffers, "scattered", known, surface), r)
+    q = pixels_of(buffers, "scattered", surface=surface)
     if isinstance(q, SurfacePixels):
-        return {"color": as_real(precision, q.shown(r.y, W))}
+        return {"color": as_real(precision, q.shown(r.y, r.W))}
     return {"color": as_real(precision, shade(q.world, q.points, r))}
 
 

@@ -19,6 +19,7 @@ from restir_gi.reference.oracle.capture.record import Capture
 from restir_gi.reference.oracle.capture.visibility import PlacedPoints, traced
 from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.oracle.contract.fields import Value
+from restir_gi.reference.oracle.contract.passes import ASKED, VISIBILITY
 from restir_gi.reference.oracle.contract.surfaces import (
     LAMBERTIAN,
     MATERIAL,
@@ -70,6 +71,8 @@ class RecordedFrames:
     settings : mapping of str to mapping; of each pass, by the names of the contract
     world : World or None; in which visibility is traced where it was not dumped
     storage : str; how reservoirs are stored, by its name in `STORAGES`, or "exact"
+    shading_sees : bool
+        The shading asks what the pixel sees, also where no bits of it were dumped.
     """
 
     width: int
@@ -78,6 +81,7 @@ class RecordedFrames:
     reads: Reads = field(default_factory=Reads)
     world: World | None = None
     storage: str = "exact"
+    shading_sees: bool = False
 
     @property
     def rows(self) -> int:
@@ -89,12 +93,15 @@ NO_CAP = 1e9
 """Beyond all confidences."""
 
 
-def recorded_of(capture: Capture, world: World | None = None) -> RecordedFrames:
+def recorded_of(
+    capture: Capture, world: World | None = None, shading_sees: bool = False
+) -> RecordedFrames:
     """Frames of a capture, with the settings and the buffers that its passes had.
 
     Parameters
     ----------
     world : World, optional; the scene that the frames show
+    shading_sees : bool; what the declaration says of the shading
     """
     has = {role for frame in capture.frames for role in frame.roles}
     temporal, spatial = (capture.passes.get(n, {}) for n in ("temporal", "spatial"))
@@ -116,7 +123,7 @@ def recorded_of(capture: Capture, world: World | None = None) -> RecordedFrames:
     stored = [STORED_AS[name] for name in layouts if name in STORED_AS]
     storage = stored[0] if stored else "exact"
     return RecordedFrames(
-        capture.width, capture.frames, settings, reads, world, storage
+        capture.width, capture.frames, settings, reads, world, storage, shading_sees
     )
 
 
@@ -207,15 +214,6 @@ class Read:
         columns = {"position": self.columns["position"], "radiance": radiance}
         columns |= {"normal": self.columns["normal"], "W": none, "M": none}
         return Read(columns, self.errors)
-
-    def with_column(self, name: str, values: NDArray[Any]) -> "Read":
-        """The same with another column.
-
-        Parameters
-        ----------
-        values : (N, ...) array
-        """
-        return replace(self, columns=self.columns | {name: values})
 
     def prefixed(self, prefix: str) -> "Read":
         """The same under longer names."""
@@ -366,14 +364,16 @@ def _shade(recorded: RecordedFrames, place: int) -> Answered | None:
     if "shade" not in frame or last is None:
         return None
     kept, x = _needed(recorded, place, last, (*SAMPLE, "W")), _viewer(recorded, place)
-    sure = np.ones(recorded.rows, bool)
-    # With neither bits nor a scene the light is taken to arrive.
-    if "visible_shade" in frame or recorded.world is not None:
-        words, sure = _visible(recorded, place, "visible_shade", (x,), (kept,))
-        seen = words.reshape(-1) & 1
-        kept = kept.with_column("W", np.where(seen != 0, kept.columns["W"], 0.0))
     inputs, errors = _together((x, kept))
-    return _answered(recorded, place, "shade", "shade", inputs, errors, sure)
+    sure, more = np.ones(recorded.rows, bool), dict[str, Value]()
+    # Whoever declares that the shading asks, and gives neither bits nor a scene, is
+    # taken to see all.
+    traces = recorded.shading_sees and recorded.world is not None
+    if "visible_shade" in frame or traces:
+        seen, sure = _visible(recorded, place, "visible_shade", (x,), (kept,))
+        inputs["visible"] = seen.reshape(-1) & np.uint32(1)
+        more[VISIBILITY.name] = ASKED
+    return _answered(recorded, place, "shade", "shade", inputs, errors, sure, more)
 
 
 def _answered(
@@ -384,14 +384,17 @@ def _answered(
     inputs: Buffer,
     errors: Mapping[str, Scalars],
     sure: Masks,
+    more: Mapping[str, Value] | None = None,
 ) -> Answered:
     """A pass with what it wrote.
 
     Parameters
     ----------
     sure : (N,) bool; rows that are looked at
+    more : mapping, optional; settings of this frame
     """
-    frame, settings = recorded.frames[place], recorded.settings.get(pass_name, {})
+    frame = recorded.frames[place]
+    settings = {**recorded.settings.get(pass_name, {}), **(more or {})}
     inputs, numbers = _numbers(inputs)
     sure = sure & numbers
     case = graded(

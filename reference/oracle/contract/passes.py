@@ -5,6 +5,7 @@ from restir_gi.reference.oracle.contract.fields import (
     Pass,
     Setting,
     bits,
+    given_with,
     index,
     real,
 )
@@ -19,6 +20,15 @@ from restir_gi.reference.oracle.contract.surfaces import MATERIAL, SURFACE
 
 CAP = Setting("cap", "number, at least 1", "limit of M, when the reservoir is closed")
 MIS = Setting("mis", "1/M | 1/Z", "what the sum of weights is divided by")
+ASKED = "asked"
+VISIBILITY = Setting(
+    "visibility",
+    "none",
+    "whether the shading asks what the visible point sees",
+    more=(ASKED,),
+    default="none",
+)
+"""Of renderers that trace one ray, to the sample that is kept, when they shade."""
 
 
 JOINED = (("visible_position", "position"),)
@@ -266,10 +276,21 @@ SHADE = Pass(
     summary="The estimate of the pixel's indirect light",
     formula="color = albedo / π · cos θ · L_o · W, 0 where the sample is below the "
     "horizon or shows its back;\n"
-    "a declared surface has f, of which Surfaces tells, in place of albedo / π",
-    inputs=(*RECEIVER, *MATERIAL, *SAMPLE, RESERVOIR[3]),
+    "a declared surface has f, of which Surfaces tells, in place of albedo / π;\n"
+    "where visibility is asked, 0 where x does not see the sample",
+    inputs=(
+        *RECEIVER,
+        *MATERIAL,
+        *SAMPLE,
+        RESERVOIR[3],
+        *given_with(
+            VISIBILITY.name,
+            (ASKED,),
+            (bits("visible", "1 where x sees the sample, else 0"),),
+        ),
+    ),
     outputs=(real("color", "indirect radiance towards the camera, W/(m² sr)", 3),),
-    settings=(SURFACE,),
+    settings=(SURFACE, VISIBILITY),
     source="[Ouyang21, Eq. 8]",
     joins=JOINED,
     terms=(real("term_f", "integrand f = albedo / π · cos θ · L_o", 3),),
@@ -278,6 +299,7 @@ SHADE = Pass(
         "the integrand is multiplied by W",
         "0 where the sample is below the horizon",
         "0 where the sample shows its back",
+        "0 where the sample is not seen, if that is asked",
         *SCATTERS,
     ),
 )

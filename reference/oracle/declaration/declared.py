@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from restir_gi.reference.oracle.backends.selected import EVERYTHING, Selection
+from restir_gi.reference.oracle.contract.passes import ASKED, VISIBILITY
 from restir_gi.reference.oracle.diagnosis.hypothesis import Hypothesis, combined
 from restir_gi.reference.oracle.replay.rules import Rules
 from restir_gi.reference.system.errors import UsageError
@@ -46,6 +47,15 @@ class Declaration:
         asked = self.selection != EVERYTHING or bool(self.has)
         about = self.generator != "contract" or self.pixel != "center"
         return bool(self.hypotheses) or asked or about
+
+    @property
+    def shading_sees(self) -> bool:
+        """Whether the shading asks what the visible point sees.
+
+        It is said to have the setting, or to test visibility there alone.
+        """
+        has = ("shade", VISIBILITY.name, ASKED) in self.selection.more
+        return has or any(not h.rules.visibility_in_weight for h in self.hypotheses)
 
     @property
     def rules(self) -> Rules:

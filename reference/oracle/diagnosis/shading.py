@@ -8,6 +8,7 @@ import numpy as np
 
 from restir_gi.reference.numerics.arrays import Masks
 from restir_gi.reference.oracle.contract.fields import Value
+from restir_gi.reference.oracle.contract.passes import VISIBILITY
 from restir_gi.reference.oracle.diagnosis.hypothesis import Departure, Hypothesis
 from restir_gi.reference.oracle.replay.bounded import Bounded, constant
 from restir_gi.reference.oracle.replay.formulas import reflected, target
@@ -111,6 +112,18 @@ def _shade_mistake(
     rules = replace(CONTRACT_RULES, reflected=change)
     shows = ("shade",)
     return Hypothesis(name, mistake, wrong, F_RIGHT, shows, rules, departure=departure)
+
+
+def _visibility_mistake(name: str, mistake: str, wrong: str, sees: str) -> Hypothesis:
+    return Hypothesis(
+        name,
+        mistake,
+        wrong,
+        "color = 0 where x does not see the sample",
+        ("shade",),
+        replace(CONTRACT_RULES, shading_sees=sees),
+        only=(VISIBILITY.name, VISIBILITY.more),
+    )
 
 
 def _density_mistake(name: str, mistake: str, wrong: str, change: Any) -> Hypothesis:
@@ -217,6 +230,18 @@ SHADING = (
         "cosine directions are given the uniform density",
         "pdf = 1 / 2π for cosine directions",
         _uniform_density_for_cosine,
+    ),
+    _visibility_mistake(
+        "shade-visibility-ignored",
+        "the shading does not heed what the visible point sees, though it is asked",
+        "color = f W of what is not seen too",
+        "never",
+    ),
+    _visibility_mistake(
+        "shade-visibility-turned",
+        "the shading takes what is seen for what is not",
+        "color = 0 where x sees the sample",
+        "turned",
     ),
     _shade_mistake(
         "shade-pure-reflections-black",

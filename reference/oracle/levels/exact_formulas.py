@@ -90,7 +90,8 @@ def _shade(row: Row, settings: Settings) -> dict[str, Any]:
         f = surface_reflected(row, settings[SURFACE.name])
     else:
         f = REFLECTED.formula(row)
-    return {"color": tuple(c * row["W"] for c in f)}
+    seen = row.get("visible", 1)
+    return {"color": tuple(c * row["W"] * seen for c in f)}
 
 
 def _jacobian(row: Row, settings: Settings) -> dict[str, Any]:

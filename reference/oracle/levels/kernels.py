@@ -45,7 +45,7 @@ def kernel_probes(precision: Precision, seed: int = SEED) -> tuple[Probe, ...]:
     cases = [
         _target(rng, precision, "scattered"),
         _target(rng, precision, "outgoing"),
-        _shade(rng, precision),
+        shade_case(rng, precision),
         _jacobian(rng, precision),
         _merge(rng, precision),
         _merge_extremes(precision),
@@ -97,7 +97,8 @@ def _target(rng: np.random.Generator, precision: Precision, kind: str) -> Case:
     return Case(name, "target", {"target": kind}, given(light_points(rng), precision))
 
 
-def _shade(rng: np.random.Generator, precision: Precision) -> Case:
+def shade_case(rng: np.random.Generator, precision: Precision) -> Case:
+    """Case of pass ``shade``."""
     W = 10.0 ** rng.uniform(-3, 3, ROWS) * (rng.random(ROWS) < 0.9)
     return Case(
         "kernel-shade", "shade", {}, given(light_points(rng) | {"W": W}, precision)

@@ -23,6 +23,7 @@ from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.oracle.contract.fields import Precision, Value
 from restir_gi.reference.oracle.contract.surfaces import COATED, GGX, NODES, SURFACE
 from restir_gi.reference.oracle.frames import frame_cases, past_rows
+from restir_gi.reference.oracle.levels.declared import shaded_if_seen
 from restir_gi.reference.oracle.levels.draws import about, spread
 from restir_gi.reference.oracle.levels.exact import examined_exactly
 from restir_gi.reference.oracle.levels.grades import graded
@@ -157,7 +158,10 @@ def _kernels(rng: Generator, surface: str, precision: Precision) -> Iterator[Cas
         name = "-".join(("kernel", pass_name, *map(str, words.values())))
         case = Case(name, pass_name, words, points | more)
         found = _with_materials(rng, case, surface, smooth=SMOOTH)
-        yield replace(found, inputs=given(found.inputs, precision))
+        found = replace(found, inputs=given(found.inputs, precision))
+        yield found
+        if pass_name == "shade":
+            yield shaded_if_seen(found, rng)
 
 
 def _mostly_lit(rng: Generator, points: Buffer) -> Buffer:

@@ -176,12 +176,21 @@ def _shade(case: Case, out: Buffers, rules: Rules, precision: Precision) -> Judg
     x, y = receiver_read(case, rounding), sample_read(case, rounding)
     W = exact(case.inputs["W"], rounding)
     f = rules.reflected(x, y)
-    color = rules.shaded(f, W)
+    color = _seen(case, rules.shaded(f, W), rules)
     cosine = inner(x.normal, y.position - x.position)
     return Judgement(
         (beside("color", out["color"], color),),
         {"f": f.value, "W": W.value, "n·(x_s − x)": cosine.value},
     )
+
+
+def _seen(case: Case, color: Bounded, rules: Rules) -> Bounded:
+    """Light of samples that visible points see, where that is asked, (N, 3)."""
+    visible = case.inputs.get("visible")
+    if visible is None or rules.shading_sees == "never":
+        return color
+    seen = (visible != 0) ^ (rules.shading_sees == "turned")
+    return choose(seen, color, constant(0.0, color))
 
 
 JUDGES: Mapping[str, Judge] = {

@@ -107,6 +107,9 @@ class Rules:
     azimuth_number : int; which of the two numbers the azimuth takes
     inward : bool; directions are on the other side of the surface
     narrows : bool; the search radius is halved after a failure
+    shading_sees : 'asked', 'never' or 'turned'
+        Whether shading heeds the bit that says what the visible point sees, where it is
+        given, or takes 0 for yes.
     part : object
         What passes of another part of the contract calculate with; ``None`` for theirs.
     """
@@ -168,6 +171,7 @@ class Rules:
     azimuth_number: int = 1
     inward: bool = False
     narrows: bool = True
+    shading_sees: str = "asked"
     part: Any = None
 
     @property
