@@ -73,8 +73,41 @@ class Case:
         return np.ones(self.rows, bool) if self.beyond is None else ~self.beyond
 
 
-NUMBERS = {"temporal": ("u",), "moved": ("u",), "spatial": ("u_own", "u_neighbors")}
+NUMBERS = {
+    "temporal": ("u",),
+    "moved": ("u",),
+    "spatial": ("u_own", "u_neighbors"),
+    "fused": ("u",),
+}
 """Random numbers by which passes decide, where they are given."""
+
+
+@dataclass(frozen=True, slots=True)
+class SourceRows:
+    """Where a pass finds the reservoirs of other points that it reuses.
+
+    Attributes
+    ----------
+    rows : str; buffer that has the row of each, or −1
+    prefix : str; of the buffers that these are rows of
+    u : str; numbers that decide on them
+    """
+
+    rows: str
+    prefix: str
+    u: str
+
+
+SOURCES = {
+    "spatial": SourceRows("neighbors", "", "u_neighbors"),
+    "fused": SourceRows("sources", "past_", "u"),
+}
+"""Of the passes that reuse several."""
+
+
+def source_rows(inputs: Buffers) -> SourceRows | None:
+    """Where inputs have the reservoirs of other points; ``None`` if they have none."""
+    return next((s for s in SOURCES.values() if s.rows in inputs), None)
 
 
 def _missing_numbers(case: Case) -> tuple[str, ...]:
@@ -88,8 +121,10 @@ def with_numbers(case: Case) -> Buffers:
     if not missing:
         return case.inputs
     rng, inputs = np.random.default_rng(0), dict(case.inputs)
+    around = source_rows(inputs)
     for name in missing:
-        columns = inputs["neighbors"].shape[1:] if name == "u_neighbors" else ()
+        each = around is not None and name == around.u
+        columns = inputs[around.rows].shape[1:] if around and each else ()
         numbers = rng.random((case.rows, *columns), np.float32)
         inputs[name] = numbers.astype(inputs["visible_position"].dtype)
     return inputs

@@ -1,13 +1,13 @@
 """Cases of whole frames: what the passes are given in real scenes."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from restir_gi.reference.numerics.arrays import Indices, Masks
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars
 from restir_gi.reference.numerics.records import take
 from restir_gi.reference.numerics.rng import Stream
 from restir_gi.reference.oracle.buffers import (
@@ -92,6 +92,20 @@ def frame_cases(at: PreparedFrame, precision: Precision) -> Iterator[Case]:
         settings = {"target": kind, "cap": CAPS["spatial"], "mis": mis}
         yield case("spatial", f"{mis.replace('/', '')}-{kind}", settings, spatial)
 
+    points = np.column_stack([rows, at.neighbors])
+    then = rows_then(at)
+    fused_past = replace(spatial_past, M=np.minimum(spatial_past.M, CAPS["fused"]))
+    fused = x | _initial_reservoirs(x, y, pdf)
+    held = receivers(at, then) | reservoirs(take(fused_past, then))
+    fused |= prefixed("past", held) | {
+        "sources": np.where(points >= 0, np.argsort(then)[points], -1),
+        "visible": _who_sees_then(at, points),
+        "u": np.stack([decides["u"], *(d[2] for d in draws)], axis=1),
+    }
+    for mis, kind in (("1/Z", "scattered"), ("1/M", "outgoing")):
+        settings = {"target": kind, "cap": CAPS["fused"], "mis": mis}
+        yield case("fused", f"{mis.replace('/', '')}-{kind}", settings, fused)
+
     kept = reservoirs(spatial_past)
     del kept["M"]
     yield case("shade", "", {}, x | kept)
@@ -101,6 +115,14 @@ def past_rows(at: PreparedFrame) -> Indices:
     """The pixel that each was before, in cases of pass ``moved``: a neighbour, (N,)."""
     first = at.neighbors[:, 0]
     return np.where(first >= 0, first, np.arange(len(first)))
+
+
+def rows_then(at: PreparedFrame) -> Indices:
+    """The pixel that is seen in each row of the past frame of pass ``fused``, (N,).
+
+    As if the camera had turned by a pixel since.
+    """
+    return np.roll(np.arange(len(at.neighbors)), 1)
 
 
 def _as_a_loop_has_them(at: PreparedFrame, r: Reservoirs, cap: float) -> Reservoirs:
@@ -142,6 +164,28 @@ def _who_sees_when_moved(at: PreparedFrame, rows: Indices) -> NDArray[np.uint32]
     here = np.arange(len(rows))
     samples = [at.initial.y, take(at.last.temporal.y, rows)]
     return _bits(at, [here, rows], samples, [here, rows])
+
+
+def _initial_reservoirs(
+    x: Mapping[str, NDArray[Any]], y: Samples, pdf: Scalars
+) -> dict[str, NDArray[Any]]:
+    """What Algorithm 2 leaves: W = 1 / pdf of what the point reflects."""
+    reflects = (x["albedo"] * y.radiance).any(axis=1) & (pdf > 0)
+    W = np.divide(1.0, pdf, out=np.zeros(len(pdf)), where=reflects)
+    return samples(y) | {"W": W, "M": np.ones(len(pdf))}
+
+
+def _who_sees_then(at: PreparedFrame, points: Indices) -> NDArray[np.uint32]:
+    """Bits of pass ``fused``.
+
+    Parameters
+    ----------
+    points : (N, K) int; pixels that are the sources, or −1
+    """
+    viewers = [np.arange(len(points)), *points.T]
+    y = at.last.spatial.y
+    held = [at.initial.y, *(take(y, np.maximum(row, 0)) for row in points.T)]
+    return _bits(at, viewers, held, viewers)
 
 
 def _bits(

@@ -73,7 +73,10 @@ SAME_NUMBERS: tuple[Departure, ...] = (
 LOOP = ("direction", "temporal", "spatial", "shade")
 """Passes of the frame loop of the spheres and of whole runs."""
 
-FRAME = ("direction", "initial", "temporal", "moved", "neighbors", "spatial", "shade")
+FRAME = (
+    *("direction", "initial", "temporal", "moved", "neighbors", "spatial", "fused"),
+    "shade",
+)
 """Passes that are asked about frames of scenes."""
 
 

@@ -25,7 +25,7 @@ SCENES = ("cornell-box", "door-ajar", "sunlit-wall", "grazing-light", "many-ligh
 FRAMES, NEIGHBORS = 4, 3
 """Frames before the one that is asked for, and neighbours of each pixel."""
 
-CAPS = {"temporal": 3.0, "moved": 3.0, "spatial": 12.0}
+CAPS = {"temporal": 3.0, "moved": 3.0, "spatial": 12.0, "fused": 9.0}
 """Limits of M, low enough to be reached."""
 
 SIMILARITY: dict[str, Value] = {

@@ -32,6 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from restir_gi.reference.numerics.arrays import Masks, Scalars, Vec3s
+from restir_gi.reference.oracle.cases import source_rows
 from restir_gi.reference.oracle.contract.fields import Pass
 
 NEAR, FAR = 1e-6, 1e6
@@ -132,12 +133,25 @@ def where_beyond(one: Pass, inputs: dict[str, NDArray[Any]], row: int) -> str:
 def excesses(one: Pass, inputs: dict[str, NDArray[Any]]) -> Iterator[Excess]:
     """All that puts rows beyond the working range, where they lie first."""
     yield from _geometry(one, inputs)
-    own = [*_numbers(inputs), *_surfaces(inputs)]
-    yield from own
-    if "neighbors" in inputs and one.joins:
-        for row, there in _reused(inputs["neighbors"]):
-            for e in own:
-                yield Excess(e.rows[row] & there, e.values[row], e.words)
+    around = source_rows(inputs) if one.joins else None
+    if around is None:
+        yield from _of_rows(inputs)
+        return
+    # What a past frame holds is looked at by those alone who reuse it.
+    apart = around.prefix
+    theirs = {n: a for n, a in inputs.items() if n.startswith(apart)}
+    yield from _of_rows(
+        {n: a for n, a in inputs.items() if not apart or n not in theirs}
+    )
+    reused = list(_of_rows(theirs))
+    for row, there in _reused(inputs[around.rows]):
+        for e in reused:
+            yield Excess(e.rows[row] & there, e.values[row], e.words)
+
+
+def _of_rows(inputs: dict[str, NDArray[Any]]) -> Iterator[Excess]:
+    yield from _numbers(inputs)
+    yield from _surfaces(inputs)
 
 
 def _numbers(inputs: dict[str, NDArray[Any]]) -> Iterator[Excess]:
@@ -234,17 +248,19 @@ def _joins(one: Pass, inputs: dict[str, NDArray[Any]]) -> Iterator[Join]:
     everywhere = np.ones(len(inputs[one.joins[0][0]]), bool)
     for viewer, sample in one.joins:
         yield sample, _point(inputs, viewer), _point(inputs, sample), everywhere
-    if "neighbors" not in inputs:
+    around = source_rows(inputs)
+    if around is None:
         return
     x, own = (_point(inputs, name) for name in one.joins[0])
-    past = _point(inputs, "past_position")
-    reused = list(_reused(inputs["neighbors"]))
+    x_from, y = (_point(inputs, around.prefix + name) for name in one.joins[0])
+    reused = list(_reused(inputs[around.rows]))
     for k, (row, there) in enumerate(reused):
-        yield f"sample of {k}", x, own.rows(row), there
-        yield "position", x.rows(row), own, there
-        yield "past_position", x.rows(row), past, there
+        yield f"sample of {k}", x, y.rows(row), there
+        yield "position", x_from.rows(row), own, there
+        if not around.prefix:
+            yield "past_position", x.rows(row), _point(inputs, "past_position"), there
         for j, (other, is_there) in enumerate(reused):
-            yield f"sample of {j}", x.rows(row), own.rows(other), there & is_there
+            yield f"sample of {j}", x_from.rows(row), y.rows(other), there & is_there
 
 
 def _reused(neighbors: NDArray[Any]) -> list[tuple[NDArray[Any], Masks]]:

@@ -531,6 +531,38 @@ WAYS: dict[str, dict[str, tuple[Way, ...]]] = {
             albedo=lambda i: np.ones_like(i["albedo"])
         ),
     },
+    "fused": STREAM
+    | SHIFTED
+    | {
+        "reused samples have w = p̂ W M": known(
+            "confidence-missing-in-weight",
+            "target-missing-in-weight",
+            "dropped-where-w-large",
+            "neighbors-counted-double",
+        ),
+        "the stream is own, then the sources in order": known(
+            "stream-reversed", "neighbors-turned", "canonical-not-merged"
+        ),
+        "each decision has a number of its own": known("one-number-for-all-neighbors"),
+        "a candidate is kept where u (w_before + w) < w": known(
+            "accepts-by-the-old-sum", "keeps-the-other-side", "always-accepts"
+        ),
+        "Z adds the M of each, before the cap": known(
+            "capped-before-weight", "last-confidence-in-z", "one-each-in-z"
+        ),
+        "nulls count": known("reused-nulls-not-counted"),
+        "empty rows do not count": known("empty-counts"),
+        "a source −1 has no weight and no M": known(
+            "rejected-counted", "none-is-pixel-0"
+        ),
+        "own is always in the domain": known("canonical-missing-in-z"),
+        "the source is the past's point, not the pixel of its row": known(
+            "sources-of-this-frame"
+        ),
+        "the domain asks the albedo of the source": given(
+            past_albedo=lambda i: np.ones_like(i["past_albedo"])
+        ),
+    },
     "shade": {
         "the integrand has albedo, cos θ and 1/π": known(
             "shade-without-albedo", "shade-without-cosine", "shade-without-pi"

@@ -109,6 +109,7 @@ UNSEEN = [
     ("moved", "an empty past does not count"),
     ("moved", "J is not limited"),
     ("spatial", "J is not limited"),
+    ("fused", "J is not limited"),
     ("moved", "the domain asks the albedo of the source"),
 ]
 
@@ -209,8 +210,9 @@ def test_images_are_wide_odd_and_of_one_line(name):
 
 
 def test_neighbours_are_few_and_as_many_as_masks_have_bits():
-    counts = {one.case.inputs["neighbors"].shape[1] for one in asked_of("spatial")}
-    assert {3, 30} <= counts
+    for name, rows in (("spatial", "neighbors"), ("fused", "sources")):
+        counts = {one.case.inputs[rows].shape[1] for one in asked_of(name)}
+        assert {3, 30} <= counts
     assert max(one.case.inputs["u"].shape[1] for one in asked_of("neighbors")) > 8
 
 
@@ -219,11 +221,14 @@ def shown(name, way):
     return sum(int((way(one) & one.case.within).sum()) for one in asked_of(name))
 
 
-@pytest.mark.parametrize("bits", [8, 16, 31])
-def test_bits_of_masks_are_looked_at(bits):
+@pytest.mark.parametrize(
+    ("name", "bits"),
+    [("spatial", 8), ("spatial", 16), ("spatial", 31), ("fused", 8), ("fused", 30)],
+)
+def test_bits_of_masks_are_looked_at(name, bits):
     """As if there were only the lowest."""
     (way,) = given(visible=lambda i: i["visible"] & np.uint32(2**bits - 1))
-    assert shown("spatial", way) >= LEAST
+    assert shown(name, way) >= LEAST
 
 
 WHOLE = {"rounded down": np.floor, "to the nearest": np.rint}
@@ -260,16 +265,16 @@ def test_changes_lie_between_two_tolerances():
 
 def test_confidences_are_within_the_caps():
     """Those of neighbours within the cap of the pass that they come from."""
-    for name in ("temporal", "moved", "spatial"):
+    for name in ("temporal", "moved", "spatial", "fused"):
         for one in asked_of(name):
             inputs, cap = one.case.inputs, one.case.settings["cap"]
             assert inputs["past_M"].max() <= cap
-            if name == "spatial":
+            if name in ("spatial", "fused"):
                 designed = one.case.name.startswith("rows-")
                 assert inputs["M"].max() <= (20 if designed else CAPS["temporal"])
 
 
-@pytest.mark.parametrize("name", ["temporal", "moved", "spatial"])
+@pytest.mark.parametrize("name", ["temporal", "moved", "spatial", "fused"])
 def test_confidences_reach_the_caps_and_fall_to_0(name):
     rows = [one.case for one in asked_of(name) if one.case.name.startswith("rows-")]
     assert rows
@@ -279,12 +284,12 @@ def test_confidences_reach_the_caps_and_fall_to_0(name):
             assert (value == M).sum() >= LEAST * len(M) / 1024
 
 
-@pytest.mark.parametrize("name", ["moved", "spatial"])
+@pytest.mark.parametrize("name", ["moved", "spatial", "fused"])
 def test_samples_are_valid_where_they_were_stored(name):
     """What has weight had a target there; nulls have a place, most of them."""
     for one in asked_of(name):
         inputs = one.case.inputs
-        viewer = "past_" if name == "moved" else ""
+        viewer = "" if name == "spatial" else "past_"
         stored = {
             "visible_position": inputs[viewer + "visible_position"],
             "visible_normal": inputs[viewer + "visible_normal"],
@@ -296,11 +301,14 @@ def test_samples_are_valid_where_they_were_stored(name):
             n: w for n, w in one.case.settings.items() if n in ("target", "surface")
         }
         p_hat = BuiltIn(PRECISION).target(**stored, **words)
-        light = inputs["past_radiance"].any(axis=1)
-        has_weight = (inputs["past_W"] > 0) & light & one.case.within
+        light, within = inputs["past_radiance"].any(axis=1), one.case.within
+        if name == "fused":  # rows of the past that such rows read
+            read = inputs["sources"][within]
+            within = np.isin(np.arange(one.case.rows), read)
+        has_weight = (inputs["past_W"] > 0) & light & within
         assert (p_hat["p_hat"][has_weight] > 0).all()
         placed = inputs["past_normal"].any(axis=1)
-        assert placed[~light & one.case.within].all()
+        assert placed[~light & within].all()
 
 
 def test_jacobians_go_over_four_decades():

@@ -142,7 +142,8 @@ def test_1_over_m_has_its_known_bias_and_no_other():
 def test_confidences_are_empty_single_and_up_to_the_cap():
     for e in enumerations():
         cap = e.settings["cap"]
-        M = {M for s in e.setups for M in s.M[: 1 + (e.pass_name == "spatial")]}
+        stored = {"spatial": slice(2), "fused": slice(1, None)}.get(e.pass_name)
+        M = {M for s in e.setups for M in s.M[stored or slice(1)]}
         assert {0, 1, cap - 1, cap} <= M
         assert (e.weights % 1 == 0).all()
 
@@ -162,6 +163,8 @@ def test_without_the_backend_no_expectation_is_told():
     backend = Resampler(order="reversed", mistake="a thousandth")
     for probe in lattice_probes("float32")[1:]:
         case = probe.case
+        if case.pass_name == "fused":
+            continue  # which it has not
         out = getattr(backend, case.pass_name)(**case.inputs, **case.settings)
         finding = probe.examine(case, out, "float32")
         assert not finding.passed

@@ -289,6 +289,20 @@ def moved_spatial_pass(**settings):
         yield from wrong_confidence(law, PAST + TRUST[i] + TRUST[j])
 
 
+def moved_sources_pass(**settings):
+    """Pass ``fused`` of the contract: own reservoirs, and two of a frame ago."""
+    for i in PIXELS:
+
+        def program(rows, uniform, i=i):
+            own = trust(alone(i, uniform), TRUST[i])
+            past = [frame_ago(uniform) for _ in range(2)]
+            return pages.of_the_past(i, own, past, uniform, Settings(**settings))
+
+        law = explored(program, NOWHERE)
+        yield from faults(i, contributions(law, law.outcomes), truth(i))
+        yield from wrong_confidence(law, TRUST[i] + 2 * PAST)
+
+
 def moved_fused_pass(**settings):
     """All reuse in one pass, where something has moved."""
     s = Settings(reuse="fused", **settings)

@@ -122,7 +122,7 @@ MUTANTS = [
         PIXELS,
         "self.q.shift(self.x.position, self.q.points.position, self.reservoirs.y)",
         "self.q.shift(self.q.points.position, self.x.position, self.reservoirs.y)",
-        ("spatial_pass", "balance_pass", "fused_pass"),
+        ("spatial_pass", "balance_pass", "fused_pass", "moved_sources_pass"),
     ),
     # Confidence.
     ExactMutant(
@@ -548,6 +548,7 @@ CLAIMS = [
     claims.pass_with_mirrored_limit,
     claims.balance_pass_with_mirrored_limit,
     claims.moved_spatial_pass,
+    claims.moved_sources_pass,
     claims.moved_fused_pass,
     claims.two_passes,
     claims.loop_of_two_frames,

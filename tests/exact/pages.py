@@ -377,6 +377,14 @@ def spatial(
     return resampled(q, past, own.opened(), around, uniform, settings, cap)
 
 
+def of_the_past(i, own, sources, uniform, settings):
+    """Algorithm 4 over a frame ago: pixel i's own reservoir, and those of pixel 0."""
+    q = receivers(i, len(own.W), settings)
+    around = [one for r in sources for one in neighbors(q, {0: r}, uniform, then=True)]
+    nobody = empty(len(own.W))
+    return resampled(q, nobody, own.opened(), around, uniform, settings, NO_CAP)
+
+
 def fused(i, past, others, uniform, settings, then=False):
     """All reuse in one pass: a new sample, its past, and others of the last frame."""
     own = drawn(i, uniform)

@@ -31,6 +31,7 @@ from tests.exact.mutants import CLAIMS
 MOVED = (
     claims.moved_temporal_pass,
     claims.moved_spatial_pass,
+    claims.moved_sources_pass,
     claims.moved_fused_pass,
 )
 

@@ -994,6 +994,9 @@ SHIFTS = [
 ]
 
 BY_HAND = "tests.mutants.reuse_by_hand"
+ALL_BY_HAND = dict.fromkeys(
+    ("temporal", "moved", "spatial", "fused"), reuse_by_hand.reuse
+)
 STREAM_ORDER = "order, numbers = 1, list(range(K)), list(range(K))"
 ASKED = 'weights = str(case.settings.get("mis", "1/M"))'
 IN_MEASURE = "return divide_or_zero(p, shift(x_j, x, slots[s].y))"
@@ -1007,8 +1010,7 @@ HELD = "p = np.where(slots[j].sees[s], target(kind, x_j, slots[s].y), 0.0)"
 def _in_reuse(hypothesis: str, name: str, *edits: tuple[str, str]) -> Plant:
     """A choice or mistake in the passes of reuse that were written by hand."""
     found = tuple((BY_HAND, old, new) for old, new in edits)
-    passes = dict.fromkeys(("temporal", "moved", "spatial"), reuse_by_hand.reuse)
-    return Plant(name, (hypothesis,), found, passes)
+    return Plant(name, (hypothesis,), found, ALL_BY_HAND)
 
 
 def _in_order(hypothesis: str, name: str, order: str, numbers: str) -> Plant:
@@ -1048,6 +1050,84 @@ OCTAHEDRON = 'outputs["normal"] = octahedral(outputs["normal"])'
 IN_LOG_LUV = 'outputs["radiance"] = log_luv(outputs["radiance"])'
 SHARED = 'outputs["radiance"] = shared(outputs["radiance"], {})'
 
+
+def _in_fused(hypothesis: str, name: str, *edits: tuple[str, str]) -> Plant:
+    """A mistake in pass ``fused`` alone: of others the catalogues have it already."""
+    found = tuple((BY_HAND, old, new) for old, new in edits)
+    return Plant(name, (hypothesis,), found, {"fused": reuse_by_hand.reuse})
+
+
+# Slot 0 of its stream is nobody, 1 the pixel's own, and the last is a source.
+HELD_M = "np.where(p_k > 0, M_k, 0.0) for p_k, M_k in zip(p, M, strict=True)"
+BY_M = 'if weights == "1/M":\n        return sum(M)'
+THERE = "there, row = row >= 0, np.maximum(row, 0)"
+
+FUSED = [
+    _in_fused(
+        "last-confidence-in-z",
+        "Z adds the last M for each",
+        (HELD_M, "np.where(p_k > 0, M[-1], 0.0) for p_k in p[1:]"),
+    ),
+    _in_fused(
+        "one-each-in-z",
+        "Z adds 1 for each",
+        (HELD_M, "np.where(p_k > 0, 1.0, 0.0) for p_k in p[1:]"),
+    ),
+    _in_fused(
+        "merged-confidence-in-z",
+        "own is counted with all that is merged",
+        (
+            HELD_M,
+            "np.where(p_k > 0, M_k, 0.0)"
+            " for p_k, M_k in zip(p, [M[0], sum(M), *M[2:]])",
+        ),
+        (BY_M, f"{BY_M} + sum(M) - M[1]"),
+    ),
+    _in_fused(
+        "first-not-counted",
+        "1/M leaves own out",
+        (BY_M, f"{BY_M} - M[1]"),
+    ),
+    _in_fused(
+        "capped-on-arrival",
+        "own and the past are capped as they come",
+        (TRUSTED, f"{CAPPED}M = [np.minimum(s.M, cap) for s in slots]"),
+        (STORED_M, '"M": sum(M),'),
+    ),
+    _in_fused(
+        "stream-reversed",
+        "the last of the stream comes first",
+        (
+            STREAM_ORDER,
+            "order, numbers = 1, [*range(K - 1, 0, -1), 0], list(range(K))",
+        ),
+    ),
+    _in_fused(
+        "one-for-every-merge",
+        "a merge counts one more",
+        (STORED_M, '"M": np.minimum(M[1] + len(M) - 2.0, cap),'),
+        (BY_M, BY_M.replace("sum(M)", "M[1] + len(M) - 2.0")),
+    ),
+    _in_fused(
+        "empty-counts",
+        "what is empty counts once",
+        (TRUSTED, "M = [0 * slots[0].M, *(np.maximum(s.M, 1) for s in slots[1:])]"),
+    ),
+    _in_fused(
+        "none-is-pixel-0",
+        "a source that there is not is row 0",
+        (THERE, "there, row = row >= -1, np.maximum(row, 0)"),
+    ),
+    _in_fused(
+        "sources-of-this-frame",
+        "sources are looked up in the G-buffer of this frame",
+        (
+            "x, y = _point(given, prefix, VISIBLE), _point(given, prefix, SAMPLE)",
+            'x, y = _point(given, "", VISIBLE), _point(given, prefix, SAMPLE)',
+        ),
+    ),
+]
+
 CHOICES = [
     *_in_orders("own-first", "1, 0, {n}", past="1"),
     *_in_orders("past-last", "1, {n}, 0", past="1"),
@@ -1066,8 +1146,9 @@ CHOICES = [
         "the pixel's own are capped as they come, and again as they are stored",
         (
             TRUSTED,
-            f"{CAPPED}M = [s.M for s in slots]\n"
-            "    M[:2] = [np.minimum(M_k, cap) for M_k in M[:2]]",
+            f"{CAPPED}mine = [k < 2 or s.old for k, s in enumerate(slots)]\n"
+            "    capped = [np.minimum(s.M, cap) for s in slots]\n"
+            "    M = [c if m else s.M for c, m, s in zip(capped, mine, slots)]",
         ),
     ),
     _in_reuse(
@@ -1080,7 +1161,7 @@ CHOICES = [
         "the past alone is capped as it comes",
         (
             TRUSTED,
-            f"{CAPPED}M = [np.minimum(slots[0].M, cap), *(s.M for s in slots[1:])]",
+            f"{CAPPED}M = [np.minimum(s.M, cap) if s.old else s.M for s in slots]",
         ),
         (STORED_M, '"M": sum(M),'),
     ),
@@ -1200,7 +1281,7 @@ CHOICES = [
             (BY_HAND, "abs(dot(y.normal, b))", "np.maximum(dot(y.normal, b), 0)"),
             (BY_HAND, "abs(dot(y.normal, a))", "np.maximum(dot(y.normal, a), 0)"),
         ),
-        dict.fromkeys(("temporal", "moved", "spatial"), reuse_by_hand.reuse),
+        ALL_BY_HAND,
     ),
     Plant(
         "a null has W = 1/p",
@@ -1216,7 +1297,7 @@ CHOICES = [
     ),
 ]
 
-HERE = (*CORE, *VIEWS, *PACKED, *LAYOUTS, *REUSE, *SHIFTS, *CHOICES)
+HERE = (*CORE, *VIEWS, *PACKED, *LAYOUTS, *REUSE, *SHIFTS, *FUSED, *CHOICES)
 
 
 def of_mutant(mutant: Mutant) -> Plant:

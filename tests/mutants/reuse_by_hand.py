@@ -1,6 +1,6 @@
-"""Passes ``temporal``, ``moved`` and ``spatial`` by hand, with weights of many kinds.
+"""Passes that reuse samples by hand, with weights of many kinds.
 
-As the contract says them, in double precision, one function for all three: where a
+As the contract says them, in double precision, one function for all four: where a
 renderer may choose there is a line that can be edited.
 """
 
@@ -32,7 +32,10 @@ class PointByHand:
 
 @dataclass(frozen=True, eq=False)
 class SlotByHand:
-    """A slot of the stream: its sample, and the point that made it, if another."""
+    """A slot of the stream: its sample, and the point that made it, if another.
+
+    ``old`` is what a past frame has left.
+    """
 
     y: PointByHand
     W: Scalars
@@ -40,6 +43,7 @@ class SlotByHand:
     x: PointByHand | None = None
     arrives: Masks | bool = True
     sees: Any = None
+    old: bool = False
 
 
 def _point(given: Any, prefix: str, words: tuple[str, str, str]) -> PointByHand:
@@ -84,8 +88,9 @@ def sources(case: Case) -> tuple[list[SlotByHand], list[Scalars]]:
         _point(given, "past_", SAMPLE),
         given["past_W"].astype(float),
         given["past_M"].astype(float),
+        old=True,
     )
-    if case.pass_name == "spatial":
+    if case.pass_name in ("spatial", "fused"):
         return _around(case, past)
     y = _point(given, "new_", SAMPLE)
     pdf = given["new_pdf"].astype(float)
@@ -94,19 +99,28 @@ def sources(case: Case) -> tuple[list[SlotByHand], list[Scalars]]:
         seen = given["visible"]
         sees = [_bit(seen[:, 1], 1), _bit(seen[:, 1], 0)]
         x = _point(given, "past_", VISIBLE)
-        past = SlotByHand(past.y, past.W, past.M, x, _bit(seen[:, 0], 1), sees)
+        past = SlotByHand(past.y, past.W, past.M, x, _bit(seen[:, 0], 1), sees, True)
     u = given["u"].astype(float)
     return [past, new], [u, u]
 
 
 def _around(case: Case, past: SlotByHand) -> tuple[list[SlotByHand], list[Scalars]]:
     given, seen = case.inputs, case.inputs["visible"]
-    x, y = _point(given, "", VISIBLE), _point(given, "", SAMPLE)
+    fused = case.pass_name == "fused"
     W, M = given["W"].astype(float), given["M"].astype(float)
-    found, numbers = [past, SlotByHand(y, W, M)], [given["u_own"].astype(float)] * 2
-    count = given["neighbors"].shape[1]
+    own = SlotByHand(_point(given, "", SAMPLE), W, M)
+    if fused:  # in which nothing stands in the place of the past
+        past = SlotByHand(own.y, 0 * W, 0 * M)
+    prefix, rows, u = "", given.get("neighbors"), given.get("u_neighbors")
+    if fused:
+        prefix, rows, u = "past_", given["sources"], given["u"]
+    x, y = _point(given, prefix, VISIBLE), _point(given, prefix, SAMPLE)
+    W, M = given[prefix + "W"].astype(float), given[prefix + "M"].astype(float)
+    first = given.get("u_own", 0 * W).astype(float)
+    found, numbers = [past, own], [first] * 2
+    count = rows.shape[1]
     for k in range(count):
-        row = given["neighbors"][:, k]
+        row = rows[:, k]
         there, row = row >= 0, np.maximum(row, 0)
         bits = [count + 1, 0, *range(1, count + 1)]
         sees = [_bit(seen[:, 1 + k], bit) & there for bit in bits]
@@ -118,9 +132,10 @@ def _around(case: Case, past: SlotByHand) -> tuple[list[SlotByHand], list[Scalar
                 _at(x, row),
                 _bit(seen[:, 0], 1 + k),
                 sees,
+                fused,
             )
         )
-        numbers.append(given["u_neighbors"][:, k].astype(float))
+        numbers.append(u[:, k].astype(float))
     return found, numbers
 
 
@@ -136,6 +151,8 @@ def _reuse(case: Case) -> Buffers:
     slots, u = sources(case)
     K = len(slots)
     own, order, numbers = 1, list(range(K)), list(range(K))
+    if case.pass_name == "fused":
+        order, numbers = _without_past(order, numbers)
     p_hat = [target(kind, x, s.y) for s in slots]
     J = [np.ones(case.rows) if s.x is None else shift(s.x, x, s.y) for s in slots]
     M = [s.M for s in slots]
@@ -167,6 +184,14 @@ def _reuse(case: Case) -> Buffers:
         kept = np.where((number * total < w[k]) & (w[k] > 0), k, kept)
     Z = [_divisor(weights, s, p[s], M) for s in range(K)]
     return _closed(case, slots, kept, total, Z, p_hat, M)
+
+
+def _without_past(order: list[int], numbers: list[int]) -> tuple[list[int], list[int]]:
+    """A stream with no past, of which the first needs no number, and own has none."""
+    left = [k for k in order if k]
+    if numbers == list(range(len(order))):  # of places
+        return left, [1 + place for place in range(len(left))]
+    return left, [left[0] if k == 1 else k for k in left]
 
 
 def _closed(
@@ -239,7 +264,8 @@ def octahedral(normal: Vec3s) -> Vec3s:
 
 def shared(radiance: Vec3s, bits: int) -> Vec3s:
     """Channels that share an exponent, with so many bits each."""
-    exponent = np.frexp(radiance.max(axis=1))[1]
+    least = {9: -15, 8: -127}[bits]
+    exponent = np.maximum(np.frexp(radiance.max(axis=1))[1], least)
     step = np.ldexp(1.0, exponent - bits)[:, None]
     largest = (2**bits - 1) * step
     return np.minimum(np.rint(radiance / step) * step, largest)

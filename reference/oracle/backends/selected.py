@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from restir_gi.reference.oracle.backends.backend import Backend
 from restir_gi.reference.oracle.backends.offer import Offer
-from restir_gi.reference.oracle.cases import Case, Outcome
+from restir_gi.reference.oracle.cases import Case, Outcome, source_rows
 from restir_gi.reference.oracle.contract.fields import Passes, Precision
 from restir_gi.reference.system.errors import UsageError
 
@@ -23,7 +23,9 @@ class Selection:
         Pass, setting and value, of settings that have to be declared; those that are.
     declined : frozenset of (str, str, str)
         Pass, setting and value that it does not have, and is not asked.
-    neighbors : frozenset of int; how many pass ``spatial`` may have; empty for any
+    neighbors : frozenset of int
+        How many reservoirs of others passes ``spatial`` and ``fused`` may have; empty
+        for any.
     history : bool; whether pass ``spatial`` merges what it left in the last frame
     """
 
@@ -79,8 +81,8 @@ class Selection:
             (case.pass_name, s.name, str(case.settings.get(s.name, s.default)))
             for s in passes[case.pass_name].settings
         }
-        around = case.inputs.get("neighbors")
-        count = around.shape[1] if around is not None else None
+        around = source_rows(case.inputs)
+        count = case.inputs[around.rows].shape[1] if around else None
         known = not self.neighbors or count is None or count in self.neighbors
         return known and not values & self.declined
 

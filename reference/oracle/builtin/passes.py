@@ -1,6 +1,6 @@
 """Passes of the contract by the production passes."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -145,6 +145,36 @@ def _spatial(
     return reservoirs_out(precision, kept)
 
 
+def _fused(
+    precision: Precision,
+    sources: Array,
+    visible: Array,
+    u: Array,
+    target: str,
+    cap: float,
+    mis: PaperMis,
+    surface: str = LAMBERTIAN,
+    **buffers: Array,
+) -> dict[str, Array]:
+    rows, count = np.arange(len(sources)), sources.shape[1]
+    own, past = reservoirs_of(buffers), reservoirs_of(buffers, "past_")
+    # The past's points are numbered after the receivers'.
+    there = [sources[:, k] for k in range(count)]
+    viewers = [rows, *(np.where(row >= 0, row + len(rows), -1) for row in there)]
+    y = past.y.position
+    samples = [(own.y.position, rows)]
+    samples += [(y[np.maximum(row, 0)], row) for row in there]
+    q = pixels_of(buffers, target, _answers(viewers, samples, visible), surface)
+    frame = _frame(q, _past_points(buffers, surface, len(rows)), past)
+    around = [(frame.neighbors(q, there[k]), u[:, k]) for k in range(count)]
+    # Algorithm 4 from the past frame: a stream that begins with an empty reservoir is
+    # one without it, and the next candidate needs no number.
+    none = np.zeros_like(own.W)
+    nobody = Reservoirs(own.y, none, none)
+    kept = spatial_resampling(q, nobody, own, around, none, cap=cap, mis=mis)
+    return reservoirs_out(precision, kept)
+
+
 def _shade(
     precision: Precision,
     W: Array,
@@ -194,8 +224,21 @@ def _known(buffers: Arrays, neighbors: Array, visible: Array) -> list[Known]:
     samples = [(y, rows), *((y[np.maximum(row, 0)], row) for row in around)]
     past_is_there = np.where(buffers["past_M"] > 0, rows, -1)
     samples.append((buffers["past_position"], past_is_there))
+    return _answers([rows, *around], samples, visible)
+
+
+def _answers(
+    viewers: Sequence[Array], samples: Sequence[tuple[Array, Array]], visible: Array
+) -> list[Known]:
+    """What columns and bits say, of those who are there.
+
+    Parameters
+    ----------
+    viewers : sequence of (N,) int; number of the point of each column, or −1
+    samples : sequence of (N, 3) and (N,) int; place of each bit, and its maker, or −1
+    """
     found = []
-    for place, viewer in enumerate([rows, *around]):
+    for place, viewer in enumerate(viewers):
         for k, (sample, maker) in enumerate(samples):
             asked = (viewer >= 0) & (maker >= 0)
             seen = bit(visible[:, place], k)
@@ -209,5 +252,6 @@ PASSES: Mapping[str, Callable[..., dict[str, Array]]] = {
     "moved": _moved,
     "neighbors": _neighbors,
     "spatial": _spatial,
+    "fused": _fused,
     "shade": _shade,
 }

@@ -83,7 +83,7 @@ s + d). Streams: 0 pixel, 1 initial, 2 temporal, 3 spatial, 4 direct, 5 specular
 path, 7 roulette. `direction` takes lanes 1 and 2 of stream 1, dimension 0; `temporal`
 and `moved` lane 0 of stream 2, dimension 0; `neighbors` lanes 0 and 1 of stream 3,
 dimension k; `spatial` lane 2 of the same for neighbour k, and lane 0 of dimension 63
-for the pixel's own reservoir.
+for the pixel's own reservoir; `fused` lane 2 of the same for source k.
 
 How to connect a backend, and the form of the files, stands in
 [How-to](../howto/index.md).

@@ -271,6 +271,77 @@ SPATIAL = Pass(
     ),
 )
 
+FUSED = Pass(
+    name="fused",
+    summary="Spatiotemporal resampling: pixels resample what some kept a frame ago",
+    formula=(
+        "in this order: the pixel's own reservoir of this frame, as Algorithm 2 leaves"
+        " it, with w = p̂(y) W M; then source 0 … K−1, which are reservoirs of the past"
+        " frame, with w = p̂(y) W M J(x_source → x);\n"
+        "a source is a row of the past buffers, with its own visible point there: that"
+        " of the pixel's history, of others near it; all are shifted, and J = 1 only"
+        " where the point is the same;\n"
+        "w = 0 where x does not see a source's sample, whose M counts all the same;"
+        " source −1 has w = 0 and M = 0;\n"
+        "a candidate is kept where u (w_before + w) < w, and where w_before = 0 < w;\n"
+        "1/M: Z = Σ M;  1/Z: Z = Σ M over those that hold the kept sample; a source"
+        " does where p̂(y) > 0 at its visible point, with its own normal, albedo and"
+        " declared surface, and it sees the sample; the pixel's own always does;\n"
+        "W = Σ w / (p̂(y) Z), and then M = min(Σ M, cap)"
+    ),
+    inputs=(
+        *RECEIVER,
+        *MATERIAL,
+        *RESERVOIR,
+        *prefixed("past", RECEIVER),
+        *prefixed("past", MATERIAL),
+        *prefixed("past", RESERVOIR),
+        index("sources", "row of each source in the past buffers, or −1", "K"),
+        bits(
+            "visible",
+            "who sees which sample: column 0 is x, 1 + k the visible point of source k;"
+            " bit 0 is the pixel's own sample, 1 + k that of source k; K is 30 at most,"
+            " and bit 0 of column 0 is not looked at",
+            "K+1",
+        ),
+        real("u", "numbers in [0, 1) that decide on the sources", "K"),
+    ),
+    outputs=RESERVOIR,
+    settings=(TARGET, CAP, MIS, SURFACE),
+    source="[Ouyang21, Algs. 3 and 4] in one pass, as RTXDI and others have it",
+    joins=JOINED,
+    terms=_stream("K+1"),
+    clauses=(
+        "the target is the one that is asked for",
+        "reused samples have w = p̂ W M",
+        "the stream is own, then the sources in order",
+        "each decision has a number of its own",
+        "a candidate is kept where u (w_before + w) < w",
+        "W is divided by the target of what is kept",
+        "Z adds the M of each, before the cap",
+        "nulls count",
+        "empty rows do not count",
+        "a source −1 has no weight and no M",
+        "own is always in the domain",
+        "M is capped when it is stored",
+        "M counts where nothing is kept",
+        "W = 0 where nothing is kept although there is light",
+        "w has the Jacobian of the shift",
+        "J is not limited",
+        "the source is the past's point, not the pixel of its row",
+        "w = 0 where the receiver does not see the sample",
+        "M of what is not seen counts",
+        "w = 0 below the horizon and where the back is seen",
+        "the sum is divided as it is asked for",
+        "the domain asks the horizon of the source",
+        "the domain asks on which side the sample shines",
+        "the domain asks what the source sees",
+        "the domain asks the albedo of the source",
+        "the domain asks the view of the source",
+        "who made the sample is in the domain",
+    ),
+)
+
 SHADE = Pass(
     name="shade",
     summary="The estimate of the pixel's indirect light",
@@ -304,4 +375,4 @@ SHADE = Pass(
     ),
 )
 
-FRAME_PASSES = (INITIAL, TEMPORAL, MOVED, NEIGHBORS, SPATIAL, SHADE)
+FRAME_PASSES = (INITIAL, TEMPORAL, MOVED, NEIGHBORS, SPATIAL, FUSED, SHADE)

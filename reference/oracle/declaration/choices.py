@@ -685,7 +685,7 @@ KEYS: tuple[Key, ...] = (
 OF_ALL = ("boiling", "generator", "pixel")
 """Keys that no single pass has."""
 
-OF_PASSES = ("initial", "temporal", "moved", "spatial")
+OF_PASSES = ("initial", "temporal", "moved", "spatial", "fused")
 """Passes with choices of their own, in tables such as ``[choices.spatial]``."""
 
 EXCLUSIVE: tuple[tuple[str, str, str], ...] = (

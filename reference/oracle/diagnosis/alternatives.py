@@ -32,13 +32,15 @@ def _ordered(name: str, order: StreamOrder) -> Hypothesis:
     turned = WORDS | {"neighbors": "neighbour K−1 … 0"} if order.turned else WORDS
     stream = ", ".join(turned[who] for who in order.first)
     numbers = "of its place" if order.in_place else "of its own"
+    # Where there is no past some of them are the contract's.
+    fused = order.of(3, 0) != ([0, 1, 2], [0, 1, 2])
     return mistake(
         name,
         f"the stream is {stream}, each with the number {numbers}:"
         " the same distribution, and other samples",
         f"the stream is {stream}",
         ORDER,
-        SPATIAL,
+        SPATIAL if fused else ("spatial",),
         *SEEN.get(name, ()),
         departure="order",
         order=name,
@@ -206,7 +208,7 @@ MIS = (
         "the past takes no part, as there is no history: right in mean",
         "the stream is own, neighbours, and Z is of these",
         ORDER,
-        SPATIAL,
+        ("spatial",),
         departure="mis",
         past_merged=False,
     ),

@@ -112,7 +112,7 @@ CHOICES = (
         "one random number decides on all reservoirs of a stream",
         "u = u_own",
         "u = u_own, then u_neighbors[k]",
-        SPATIAL,
+        ("spatial",),
         "kajiya 4d813e3",
         shared_decision="all",
     ),

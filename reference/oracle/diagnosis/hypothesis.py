@@ -9,9 +9,9 @@ from restir_gi.reference.oracle.cases import Case
 from restir_gi.reference.oracle.replay.rules import CONTRACT_RULES, Rules
 from restir_gi.reference.oracle.replay.target_rules import TargetRules
 
-TEMPORAL, SPATIAL = ("temporal", "moved"), ("spatial",)
+TEMPORAL, SPATIAL = ("temporal", "moved"), ("spatial", "fused")
 REUSE = (*TEMPORAL, *SPATIAL)
-SHIFTED = ("moved", "spatial")
+SHIFTED = ("moved", *SPATIAL)
 
 
 Departure = Literal[

@@ -317,7 +317,32 @@ def _spatial(at: PatchWorld, s: Situation) -> tuple[Case, Indices]:
     return Case("world", "spatial", settings, given(inputs, "float64")), row
 
 
-BUILT = {"temporal": _temporal, "moved": _moved, "spatial": _spatial}
+def _fused(at: PatchWorld, s: Situation) -> tuple[Case, Indices]:
+    """As many rows, of which q reads two each of the past frame."""
+    cells = _outcomes(3)
+    count = len(cells)
+    parts = [
+        (_eye(at, k, count, s.look), _reservoir(at, k, cells[:, k], s.M[1 + k]))
+        for k in range(3)
+    ]
+    own, *others = [x | r for x, r in parts]
+    inputs = {name: np.tile(a, (2,) + (1,) * (a.ndim - 1)) for name, a in own.items()}
+    past = {n: np.concatenate([other[n] for other in others]) for n in own}
+    sources = np.arange(count)[:, None] + [0, count]
+    sources[:, s.neighbors :] = -1
+    visible = _bits(at, [0, 1, 2], list(cells.T), [0, 1, 2])
+    inputs |= prefixed("past", past)
+    inputs |= {
+        "sources": np.tile(sources, (2, 1)),
+        "visible": np.tile(visible, (2, 1)),
+        "u": np.full((2 * count, 2), 0.5),
+    }
+    settings: dict[str, Value] = {"target": s.target, "cap": s.cap, "mis": s.mis}
+    case = Case("world", "fused", settings, given(inputs, "float64"))
+    return case, np.arange(count)
+
+
+BUILT = {"temporal": _temporal, "moved": _moved, "spatial": _spatial, "fused": _fused}
 
 
 def _patches(at: PatchWorld) -> SamplePoint:
@@ -399,7 +424,8 @@ def _stream_outcomes(
     accepted += [
         _acceptance(rules, sums[k - 1], slots[k].w) for k in range(1, len(slots))
     ]
-    shared = {"": len(slots), "neighbors": 2, "all": 1}[rules.shared_decision]
+    of_others = len(slots) - sum(slot.domain is not None for slot in slots)
+    shared = {"": len(slots), "neighbors": of_others, "all": 1}[rules.shared_decision]
     found, later, most = [], np.ones_like(sums[0].value), np.zeros_like(sums[0].value)
     M = sums[-1].value
     for k in reversed(range(len(slots))):

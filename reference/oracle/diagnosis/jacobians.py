@@ -3,7 +3,7 @@
 from dataclasses import replace
 from typing import Any
 
-from restir_gi.reference.oracle.diagnosis.hypothesis import Hypothesis
+from restir_gi.reference.oracle.diagnosis.hypothesis import SHIFTED, Hypothesis
 from restir_gi.reference.oracle.replay.bounded import Bounded, constant
 from restir_gi.reference.oracle.replay.formulas import jacobian
 from restir_gi.reference.oracle.replay.geometry import cosine_at
@@ -11,7 +11,7 @@ from restir_gi.reference.oracle.replay.points import ReceiverPoint, SamplePoint
 from restir_gi.reference.oracle.replay.rules import CONTRACT_RULES
 from restir_gi.reference.oracle.replay.verbs import choose, inner, square_root
 
-SHIFTS = ("jacobian", "moved", "spatial")
+SHIFTS = ("jacobian", *SHIFTED)
 RIGHT = "J = (|cos φ_to| / |cos φ_from|) · (d_from² / d_to²), angles at the sample"
 
 

@@ -125,6 +125,14 @@ MERGING = (
         none_is_first=True,
     ),
     mistake(
+        "sources-of-this-frame",
+        "the points of the past frame are looked up in the G-buffer of this one",
+        "x_source = visible_position[row]",
+        "x_source = past_visible_position[row]",
+        ("fused",),
+        sources_now=True,
+    ),
+    mistake(
         "rejected-counted",
         "a neighbour that there is not still counts",
         "M of row max(row, 0) is added",

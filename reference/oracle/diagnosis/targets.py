@@ -6,6 +6,7 @@ from math import pi
 from typing import Any
 
 from restir_gi.reference.oracle.diagnosis.hypothesis import (
+    REUSE,
     SHIFTED,
     Departure,
     Hypothesis,
@@ -20,7 +21,7 @@ from restir_gi.reference.oracle.diagnosis.luminances import (
 from restir_gi.reference.oracle.replay.rules import CONTRACT_RULES
 from restir_gi.reference.oracle.replay.target_rules import TargetRules
 
-TARGETS_IN = ("target", "initial", "temporal", "moved", "spatial")
+TARGETS_IN = ("target", "initial", *REUSE)
 BOTH = ("scattered", "outgoing")
 P_RIGHT = "p̂ = Y(albedo / π · L_o) · cos θ"
 

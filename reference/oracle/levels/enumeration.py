@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from restir_gi.reference.numerics.arrays import Indices, Scalars
 from restir_gi.reference.oracle.buffers import prefixed
-from restir_gi.reference.oracle.cases import Buffers
+from restir_gi.reference.oracle.cases import SOURCES, Buffers
 from restir_gi.reference.oracle.contract.fields import Value
 from restir_gi.reference.oracle.levels.patches import (
     CLOSE_NEIGHBORS,
@@ -110,7 +110,7 @@ class LatticeEnumeration:
 def enumerations() -> tuple[LatticeEnumeration, ...]:
     """Of the passes that choose: both targets, both weights, and all their setups."""
     found = [_temporal(target) for target in TARGETS]
-    for pass_of in (_moved, _spatial):
+    for pass_of in (_moved, _spatial, _fused):
         found += [pass_of(t, mis) for mis in ("1/Z", "1/M") for t in TARGETS]
     return tuple(found)
 
@@ -184,6 +184,60 @@ def _spatial(target: Target, mis: str) -> LatticeEnumeration:
     return _enumerated("spatial", settings, setups, rows, numbers, others)
 
 
+def _fused(target: Target, mis: str) -> LatticeEnumeration:
+    """The past frame, with each draw of its points, stands behind the rows."""
+    both, one = (0, 1, 2), (0, 1, -1)
+    setups = (
+        Setup(NEAR, (1.0, 2.0, 1.0), both),
+        Setup(NEAR, (1.0, CAP, 0.0), one),
+        Setup(FAR_NEIGHBORS, (1.0, CAP - 1, CAP), both),
+        Setup(FAR_NEIGHBORS, (2.0, 1.0, 0.0), both),
+        Setup(CLOSE_NEIGHBORS, (1.0, CAP, 1.0), both),
+        Setup(CLOSE_NEIGHBORS, (0.0, 1.0, 2.0), both),
+    )
+    past = _stacked([_past_of(s, target) for s in setups])
+
+    def rows(s: Setup, cells: Indices) -> Table:
+        first = np.arange(2) * OUTCOMES + setups.index(s) * 2 * OUTCOMES
+        sources = np.where(np.array(s.pixels[1:]) > 0, first + cells[:, 1:], -1)
+        return (
+            _now(s, target, cells[:, 0])
+            | _then(s, target, 0, np.full(len(cells), NOTHING), 0.0)
+            | {
+                "sources": sources,
+                "visible": visible_bits(np.array(s.pixels), [*cells.T]),
+            }
+        )
+
+    settings: dict[str, Value] = {"target": target, "cap": CAP, "mis": mis}
+    return _enumerated("fused", settings, setups, rows, ("u",), past)
+
+
+def _past_of(s: Setup, target: Target) -> Table:
+    """Both points of the past with each of their draws, 2 `OUTCOMES` rows."""
+    cells = np.arange(PATCHES + 1)
+    found = [
+        _now(s, target, np.full_like(cells, NOTHING))
+        | _then(s, target, k, cells, s.M[k])
+        | {"sources": np.full((len(cells), 2), -1)}
+        | {"visible": visible_bits(np.array([0, -1, -1]), [cells])}
+        for k in (1, 2)
+    ]
+    return _stacked(found)
+
+
+def _now(s: Setup, target: Target, cells: Indices) -> Table:
+    """The pixel, and the reservoirs that it has drawn in this frame."""
+    own = patch_reservoirs(s.world, target, 0, cells, s.M[0])
+    return eye(s.world, 0, len(cells)) | own
+
+
+def _then(s: Setup, target: Target, who: int, cells: Indices, M: float) -> Table:
+    """A point of the past frame with its reservoirs."""
+    kept = patch_reservoirs(s.world, target, who, cells, M)
+    return prefixed("past", eye(s.world, who, len(cells)) | kept)
+
+
 def _neighbors_of(s: Setup, target: Target) -> Table:
     """Both neighbours with each of their draws, 2 `OUTCOMES` rows."""
     cells = np.arange(PATCHES + 1)
@@ -229,7 +283,7 @@ def _enumerated(
         "-".join(["lattice", *words]),
         pass_name,
         settings,
-        lambda lines, u: _buffers(table, behind, numbers, lines, u),
+        lambda lines, u: _buffers(pass_name, table, behind, numbers, lines, u),
         setups,
         np.repeat(np.arange(len(setups)), [len(drawn) for drawn in cells]),
         np.concatenate([chance for _, chance in draws]),
@@ -276,6 +330,7 @@ def _stacked(tables: list[Table]) -> Table:
 
 
 def _buffers(
+    pass_name: str,
     table: Table,
     behind: Table | None,
     numbers: tuple[str, ...],
@@ -284,12 +339,13 @@ def _buffers(
 ) -> Buffers:
     found = {name: column[lines] for name, column in table.items()}
     if behind is not None:
-        here = found["neighbors"]
-        found["neighbors"] = np.where(here >= 0, here + len(lines), -1)
+        rows = SOURCES[pass_name].rows
+        here = found[rows]
+        found[rows] = np.where(here >= 0, here + len(lines), -1)
         found = _stacked([found, behind])
         u = np.concatenate(
             [u, np.full((len(found["W"]) - len(lines), u.shape[1]), 0.5)]
         )
     if numbers == ("u",):
-        return found | {"u": u[:, 0]}
+        return found | {"u": u if behind is not None else u[:, 0]}
     return found | {numbers[0]: u[:, 0], numbers[1]: u[:, 1:]}

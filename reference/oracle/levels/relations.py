@@ -83,7 +83,7 @@ def _dark(inputs: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     }
 
 
-REUSE = ("temporal", "moved", "spatial")
+REUSE = ("temporal", "moved", "spatial", "fused")
 
 RELATIONS = (
     Relation(
@@ -124,7 +124,7 @@ RELATIONS = (
     ),
     Relation(
         "confidences times 2: the same choices and W",
-        ("spatial",),
+        ("spatial", "fused"),
         _scaled(("M",), 2.0),
         {"M": 2.0},
         {"cap": 2.0},

@@ -10,7 +10,7 @@ beyond the working range, and all who reuse them.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -64,9 +64,9 @@ FEW_NEIGHBORS = Size(ROWS, 8, 3, 20.0, BARE)
 MOST_NEIGHBORS = Size(192, 48, 30, 6.0, 0.0)
 """As many neighbours as renderers have, and as many as words have bits for."""
 
-NULLS, BLACK, HIDDEN, NOWHERE = 0.15, 0.12, 0.25, 0.15
-"""Shares of nulls, of black surfaces, of samples that are not seen, and of neighbours
-that there are not."""
+NULLS, BLACK, HIDDEN, NOWHERE, STILL = 0.15, 0.12, 0.25, 0.15, 0.1
+"""Shares of nulls, of black surfaces, of samples that are not seen, of neighbours that
+there are not, and of points that were there a frame ago."""
 
 TILTED = 0.7
 """Least cosine of a patch of an image with its axis."""
@@ -116,6 +116,10 @@ def row_probes(precision: Precision, seed: int = SEED) -> tuple[Probe, ...]:
         *_neighbors(rng),
         # Reservoirs of another pass may have M beyond the cap of this one.
         spatial_rows(rng, "outgoing", 12.0, "1/Z", FEW_NEIGHBORS),
+        fused_rows(rng, "scattered", 40.0, "1/Z", FEW_NEIGHBORS),
+        fused_rows(rng, "outgoing", 12.0, "1/Z", FEW_NEIGHBORS),
+        fused_rows(rng, "outgoing", 100.0, "1/M", FEW_NEIGHBORS),
+        fused_rows(rng, "scattered", 60.0, "1/Z", MOST_NEIGHBORS),
     ]
     return tuple(replayed("L3", in_float32(case, precision)) for case in cases)
 
@@ -303,6 +307,45 @@ def spatial_rows(
     return Case(name, "spatial", settings, inputs)
 
 
+def fused_rows(
+    rng: np.random.Generator, kind: str, cap: float, mis: str, size: Size
+) -> Case:
+    """Case of pass ``fused``: points of both frames lie together on a floor each."""
+    rows = np.arange(size.rows)
+    both = replace(size, rows=2 * size.rows, cluster=2 * size.cluster)
+    x, extent = _clusters(rng, both)
+    held = [
+        _reservoirs(
+            rng, x, _ways_in_cluster(rng, x, extent, both), kind, most, size.bare
+        )
+        for most in (size.trust, cap)
+    ]
+    # Of each cluster every other point is one of the past frame.
+    own, past = (
+        {name: a[frame::2] for name, a in (x.buffers | r).items()}
+        for frame, r in enumerate(held)
+    )
+    mates = rows[:, None] // size.cluster * size.cluster
+    sources = mates + rng.integers(0, size.cluster, (size.rows, size.neighbors))
+    sources = np.where(rng.random(sources.shape) < NOWHERE, -1, sources)
+    # Some points have not moved, and hold what they held.
+    still = rng.random(size.rows) < STILL
+    for name in own:
+        past[name][still] = own[name][still]
+    past["M"] = np.minimum(past["M"], cap)
+    inputs = own | prefixed("past", past)
+    inputs |= {
+        "sources": sources,
+        "visible": _who_sees_then(rng, sources, still),
+        "u": ends_of_u(rng, sources.size).reshape(sources.shape),
+    }
+    settings: dict[str, Value] = {"target": kind, "cap": cap, "mis": mis}
+    name = f"rows-fused-{mis.replace('/', '')}-{kind}"
+    if size == MOST_NEIGHBORS:
+        name += f"-{size.neighbors}-sources"
+    return Case(name, "fused", settings, inputs)
+
+
 def _clusters(rng: np.random.Generator, size: Size) -> tuple[_Viewpoints, Scalars]:
     """Points that lie together on a floor each; and how large it is, (N,), m."""
     count, rows = size.rows // size.cluster, size.rows
@@ -338,8 +381,41 @@ def _who_sees(rng: np.random.Generator, neighbors: Indices) -> NDArray[np.uint32
     samples = [row, *around, row + rows]  # the pasts are numbered after the others
     sees = rng.random((rows, 2 * rows)) > HIDDEN
     sees[row, row] = sees[row, row + rows] = True
-    words = np.zeros((rows, 1 + count), np.uint32)
-    for column, viewer in enumerate([row, *around]):
+    return _words(sees, [row, *around], samples)
+
+
+def _who_sees_then(
+    rng: np.random.Generator, sources: Indices, still: Masks
+) -> NDArray[np.uint32]:
+    """Bits of pass ``fused``; points and samples of the past come after the others.
+
+    Parameters
+    ----------
+    still : (N,) bool; rows of which both frames have the same point and sample
+    """
+    rows, count = sources.shape
+    row = np.arange(rows)
+    points = [row, *(np.maximum(sources[:, k], 0) + rows for k in range(count))]
+    sees = rng.random((2 * rows, 2 * rows)) > HIDDEN
+    np.fill_diagonal(sees, True)
+    same = np.flatnonzero(still)
+    sees[:, rows + same] = sees[:, same]
+    sees[rows + same] = sees[same]
+    return _words(sees, points, points)
+
+
+def _words(
+    sees: Masks, viewers: list[Indices], samples: list[Indices]
+) -> NDArray[np.uint32]:
+    """A column for each viewer, and a bit for each sample.
+
+    Parameters
+    ----------
+    sees : (V, S) bool; whether each of all viewers sees each of all samples
+    viewers, samples : list of (N,) int; of these
+    """
+    words = np.zeros((len(viewers[0]), len(viewers)), np.uint32)
+    for column, viewer in enumerate(viewers):
         for bit, sample in enumerate(samples):
             seen = sees[viewer, sample].astype(np.uint32)
             words[:, column] |= seen << np.uint32(bit)

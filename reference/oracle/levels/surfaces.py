@@ -22,7 +22,7 @@ from restir_gi.reference.oracle.buffers import given, prefixed
 from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.oracle.contract.fields import Precision, Value
 from restir_gi.reference.oracle.contract.surfaces import COATED, GGX, NODES, SURFACE
-from restir_gi.reference.oracle.frames import frame_cases, past_rows
+from restir_gi.reference.oracle.frames import frame_cases, past_rows, rows_then
 from restir_gi.reference.oracle.levels.declared import shaded_if_seen
 from restir_gi.reference.oracle.levels.draws import about, spread
 from restir_gi.reference.oracle.levels.exact import examined_exactly
@@ -33,6 +33,7 @@ from restir_gi.reference.oracle.levels.replayed import replayed
 from restir_gi.reference.oracle.levels.rows import (
     FEW_NEIGHBORS,
     MOST_NEIGHBORS,
+    fused_rows,
     in_float32,
     initial_rows,
     moved_rows,
@@ -100,6 +101,8 @@ def surface_row_probes(precision: Precision, seed: int = SEED) -> tuple[Probe, .
         (_scattered(spatial_rows(rng, "outgoing", 40.0, "1/Z", FEW_NEIGHBORS)), COATED),
         (_scattered(spatial_rows(rng, "outgoing", 60.0, "1/Z", MOST_NEIGHBORS)), GGX),
         (spatial_rows(rng, "outgoing", 100.0, "1/M", FEW_NEIGHBORS), COATED),
+        (_scattered(fused_rows(rng, "outgoing", 40.0, "1/Z", FEW_NEIGHBORS)), GGX),
+        (_scattered(fused_rows(rng, "outgoing", 40.0, "1/Z", FEW_NEIGHBORS)), COATED),
     ]
     return tuple(
         replayed("L3", in_float32(_with_materials(rng, case, surface), precision))
@@ -117,14 +120,13 @@ def surface_scene_probes(precision: Precision, seed: int = SEED) -> tuple[Probe,
     """
     kinds = (Kind.LAMBERTIAN, Kind.ROUGH_COATED)
     at = prepare_frame(find_scene(SCENE), FRAME_SIZE, seed, kinds)
-    here, past = (_coats(at, rows) for rows in (None, past_rows(at)))
+    here = _coats(at, None)
+    past = {"moved": _coats(at, past_rows(at)), "fused": _coats(at, rows_then(at))}
     return tuple(
         replayed("L3", _declared(case, COATED, given(more, precision)))
         for case in frame_cases(at, precision)
         if SURFACE in whole_contract()[case.pass_name].settings
-        for more in [
-            here | (prefixed("past", past) if case.pass_name == "moved" else {})
-        ]
+        for more in [here | prefixed("past", past.get(case.pass_name, {}))]
     )
 
 
@@ -182,7 +184,7 @@ def _with_materials(
     inputs = dict(case.inputs)
     own = OWN_SAMPLE.get(case.pass_name, "position")
     inputs |= _materials(rng, inputs, surface, "", own, smooth)
-    if case.pass_name == "moved":
+    if case.pass_name in ("moved", "fused"):
         inputs |= _materials(rng, inputs, surface, "past_", "past_position", smooth)
     # Nobody has kept what is not reflected.
     if case.settings.get("target") == "scattered":
@@ -197,6 +199,7 @@ KEPT_AT: Mapping[str, Mapping[str, str]] = {
     "temporal": {"past_W": ""},
     "moved": {"past_W": "past_"},
     "spatial": {"W": "", "past_W": ""},
+    "fused": {"W": "", "past_W": "past_"},
 }
 """Weights of reservoirs that a pass is given, and the points where they were kept."""
 

@@ -206,5 +206,6 @@ JUDGES: Mapping[str, Judge] = {
     "moved": judge_reuse,
     "neighbors": judge_neighbors,
     "spatial": judge_reuse,
+    "fused": judge_reuse,
     "shade": _shade,
 }

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from restir_gi.reference.numerics.arrays import Indices, Masks
-from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.cases import SOURCES, Buffers, Case
 from restir_gi.reference.oracle.contract.fields import Precision
 from restir_gi.reference.oracle.replay.blocks import rows_of
 from restir_gi.reference.oracle.replay.bounded import (
@@ -53,12 +53,20 @@ def _sample(case: Case, precision: Precision, prefix: str, storage: str) -> Samp
 
 @kept_by(256, lambda case, *others: case.rows)
 def _sample_around(
-    case: Case, precision: Precision, k: int, storage: str
+    case: Case, precision: Precision, k: int, storage: str, now: bool
 ) -> tuple[ReceiverPoint, SamplePoint]:
     """Visible point of neighbour k, and its sample; those of row 0 for none."""
+<<<<<<< HEAD
     row = np.maximum(case.inputs["neighbors"][:, k], 0)
     around = rows_of(case.around or case, row)
     return _receiver(around, precision), _sample(around, precision, "", storage)
+=======
+    around = SOURCES[case.pass_name]
+    row = np.maximum(case.inputs[around.rows][:, k], 0)
+    y = _sample(case, precision, around.prefix, storage).rows(row)
+    x = _receiver(case, precision, "" if now else around.prefix)
+    return x.rows(row), y
+>>>>>>> 40e3079 (WIP fused)
 
 
 # Candidates in the order of the contract, and how their stream ends.
@@ -89,23 +97,45 @@ def _moved(case: Case, rules: Rules, precision: Precision) -> Stream:
 
 def _spatial(case: Case, rules: Rules, precision: Precision) -> Stream:
     x = _receiver(case, precision)
-    neighbors = case.inputs["neighbors"]
-    count = neighbors.shape[1]
     slots = [
         _reused(case, x, rules, precision, "past_", u="u_own"),
         _reused(case, x, rules, precision, "", u="u_own"),
+        *_neighbors(case, x, rules, precision),
     ]
-    for k in range(count):
-        slots.append(_neighbor(case, x, rules, precision, neighbors[:, k], k))
     slots = [counted_nulls(slot, rules) for slot in slots]
     closing = _closing(case, x, mis=str(case.settings["mis"]))
     return _taking_part(slots, rules), closing
+
+
+def _fused(case: Case, rules: Rules, precision: Precision) -> Stream:
+    """As pass ``spatial``, from the past frame, and with no other past."""
+    x = _receiver(case, precision)
+    own = _reused(case, x, rules, precision, "", u="")
+    slots = [own, *_neighbors(case, x, rules, precision)]
+    if not rules.canonical_merged:
+        none = constant(0.0, own.w)
+        slots[0] = replace(own, w=none, M=none)
+    closing = _closing(case, x, mis=str(case.settings["mis"]))
+    slots = [counted_nulls(slot, rules) for slot in slots]
+    return slots, replace(closing, canonical=0)
+
+
+def _neighbors(
+    case: Case, x: ReceiverPoint, rules: Rules, precision: Precision
+) -> list[Slot]:
+    """Reservoirs of other points, in their order."""
+    rows = case.inputs[SOURCES[case.pass_name].rows]
+    return [
+        _neighbor(case, x, rules, precision, rows[:, k], k)
+        for k in range(rows.shape[1])
+    ]
 
 
 STREAMS: Mapping[str, Callable[[Case, Rules, Precision], Stream]] = {
     "temporal": _temporal,
     "moved": _moved,
     "spatial": _spatial,
+    "fused": _fused,
 }
 """What each pass that reuses samples resamples from."""
 
@@ -119,7 +149,7 @@ def stream_of(case: Case, rules: Rules, precision: Precision) -> Stream:
 def judge_reuse(
     case: Case, outputs: Buffers, rules: Rules, precision: Precision
 ) -> Judgement:
-    """Judge pass ``temporal``, ``moved`` or ``spatial``."""
+    """Judge a pass that reuses samples."""
     slots, closing = stream_of(case, rules, precision)
     if rules.normalization in CHAINED:
         return judge_chain(outputs, slots, closing, rules, case.random)
@@ -127,7 +157,7 @@ def judge_reuse(
 
 
 PAST, OWN = 0, 1
-"""Slots of the past and of the receiver's own sample, in each of the passes."""
+"""Slots of the past and of the receiver's own sample, in passes with a past."""
 
 
 def _closing(case: Case, x: ReceiverPoint, mis: str) -> Closing:
@@ -195,8 +225,12 @@ def decides(
 
     Parameters
     ----------
+    name : str; of the buffer; empty for whoever comes first, on whom nothing decides
     column : int, optional; of a buffer with a column for each neighbour
     """
+    if not name:
+        first = np.zeros(case.rows)
+        return Bounded(first, first, rounding)
     if name not in case.inputs:
         half = np.full(case.rows, 0.5)
         return Bounded(half, half, rounding)
@@ -245,14 +279,20 @@ def _neighbor(
 ) -> Slot:
     rounding = rounding_of(precision)
     there, row = row >= 0, np.maximum(row, 0)
+<<<<<<< HEAD
     x_from, y = _sample_around(case, precision, k, rules.storage)
     around = (case.around or case).inputs
     W, M = (exact(around[name][row], rounding) for name in ("W", "M"))
+=======
+    around = SOURCES[case.pass_name]
+    x_from, y = _sample_around(case, precision, k, rules.storage, rules.sources_now)
+    W, M = (exact(case.inputs[around.prefix + n][row], rounding) for n in ("W", "M"))
+>>>>>>> 40e3079 (WIP fused)
     W = stored_W(W, rules.storage) if case.decoded is None else W
     none = constant(0.0, M)
     there = there | rules.none_is_first
     M = rules.reused_confidence(choose(there | rules.rejected_counts, M, none))
-    if rules.cap_arriving == "all":
+    if rules.cap_arriving == "all" or (rules.cap_arriving and around.prefix):
         M = rules.capped(M, float(case.settings["cap"]))
     at = _reused_at(x, x_from, rules)
     p_hat = target_by(rules.target_of_reused, case.settings["target"], at, y)
@@ -260,12 +300,14 @@ def _neighbor(
     J = rules.limited(jacobian_by(rules.jacobian, x_from, x, y))
     w = choose(there, _weighted(rules, p_hat, W, trusted, J), none)
     M = _trusted(rules, M, J)
-    u = decides(case, "u_neighbors", rounding, 0 if rules.shared_decision else k)
+    u = decides(case, around.u, rounding, 0 if rules.shared_decision else k)
     if rules.shared_decision == "all":
         u = decides(case, "u_own", rounding)
     visible = case.inputs["visible"]
-    count = case.inputs["neighbors"].shape[1]
-    bits = [count + 1, 0, *range(1, count + 1)]  # of the slots: past, own, neighbours
+    count = case.inputs[around.rows].shape[1]
+    bits = [0, *range(1, count + 1)]  # of the slots: own, neighbours
+    if case.pass_name == "spatial":
+        bits = [count + 1, *bits]  # and the past before them
     sees = np.stack([_bit(visible[:, 1 + k], bit) & there for bit in bits])
     domain = Domain(_asked_as(x_from, x, rules), sees)
     slot = Slot(y, p_hat, w, M, u, domain)

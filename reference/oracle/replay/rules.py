@@ -79,6 +79,8 @@ class Rules:
     refused_counts : bool; M of a reservoir whose shift has a Jacobian of 0
     rejected_counts, none_is_first : bool
         A neighbour of row −1 brings the M of row 0, or all that row 0 has.
+    sources_now : bool
+        Sources of the past frame are taken for the visible points of this one.
     source_target : bool; the target of reused samples is that at the source
     target_of : 'kept' or 'first'; slot whose target W is divided by
     counted_as : 'own', 'last', 'one', 'full', 'merged' or 'rest'
@@ -136,6 +138,7 @@ class Rules:
     refused_counts: bool = True
     rejected_counts: bool = False
     none_is_first: bool = False
+    sources_now: bool = False
     source_target: bool = False
     target_of: str = "kept"
     visibility_in_weight: bool = True

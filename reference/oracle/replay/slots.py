@@ -92,10 +92,13 @@ class StreamOrder:
     in_place: bool = False
 
     def of(self, count: int, own: int) -> tuple[list[int], list[int]]:
-        """Slots in this order, and for each the slot whose number decides on it."""
-        neighbors = [k for k in range(1, count) if k != own]
+        """Slots in this order, and for each the slot whose number decides on it.
+
+        Where the receiver's own comes first there is no past.
+        """
+        neighbors = list(range(own + 1, count))
         places = {
-            "past": [0],
+            "past": [0] if own else [],
             "own": [own],
             "neighbors": neighbors[::-1] if self.turned else neighbors,
         }

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars
-from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.cases import SOURCES, Buffers, Case
 from restir_gi.reference.oracle.diagnosis.naming.factors import (
     RowFacts,
     of_sample,
@@ -29,6 +29,7 @@ STREAMS: Mapping[str, tuple[str, ...]] = {
     "temporal": ("the past", "the new sample"),
     "moved": ("the past", "the new sample"),
     "spatial": ("the past", "the pixel's own", "the neighbours"),
+    "fused": ("the pixel's own", "the neighbours"),
 }
 """Kinds of reservoirs of each pass; the slots from the last on are of the last kind."""
 
@@ -129,9 +130,12 @@ def _slot(
     W, M = (exact(given[prefix + name], rounding) for name in ("W", "M"))
     there = np.ones(case.rows, bool)
     if kind == "the neighbours":
-        row = given["neighbors"][:, k]
+        around = SOURCES[case.pass_name]
+        row = given[around.rows][:, k]
         there, row = row >= 0, np.maximum(row, 0)
-        y, x_from, W, M = y.rows(row), x.rows(row), W[row], M[row]
+        y = point_of(given, rounding, around.prefix).rows(row)
+        x_from = receiver_of(given, rounding, around.prefix).rows(row)
+        W, M = (exact(given[around.prefix + n][row], rounding) for n in ("W", "M"))
     elif case.pass_name == "moved":
         x_from = receiver_of(given, rounding, "past_")
     factors = {"p_hat": _target(case, x, y), "W": W, "M": M}
