@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from restir_gi.reference.numerics.arrays import Indices, Masks
-from restir_gi.reference.oracle.cases import Buffers, Case, source_rows
+from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.oracle.contract.fields import Precision
 from restir_gi.reference.oracle.parts import judge_of
 from restir_gi.reference.oracle.replay.blocks import rows_of
@@ -13,24 +13,6 @@ from restir_gi.reference.oracle.replay.judgement import Judgement
 from restir_gi.reference.oracle.replay.mis import UNBIASED
 from restir_gi.reference.oracle.replay.rules import Rules
 
-<<<<<<< HEAD
-=======
-BY_ROW = (
-    "target",
-    "jacobian",
-    "merge",
-    "finalize",
-    "similar",
-    "initial",
-    "temporal",
-    "moved",
-    "spatial",
-    "fused",
-    "shade",
-)
-"""Passes whose rows can be asked about apart, with those that they reuse."""
-
->>>>>>> 40e3079 (WIP fused)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AskedRows:
@@ -59,37 +41,9 @@ def some_rows(asked: AskedRows, rows: Indices) -> AskedRows:
     ----------
     rows : (K,) int
     """
-<<<<<<< HEAD
     outputs = {name: np.asarray(a)[rows] for name, a in asked.outputs.items()}
     cut = replace(rows_of(asked.case, rows), random=False, beyond=None)
     return AskedRows(cut, outputs, asked.rows[rows])
-=======
-    case, inputs = asked.case, dict(asked.case.inputs)
-    taken, reused = np.unique(rows), source_rows(inputs)
-    if reused:
-        # Row 0 stays the first: there are those who read it for none.
-        around = inputs[reused.rows][taken].ravel()
-        taken = np.unique(np.concatenate([[0], taken, around[around >= 0]]))
-    place = np.zeros(case.rows, int)
-    place[taken] = np.arange(len(taken))
-    looked_at = np.isin(taken, rows) & asked.rows[taken]
-    found = {name: array[taken] for name, array in inputs.items()}
-    if reused:
-        at = np.maximum(found[reused.rows], 0)
-        there = (found[reused.rows] >= 0) & looked_at[:, None]
-        found[reused.rows] = np.where(there, place[at], -1).astype(at.dtype)
-    outputs = {name: np.asarray(a)[taken] for name, a in asked.outputs.items()}
-    decoded = {n: a[taken] for n, a in case.decoded.items()} if case.decoded else None
-    cut = replace(
-        case,
-        inputs=found,
-        random=False,
-        width=None,
-        beyond=None,
-        decoded=decoded if case.decoded else case.decoded,
-    )
-    return AskedRows(cut, outputs, looked_at)
->>>>>>> 40e3079 (WIP fused)
 
 
 def judged(

@@ -28,6 +28,7 @@ BY_ROW = (
     "temporal",
     "moved",
     "spatial",
+    "fused",
     "shade",
 )
 """Passes whose rows hang on nothing but their own numbers, and on their neighbours'."""

@@ -56,17 +56,11 @@ def _sample_around(
     case: Case, precision: Precision, k: int, storage: str, now: bool
 ) -> tuple[ReceiverPoint, SamplePoint]:
     """Visible point of neighbour k, and its sample; those of row 0 for none."""
-<<<<<<< HEAD
-    row = np.maximum(case.inputs["neighbors"][:, k], 0)
+    sources = SOURCES[case.pass_name]
+    row = np.maximum(case.inputs[sources.rows][:, k], 0)
     around = rows_of(case.around or case, row)
-    return _receiver(around, precision), _sample(around, precision, "", storage)
-=======
-    around = SOURCES[case.pass_name]
-    row = np.maximum(case.inputs[around.rows][:, k], 0)
-    y = _sample(case, precision, around.prefix, storage).rows(row)
-    x = _receiver(case, precision, "" if now else around.prefix)
-    return x.rows(row), y
->>>>>>> 40e3079 (WIP fused)
+    y = _sample(around, precision, sources.prefix, storage)
+    return _receiver(around, precision, "" if now else sources.prefix), y
 
 
 # Candidates in the order of the contract, and how their stream ends.
@@ -279,20 +273,15 @@ def _neighbor(
 ) -> Slot:
     rounding = rounding_of(precision)
     there, row = row >= 0, np.maximum(row, 0)
-<<<<<<< HEAD
-    x_from, y = _sample_around(case, precision, k, rules.storage)
-    around = (case.around or case).inputs
-    W, M = (exact(around[name][row], rounding) for name in ("W", "M"))
-=======
-    around = SOURCES[case.pass_name]
+    sources = SOURCES[case.pass_name]
     x_from, y = _sample_around(case, precision, k, rules.storage, rules.sources_now)
-    W, M = (exact(case.inputs[around.prefix + n][row], rounding) for n in ("W", "M"))
->>>>>>> 40e3079 (WIP fused)
+    around = (case.around or case).inputs
+    W, M = (exact(around[sources.prefix + name][row], rounding) for name in ("W", "M"))
     W = stored_W(W, rules.storage) if case.decoded is None else W
     none = constant(0.0, M)
     there = there | rules.none_is_first
     M = rules.reused_confidence(choose(there | rules.rejected_counts, M, none))
-    if rules.cap_arriving == "all" or (rules.cap_arriving and around.prefix):
+    if rules.cap_arriving == "all" or (rules.cap_arriving and sources.prefix):
         M = rules.capped(M, float(case.settings["cap"]))
     at = _reused_at(x, x_from, rules)
     p_hat = target_by(rules.target_of_reused, case.settings["target"], at, y)
@@ -300,11 +289,11 @@ def _neighbor(
     J = rules.limited(jacobian_by(rules.jacobian, x_from, x, y))
     w = choose(there, _weighted(rules, p_hat, W, trusted, J), none)
     M = _trusted(rules, M, J)
-    u = decides(case, around.u, rounding, 0 if rules.shared_decision else k)
+    u = decides(case, sources.u, rounding, 0 if rules.shared_decision else k)
     if rules.shared_decision == "all":
         u = decides(case, "u_own", rounding)
     visible = case.inputs["visible"]
-    count = case.inputs[around.rows].shape[1]
+    count = case.inputs[sources.rows].shape[1]
     bits = [0, *range(1, count + 1)]  # of the slots: own, neighbours
     if case.pass_name == "spatial":
         bits = [count + 1, *bits]  # and the past before them
