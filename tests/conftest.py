@@ -4,6 +4,7 @@ import os
 import random
 import signal
 import time
+from collections import defaultdict
 from pathlib import Path
 
 import numpy as np
@@ -54,14 +55,30 @@ def pytest_addoption(parser):
     )
 
 
+@pytest.hookimpl(tryfirst=True)  # before marks are selected by
 def pytest_collection_modifyitems(config, items):
     """Files in another order; the tests of each stay together, and share fixtures."""
+    _leave_few(items)
     word = config.getoption("--order")
     if word is not None:
         files = sorted({item.path for item in items})
         random.Random(word).shuffle(files)
         places = {path: place for place, path in enumerate(files)}
         items.sort(key=lambda item: places[item.path])
+
+
+def _leave_few(items):
+    """Make all but some parameters of each test with ``few`` slow, evenly spread."""
+    families = defaultdict(list)
+    for item in items:
+        if item.get_closest_marker("few") and not item.get_closest_marker("slow"):
+            families[item.path, item.originalname].append(item)
+    for family in families.values():
+        (count,) = family[0].get_closest_marker("few").args
+        stay = np.linspace(0, len(family) - 1, min(count, len(family))).round()
+        for place, item in enumerate(family):
+            if place not in stay:
+                item.add_marker(pytest.mark.slow)
 
 
 def pytest_sessionstart(session):

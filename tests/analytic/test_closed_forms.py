@@ -162,6 +162,7 @@ def reuse_runs(world, truth, choice, runs=48):
     ("name", "source", "frames"),
     [("sunlit-wall", "uniform", 40), ("parallel-plates", "cosine", 16)],
 )
+@pytest.mark.few(1)
 def test_initial_samples_show_the_closed_form(name, source, frames):
     world, _, truth = close_up(name)
     assert_right(initial_runs(world, truth, {"source": source}, frames), 1.0)
@@ -176,6 +177,7 @@ def test_initial_samples_show_the_closed_form(name, source, frames):
         ("parallel-plates", "chosen"),
     ],
 )
+@pytest.mark.few(2)
 def test_reuse_leaves_the_closed_form_as_it_is(name, choice):
     world, _, truth = close_up(name)
     assert_right(reuse_runs(world, truth, REUSE[choice]), 0.0)
@@ -189,6 +191,7 @@ MUTANTS = {
 
 
 @pytest.mark.parametrize("mutant", MUTANTS)
+@pytest.mark.few(1)
 def test_control_a_wrong_jacobian_is_rejected(monkeypatch, mutant):
     monkeypatch.setattr(pixels, "reconnection_jacobian", MUTANTS[mutant])
     world, _, truth = close_up("sunlit-wall")

@@ -396,6 +396,7 @@ def test_same_seed_same_picture_another_seed_another(name):
     ],
     ids=str,
 )
+@pytest.mark.few(3)
 def test_bands_and_threads_do_not_change_a_bit(name, schedule):
     """T22."""
     size = 8 if schedule.band == 1 else SIZE

@@ -65,6 +65,7 @@ def restir(capsys):
 
 
 @pytest.mark.parametrize("name", figure_names())
+@pytest.mark.few(3)
 def test_every_figure_is_made(restir, tmp_path, monkeypatch, name):
     """Small, of few frames: what is written is what is printed, and it is finite."""
     monkeypatch.setattr(contest, "FRAMES", 4)

@@ -71,6 +71,7 @@ def test_its_list_of_mistakes_is_complete(program):
 
 @pytest.mark.parametrize("program", ["unfused"], indirect=True)
 @pytest.mark.parametrize("plant", NAMED)
+@pytest.mark.few(3)
 def test_a_planted_mistake_is_told_by_its_name(program, probes, plant):
     told_by_its_name(program, probes, plant)
 

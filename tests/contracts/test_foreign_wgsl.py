@@ -64,6 +64,7 @@ def test_the_shader_numbers_them_in_that_order(example):
 
 
 @pytest.mark.parametrize("plant", NAMED)
+@pytest.mark.few(3)
 def test_a_planted_mistake_is_told_by_its_name(example, probes, monkeypatch, plant):
     monkeypatch.setenv("RESTIR_PLANT", plant)
     verdict = short_ladder(PythonBackend(str(BACKEND), Limits()), probes)

@@ -57,6 +57,7 @@ def last(render, settings, schedule=WHOLE, name="moving-camera", frames=3):
 
 
 @each_variant
+@pytest.mark.few(1)
 def test_bands_and_threads_change_no_bit(render, settings):
     whole, cut = (
         last(render, settings, schedule)

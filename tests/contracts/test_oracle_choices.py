@@ -127,6 +127,7 @@ def is_not_accused(probes, pass_name, chosen):
 
 
 @pytest.mark.parametrize(("pass_name", "chosen"), QUICK)
+@pytest.mark.few(2)
 def test_departures_together_are_not_accused(probes, pass_name, chosen):
     is_not_accused(probes, pass_name, chosen)
 
@@ -189,6 +190,7 @@ MISTAKEN = [
 
 
 @pytest.mark.parametrize(("pass_name", "chosen"), MISTAKEN)
+@pytest.mark.few(2)
 def test_a_mistake_on_top_is_no_departure(probes, pass_name, chosen):
     found = diagnosed(probes, pass_name, chosen)
     assert found is not None, "the mistake does not show"
@@ -280,6 +282,7 @@ class Changed:
     ],
     ids=["two", "three", "two and a mistake"],
 )
+@pytest.mark.few(1)
 def test_choices_made_by_hand(choices, status):
     verdict = judge(Changed(*choices), 300.0, statistics=False)
     assert verdict.status == status

@@ -64,6 +64,7 @@ def faults(backend):
 
 
 @pytest.mark.parametrize("name", RIGHT)
+@pytest.mark.few(3)
 def test_right_weights_and_orders_have_the_right_expectation(name):
     """To the rounding of one contribution and of its thresholds."""
     found = findings(Resampler(**RIGHT[name]))

@@ -79,6 +79,7 @@ def test_without_outputs_nothing_is_decided(golden):
 
 
 @pytest.mark.parametrize("precision", ["float32", "float64"])
+@pytest.mark.few(1)
 def test_the_expected_outputs_pass(precision, tmp_path):
     folder = write(tmp_path / "data", precision)
     answer_all(folder)

@@ -74,6 +74,7 @@ def test_passes_that_are_missing_are_not_judged():
         ("OBJECTS", "ValueError"),
     ],
 )
+@pytest.mark.few(5)
 def test_each_failure_is_named_and_the_other_passes_are_judged(name, words):
     found = python(name)
     text = faults(found)

@@ -93,6 +93,7 @@ SAID = [
 
 
 @pytest.mark.parametrize(("mistake", "pass_name", "words"), SAID)
+@pytest.mark.few(6)
 def test_what_was_read_or_rounded_otherwise_is_told(probes, mistake, pass_name, words):
     answers = answered(probes, pass_name, by(getattr(blind, mistake)()))
     told = first_wrong_term(answers, PRECISION)

@@ -314,6 +314,7 @@ def test_a_truth_goes_on_from_what_is_kept(tmp_path):
         {"scene": find_scene("door-ajar")},
     ],
 )
+@pytest.mark.few(1)
 def test_another_truth_is_traced_anew(tmp_path, change):
     truths(tmp_path)(ASKED)
     truths(tmp_path, **change)(ASKED)
@@ -325,6 +326,7 @@ def test_each_convention_has_a_truth_of_its_own(tmp_path):
     assert len(set(found)) == len(found) == len(list(tmp_path.iterdir()))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("factor", "agrees"), [(1.0, True), (1.15, False)])
 def test_a_truth_has_the_error_that_it_says(tmp_path, factor, agrees):
     """Within 6 errors of as many other paths, in 68 means: wrong in 1e-7 of cases.

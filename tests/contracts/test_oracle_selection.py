@@ -147,8 +147,9 @@ def test_passes_are_chosen_on_the_command_line(capsys):
     assert plain["absent"] == []
 
 
-def test_a_required_pass_that_is_absent_fails(capsys):
-    backend = f"{BACKENDS}:PARTIAL"
+def test_a_required_pass_that_is_absent_fails(dark, capsys):
+    backend = dark.with_name("right.py")
+    backend.write_text(DARK.replace("0.5", "1.0"), encoding="utf-8")
     code, plain = run(capsys, backend, "--require", "shade,spatial")
     assert code == 1
     assert plain["headline"] == (

@@ -97,6 +97,7 @@ def green_for_blue(out):
         green_for_blue,
     ],
 )
+@pytest.mark.few(4)
 def test_a_mistake_in_packing_is_found(name, wrong):
     h = next(h for h in FORMATS if h.name == name)
 

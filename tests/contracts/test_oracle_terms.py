@@ -106,6 +106,7 @@ def garbage(case):
 
 
 @pytest.mark.parametrize("pass_name", NOISY)
+@pytest.mark.few(1)
 def test_nothing_is_said_of_random_numbers(probes, pass_name):
     assert told(probes, pass_name, garbage) is None
 

@@ -89,6 +89,7 @@ def aimed_at(monkeypatch, table):
 
 
 @pytest.mark.parametrize("name", OTHER_TARGETS)
+@pytest.mark.few(2)
 def test_any_target_that_is_positive_in_the_same_places(monkeypatch, name):
     aimed_at(monkeypatch, [[*map(OTHER_TARGETS[name], row)] for row in TARGET])
     assert list(biases()) == []
@@ -100,6 +101,7 @@ def test_control_a_target_that_is_0_where_there_is_light(monkeypatch):
 
 
 @pytest.mark.parametrize("mutant", [*ORDER, *CONFIDENCE], ids=lambda m: m.name)
+@pytest.mark.few(2)
 def test_order_and_confidence(mutant):
     with planted(mutant):
         assert list(biases()) == []

@@ -227,6 +227,7 @@ def chain(mis, sign, frames=3, cap=2):
 
 @each_weight
 @pytest.mark.parametrize("sign", [PLUS, MINUS])
+@pytest.mark.few(1)
 def test_a_chain_of_frames(mis, sign):
     for law in chain(mis, sign):
         found, expected = toy.measured(law, A, sign, law.outcomes)

@@ -242,6 +242,7 @@ def rays_at_edges(mesh, origin, count=40):
 
 @everywhere
 @pytest.mark.parametrize("shape", ["box", "flat box", "ball"])
+@pytest.mark.few(3)
 def test_no_ray_finds_a_way_out_of_a_closed_body(place, shape):
     """Aimed at edges and corners, and anywhere."""
     mesh = CLOSED[shape]

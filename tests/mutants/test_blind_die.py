@@ -104,6 +104,7 @@ def test_there_are_forty_mistakes_and_each_says_what_is_wrong():
 
 
 @pytest.mark.parametrize("mistake", QUICK)
+@pytest.mark.few(1)
 def test_a_mistake_is_killed(mistake):
     assert verdict_of(mistake).status == "FAIL"
 

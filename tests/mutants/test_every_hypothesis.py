@@ -241,6 +241,7 @@ def test_control_another_formula_is_seen():
 
 
 @each_hypothesis
+@pytest.mark.few(40)
 def test_it_is_named(hypothesis):
     """In the first of the passes in which it shows, which is judged soonest."""
     bench = bench_for(hypothesis)

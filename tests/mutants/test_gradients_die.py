@@ -58,6 +58,7 @@ def cases(mutants):
 
 
 @pytest.mark.parametrize("mutant", cases(GRADIENT_MUTANTS))
+@pytest.mark.few(2)
 def test_mistakes_in_pairs_are_refuted(mutant):
     with planted(mutant):
         assert any(is_refuted(evidence) for evidence in EVIDENCE)

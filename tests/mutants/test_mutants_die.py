@@ -36,6 +36,7 @@ def test_without_a_mistake_nothing_is_seen(mutant):
 
 
 @pytest.mark.parametrize("name", QUICK)
+@pytest.mark.few(3)
 def test_a_mistake_is_killed_under_its_name(name):
     found = kill(BY_NAME[name], EXACT)
     assert found.killed
@@ -47,6 +48,7 @@ def test_a_mistake_is_killed_under_its_name(name):
     ("name", "named"),
     [("the target lacks the cosine", "right"), ("M is not capped", "several")],
 )
+@pytest.mark.few(1)
 def test_a_departure_is_named_and_passes(name, named):
     found = kill(BY_NAME[name], EXACT)
     assert (found.status, found.named) == ("PASS", named)

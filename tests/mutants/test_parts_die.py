@@ -124,11 +124,13 @@ def test_without_a_mistake_nothing_is_seen(planting):
 
 
 @each_bias
+@pytest.mark.few(12)
 def test_a_mutant_dies(planting, mutant):
     assert judged(planting, mutant).killed
 
 
 @each_bias
+@pytest.mark.few(12)
 def test_it_is_named_as_expected_or_not_at_all(planting, mutant):
     named = "right" if mutant.expected else "none"
     assert judged(planting, mutant).named == named

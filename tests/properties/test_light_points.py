@@ -143,6 +143,7 @@ def colors(name, schedule, settings, frames=3):
 
 
 @pytest.mark.parametrize("name", ["moving-light", "moving-camera"])
+@pytest.mark.few(1)
 def test_bands_and_threads_change_no_bit(name):
     settings = LightSettings(cells=2, visible=True)
     whole = colors(name, Schedule(band=1 << 20), settings)

@@ -113,6 +113,7 @@ def test_control_the_past_without_jacobian_is_refuted(monkeypatch):
 @pytest.mark.parametrize(
     "plan", [PathPlan("paint", 2, 40), PathPlan("mirror", 2, 40)], ids=str
 )
+@pytest.mark.few(1)
 def test_a_few_runs_show_no_bias(plan):
     assert judged_plan(plan)
 
