@@ -148,14 +148,14 @@ def test_passes_are_chosen_on_the_command_line(capsys):
 
 
 def test_a_required_pass_that_is_absent_fails(dark, capsys):
-    backend = dark.with_name("right.py")
-    backend.write_text(DARK.replace("0.5", "1.0"), encoding="utf-8")
-    code, plain = run(capsys, backend, "--require", "shade,spatial")
+    backend = dark.with_name("alone.py")
+    backend.write_text(DARK.split("    def")[0] + "BACKEND = Dark()", encoding="utf-8")
+    code, plain = run(capsys, backend, "--require", "jacobian,spatial")
     assert code == 1
     assert plain["headline"] == (
         "spatial is required, and the backend does not have it"
     )
-    code, plain = run(capsys, backend, "--require", "shade")
+    code, plain = run(capsys, backend, "--require", "jacobian")
     assert (code, plain["missing"]) == (0, [])
 
 
