@@ -1,4 +1,4 @@
-"""Other neighbours: of the last frame, or with their spatial reservoirs as well."""
+"""Other neighbours: of the last frame, with spatial reservoirs as well, of a table."""
 
 from collections.abc import Callable
 from functools import partial
@@ -8,7 +8,7 @@ import numpy as np
 from restir_gi.reference.frame import FrameContext
 from restir_gi.reference.numerics.arrays import Indices, Scalars
 from restir_gi.reference.numerics.records import NONE, indices
-from restir_gi.reference.numerics.rng import Uniforms
+from restir_gi.reference.numerics.rng import Draw, Uniforms
 from restir_gi.reference.options.reduced_resolution import corner
 from restir_gi.reference.passes.neighbors import neighbors_of
 from restir_gi.reference.passes.pixels import (
@@ -70,6 +70,31 @@ def special_neighbors(
         boosted = history.spatial.neighbors(q, row)
         each += [(q_n, u), (boosted, uniforms.draw(s)[3])]
     return each
+
+
+def of_table(radius: Scalars, u: Draw) -> tuple[Indices, Indices]:
+    """Offsets that a renderer has chosen itself, as lanes 0 and 1 have them, (K,) each.
+
+    Parameters
+    ----------
+    radius : (K,); of the disk, which is not looked at
+    """
+    return u[0].astype(np.int64), u[1].astype(np.int64)
+
+
+def clamped(at: Indices, size: int) -> Indices:
+    """Places along an axis of an image, (K,) int; those outside are on its border."""
+    return np.clip(at, 0, size - 1)
+
+
+def mirrored(at: Indices, size: int) -> Indices:
+    """Places along an axis of an image, (K,) int; those outside are reflected.
+
+    As RTXDI does it, once: about the centre of the first pixel, and about the edge
+    behind the last.
+    """
+    at = np.where(at < 0, -at, at)
+    return np.where(at >= size, 2 * size - 1 - at, at)
 
 
 def _keeper(frame: FrameContext[Settings]) -> Callable[[Indices], Indices] | None:

@@ -12,11 +12,14 @@ from restir_gi.reference.oracle.backends.selected import (
     selection_of,
 )
 from restir_gi.reference.oracle.contract.fields import Passes, Precision
-from restir_gi.reference.oracle.contract.passes import VISIBILITY
+from restir_gi.reference.oracle.contract.passes import BORDER, SEARCH, VISIBILITY
 from restir_gi.reference.oracle.contract.surfaces import SURFACE
 from restir_gi.reference.oracle.diagnosis.hypothesis import Departure
 from restir_gi.reference.oracle.frames import frame_cases
-from restir_gi.reference.oracle.levels.declared import declared_kernel_probes
+from restir_gi.reference.oracle.levels.declared import (
+    declared_kernel_probes,
+    declared_row_probes,
+)
 from restir_gi.reference.oracle.levels.distribution import SCENES as DISTRIBUTION_SCENES
 from restir_gi.reference.oracle.levels.distribution import same_distribution
 from restir_gi.reference.oracle.levels.grades import graded
@@ -134,6 +137,9 @@ def ladder(passes: Passes, backend: Backend, seed: int = SEED) -> Iterator[Level
     yield from of_parts("L2")
     if not backend.lacks(*FRAME):
         yield level_of("L3", "designed rows", partial(row_probes, precision, seed))
+    if any(map(backend.selection.declares, (SEARCH.name, BORDER.name))):
+        of_declared = partial(declared_row_probes, precision, seed)
+        yield level_of("L3", "declared settings", of_declared)
     if surfaces:
         of_rows = partial(surface_row_probes, precision, seed)
         of_scene = partial(surface_scene_probes, precision, seed)

@@ -54,6 +54,8 @@ def find_neighbors(
     settings: Search,
     draws: list[Draw],
     keeper: Callable[[Indices], Indices] | None = None,
+    offset: Callable[[Scalars, Draw], tuple[Indices, Indices]] | None = None,
+    into: Callable[[Indices, int], Indices] | None = None,
 ) -> list[Indices]:
     """Neighbours drawn in a disk around each pixel, one a draw.
 
@@ -66,6 +68,12 @@ def find_neighbors(
     draws : list of four (K,) float64; lanes 0 and 1 of each give a point of the disk
     keeper : callable, optional
         From pixels to those that keep a reservoir for them; by default their own.
+    offset : callable, optional
+        From a radius and a draw to columns and rows, (K,) int each; by default in the
+        disk.
+    into : callable, optional
+        From places along an axis and its length to those that stand for them; by
+        default nothing stands for what is outside.
 
     Returns
     -------
@@ -78,9 +86,13 @@ def find_neighbors(
     least = settings.min_radius
     radius = np.full(len(rows), max(settings.radius * width, least))
     found = []
+    x_to: Indices
+    y_to: Indices
     for u in draws:
-        dx, dy = _in_disk(radius, u)
+        dx, dy = (offset or _in_disk)(radius, u)
         x_to, y_to = x + dx, y + dy
+        if into is not None:
+            x_to, y_to = into(x_to, width), into(y_to, height)
         inside = (x_to >= 0) & (x_to < width) & (y_to >= 0) & (y_to < height)
         neighbor = np.where(inside, y_to * width + x_to, rows)
         if keeper is not None:

@@ -68,6 +68,8 @@ def given(**changes) -> tuple[Way, ...]:
     def way(asked):
         inputs = dict(asked.case.inputs)
         for name, change in changes.items():
+            if name not in inputs:  # given with other settings
+                continue
             inputs[name] = change(asked.case.inputs).astype(inputs[name].dtype)
         return asked.wrong(right_answers(replace(asked.case, inputs=inputs)))
 
@@ -223,8 +225,20 @@ def neighbors(case, rounding=np.rint, halves=True, least=True, clamped=False):
     return np.stack(found, axis=1).astype(np.int32)
 
 
+def _where_border(border, *names):
+    """Mistakes that are looked for where a border is asked for."""
+    return tuple(
+        lambda asked, way=way: (
+            way(asked) & (asked.case.settings.get("border") == border)
+        )
+        for way in known(*names)
+    )
+
+
 def _search(**changes):
     def way(asked):
+        if {"search", "border"} & {*asked.case.settings}:
+            return np.zeros(asked.case.rows, bool)
         return asked.wrong({"neighbors": neighbors(asked.case, **changes)})
 
     return (way,)
@@ -232,6 +246,8 @@ def _search(**changes):
 
 def _itself(asked):
     """The pixel in place of −1."""
+    if {"search", "border"} & {*asked.case.settings}:
+        return np.zeros(asked.case.rows, bool)
     wrong = neighbors(asked.case)
     itself = asked.case.inputs["u"][:, :, 0] == 0
     seen = (asked.case.inputs["depth"] > 0)[:, None] & itself
@@ -482,7 +498,7 @@ WAYS: dict[str, dict[str, tuple[Way, ...]]] = {
     },
     "neighbors": {
         "the radius is a share of the width": set_to(
-            radius=lambda case: 0.5 * case.settings["radius"]
+            radius=lambda case: 0.5 * case.settings.get("radius", 0.0)
         ),
         "offsets are uniform on the disk": given(u=lambda i: i["u"] ** [2, 1]),
         "offsets are rounded to the nearest whole": (
@@ -499,6 +515,21 @@ WAYS: dict[str, dict[str, tuple[Way, ...]]] = {
         "the radius does not fall below the least": _search(least=False),
         "the pixel itself is −1": (_itself,),
         "the pixel itself does not halve the radius": _search(halves="itself too"),
+        "the offsets of a table are taken as they are": known(
+            "table-columns-and-rows-exchanged",
+            "table-offsets-subtracted",
+            "table-rows-upwards",
+        ),
+        "places outside are clamped, if that is asked": _where_border(
+            "clamped", "border-refused", "border-mirrored", "border-wrapped"
+        ),
+        "places outside are mirrored, if that is asked": _where_border(
+            "mirrored",
+            "border-refused",
+            "border-clamped",
+            "border-mirrored-about-centers",
+            "border-mirrored-about-edges",
+        ),
     },
     "spatial": STREAM
     | SHIFTED

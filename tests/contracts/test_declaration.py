@@ -220,7 +220,7 @@ def test_a_pass_may_have_choices_of_its_own():
         {"order": "own-first", "spatial": {"order": "contract", "mis": "balance"}}
     )
     assert {h.name: h.passes for h in said.hypotheses} == {
-        "own-first": ("temporal", "moved"),
+        "own-first": ("temporal", "moved", "fused"),
         "balance": ("spatial",),
     }
     assert said.rules_of("spatial").order == "contract"
@@ -351,7 +351,7 @@ def test_passes_neighbors_history_and_generator():
 
 def test_one_over_m_alone_is_biased_by_design():
     (one,) = declared(has={"mis": ["1/M"]}).hypotheses
-    assert (one.name, one.passes) == ("one-over-m", ("moved", "spatial"))
+    assert (one.name, one.passes) == ("one-over-m", ("moved", "spatial", "fused"))
     assert one.departure == "bias"
     assert declared(has={"mis": ["1/M", "1/Z"]}).hypotheses == ()
     (one,) = declared({"mis": "balance"}, has={"spatial": {"mis": ["1/M"]}}).hypotheses

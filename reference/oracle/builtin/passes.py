@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from restir_gi.reference.options.neighborhood import clamped, mirrored, of_table
 from restir_gi.reference.options.visibility import without_hidden
 from restir_gi.reference.oracle.builtin.buffers import (
     Array,
@@ -25,7 +26,14 @@ from restir_gi.reference.oracle.builtin.surfaces import (
 )
 from restir_gi.reference.oracle.builtin.world import Known, surface_of
 from restir_gi.reference.oracle.contract.fields import Precision
-from restir_gi.reference.oracle.contract.passes import ASKED
+from restir_gi.reference.oracle.contract.passes import (
+    ASKED,
+    CLAMPED,
+    DISK,
+    MIRRORED,
+    REFUSED,
+    TABLE,
+)
 from restir_gi.reference.oracle.contract.surfaces import LAMBERTIAN
 from restir_gi.reference.passes.initial import InitialSamples
 from restir_gi.reference.passes.neighbors import find_neighbors
@@ -103,20 +111,26 @@ def _neighbors(
     precision: Precision,
     visible_normal: Array,
     depth: Array,
-    u: Array,
     width: int,
+    u: Array | None = None,
+    offsets: Array | None = None,
+    search: str = DISK,
+    border: str = REFUSED,
     **settings: Any,
 ) -> dict[str, Array]:
     surface = surface_of(visible_normal, visible_normal, visible_normal)
-    draws = [
-        (u[:, k, 0], u[:, k, 1], u[:, k, 0], u[:, k, 1]) for k in range(u.shape[1])
-    ]
+    given = u if offsets is None else offsets
+    assert given is not None
+    lanes = ((given[:, k, 0], given[:, k, 1]) for k in range(given.shape[1]))
+    draws = [(*pair, *pair) for pair in lanes]
     found = find_neighbors(
         np.arange(len(depth)),
         VisiblePoints(surface, depth),
         width,
         replace(UNBIASED, **settings),
         draws,
+        offset=of_table if search == TABLE else None,
+        into={REFUSED: None, CLAMPED: clamped, MIRRORED: mirrored}[border],
     )
     return {"neighbors": np.stack(found, axis=1).astype(np.int32)}
 

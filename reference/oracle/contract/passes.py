@@ -169,6 +169,22 @@ MOVED = Pass(
     ),
 )
 
+DISK, TABLE = "disk", "table"
+SEARCH = Setting(
+    "search",
+    DISK,
+    "where neighbours are looked for: in a disk, or at offsets of the renderer's own",
+    more=(TABLE,),
+    default=DISK,
+)
+REFUSED, CLAMPED, MIRRORED = "refused", "clamped", "mirrored"
+BORDER = Setting(
+    "border",
+    REFUSED,
+    "what becomes of places outside of the image",
+    more=(CLAMPED, MIRRORED),
+    default=REFUSED,
+)
 NEIGHBORS = Pass(
     name="neighbors",
     summary="Neighbours whose samples a pixel reuses",
@@ -177,22 +193,39 @@ NEIGHBORS = Pass(
         "for each k: offset = r √u₀ (cos 2πu₁, sin 2πu₁), each component rounded to the"
         " nearest whole, ties to even;\n"
         "usable where the pixel lies in the image and is similar; else the neighbour is"
-        " −1 and r = max(r / 2, min_radius); the pixel itself is −1, and usable"
+        " −1 and r = max(r / 2, min_radius); the pixel itself is −1, and usable;\n"
+        "search in a table: the offset is given, in columns and rows downwards, and"
+        " there is no radius, nor u;\n"
+        "border, of each coordinate c of n pixels:\n"
+        "  clamped: c = min(max(c, 0), n − 1);\n"
+        "  mirrored: c = −c where c < 0, then c = 2 n − 1 − c where c ≥ n; once, and"
+        " what is outside then is refused"
     ),
     inputs=(
         RECEIVER[1],
         real("depth", "view depth, m; 0 where nothing is seen"),
-        real("u", "two numbers in [0, 1) for each neighbour", "K", 2),
+        *given_with(
+            SEARCH.name,
+            (DISK,),
+            (real("u", "two numbers in [0, 1) for each neighbour", "K", 2),),
+        ),
+        *given_with(
+            SEARCH.name,
+            (TABLE,),
+            (index("offsets", "columns and rows to each neighbour, pixels", "K", 2),),
+        ),
     ),
     outputs=(index("neighbors", "row of the neighbour, or −1", "K"),),
     settings=(
         Setting("width", "pixels", "of the image; row = y · width + x"),
-        Setting("radius", "number", "share of the width"),
-        Setting("min_radius", "pixels", "least radius"),
+        Setting("radius", "number", "share of the width; not of a table"),
+        Setting("min_radius", "pixels", "least radius; not of a table"),
         Setting("max_angle", "degrees", "between the normals"),
         Setting("max_depth", "number", "relative difference of the depths"),
+        SEARCH,
+        BORDER,
     ),
-    source="[Ouyang21, section 5]",
+    source="[Ouyang21, section 5]; tables and borders as RTXDI and bevy have them",
     clauses=(
         "the radius is a share of the width",
         "offsets are uniform on the disk",
@@ -203,6 +236,9 @@ NEIGHBORS = Pass(
         "the radius does not fall below the least",
         "the pixel itself is −1",
         "the pixel itself does not halve the radius",
+        "the offsets of a table are taken as they are",
+        "places outside are clamped, if that is asked",
+        "places outside are mirrored, if that is asked",
     ),
 )
 

@@ -1,6 +1,15 @@
 """Known mistakes with decisions and with the search for neighbours."""
 
-from restir_gi.reference.oracle.diagnosis.hypothesis import REUSE, SPATIAL, mistake
+from collections.abc import Iterator
+from dataclasses import replace
+
+from restir_gi.reference.oracle.contract.passes import BORDER, SEARCH
+from restir_gi.reference.oracle.diagnosis.hypothesis import (
+    REUSE,
+    SPATIAL,
+    Hypothesis,
+    mistake,
+)
 from restir_gi.reference.oracle.replay.bounded import Bounded, constant
 from restir_gi.reference.oracle.replay.verbs import choose
 
@@ -28,6 +37,63 @@ def _other_side(u: Bounded, w_before: Bounded, w: Bounded) -> Bounded:
 def _never(u: Bounded, w_before: Bounded, w: Bounded) -> Bounded:
     alone = w_before.value == 0
     return choose(alone, w, constant(-1.0, w))
+
+
+def _of_tables() -> Iterator[Hypothesis]:
+    for name, what, wrong, table in (
+        (
+            "table-columns-and-rows-exchanged",
+            "the second number of an offset is taken for columns",
+            "x + offset₁, y + offset₀",
+            "exchanged",
+        ),
+        (
+            "table-offsets-subtracted",
+            "offsets are subtracted",
+            "x − offset₀, y − offset₁",
+            "opposite",
+        ),
+        (
+            "table-rows-upwards",
+            "rows are counted upwards",
+            "x + offset₀, y − offset₁",
+            "upwards",
+        ),
+    ):
+        right = "x + offset₀, y + offset₁"
+        made = mistake(name, what, wrong, right, ("neighbors",), table=table)
+        yield replace(made, only=(SEARCH.name, SEARCH.more))
+
+
+def _of_borders() -> Iterator[Hypothesis]:
+    right = "clamped: c = min(max(c, 0), n − 1); mirrored: −c, and 2 n − 1 − c"
+    for border, what, wrong in (
+        ("refused", "places outside are refused, whatever is asked", "row = −1"),
+        (
+            "clamped",
+            "places outside are clamped, whatever is asked",
+            "c = min(max(c, 0), n − 1)",
+        ),
+        (
+            "mirrored",
+            "places outside are mirrored, whatever is asked",
+            "c = −c where c < 0, then c = 2 n − 1 − c where c ≥ n",
+        ),
+        (
+            "mirrored-about-centers",
+            "the image is mirrored about the centres of its last pixels",
+            "c = 2 n − 2 − c where c ≥ n",
+        ),
+        (
+            "mirrored-about-edges",
+            "the image is mirrored about its edges",
+            "c = −1 − c where c < 0",
+        ),
+        ("wrapped", "the image goes on at its other side", "c = c mod n"),
+    ):
+        name = f"border-{border}"
+        made = mistake(name, what, wrong, right, ("neighbors",), border=border)
+        yield replace(made, only=(BORDER.name, BORDER.more))
 
 
 CHOICES = (
@@ -90,6 +156,8 @@ CHOICES = (
         ("neighbors",),
         narrows=False,
     ),
+    *_of_tables(),
+    *_of_borders(),
     mistake(
         "never-accepts",
         "the sample that won is not copied",

@@ -426,16 +426,16 @@ def _neighbors(rng: np.random.Generator) -> Iterator[Case]:
     """Images of patches, of which some are alike: wide, of an odd width, of a line."""
     common: dict[str, Value] = {"max_angle": 40.0, "max_depth": 0.2}
     settings: dict[str, Value] = {"radius": 0.3, "min_radius": 1.5}
-    yield _image(rng, "", (64, 24), 8, 6, settings | common)
+    yield image_case(rng, "", (64, 24), 8, 6, settings | common)
     # The radius begins at its least; and the whole image is in reach.
     settings = {"radius": 0.05, "min_radius": 5.0, "max_angle": 12.0, "max_depth": 0.5}
-    yield _image(rng, "odd", (27, 19), 20, 4, settings)
+    yield image_case(rng, "odd", (27, 19), 20, 4, settings)
     settings = {"radius": 1.25, "min_radius": 0.75}
     settings |= {"max_angle": 75.0, "max_depth": 0.03}
-    yield _image(rng, "line", (201, 1), 5, 3, settings)
+    yield image_case(rng, "line", (201, 1), 5, 3, settings)
 
 
-def _image(
+def image_case(
     rng: np.random.Generator,
     variant: str,
     size: tuple[int, int],
@@ -443,7 +443,7 @@ def _image(
     patch: int,
     settings: dict[str, Value],
 ) -> Case:
-    """Patches that are turned and far away as they like, with rough ground.
+    """Case of pass ``neighbors``: patches that are turned and far away as they like.
 
     Parameters
     ----------

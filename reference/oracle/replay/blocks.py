@@ -38,7 +38,12 @@ BLOCK = 2**16
 
 
 def rows_of(case: Case, rows: slice | Indices) -> Case:
-    """Some rows of a case of a pass in `BY_ROW`; neighbours are still rows of all."""
+    """Some rows of a case of a pass in `BY_ROW`; neighbours are still rows of all.
+
+    Parameters
+    ----------
+    rows : slice or (K,) int; which
+    """
 
     def taken(found: Buffers) -> Buffers:
         return {name: array[rows] for name, array in found.items()}

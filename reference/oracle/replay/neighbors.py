@@ -1,5 +1,6 @@
 """Replay of the search for neighbours, along the backend's own steps."""
 
+from collections.abc import Callable, Mapping
 from math import cos, pi, radians
 from typing import Any
 
@@ -8,6 +9,14 @@ import numpy as np
 from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars
 from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.contract.passes import (
+    BORDER,
+    CLAMPED,
+    MIRRORED,
+    REFUSED,
+    SEARCH,
+    TABLE,
+)
 from restir_gi.reference.oracle.replay.bounded import (
     Bounded,
     Rounding,
@@ -17,6 +26,37 @@ from restir_gi.reference.oracle.replay.bounded import (
 from restir_gi.reference.oracle.replay.judgement import Compared, Decisions, Judgement
 from restir_gi.reference.oracle.replay.rules import Rules
 from restir_gi.reference.oracle.replay.verbs import inner
+
+Border = Callable[[Indices, int], Indices]
+
+
+def _mirrored_about(first: int, last: int) -> Border:
+    """Reflection about the centres of the border's pixels, 0, or their edges, 1."""
+
+    def border(at: Indices, size: int) -> Indices:
+        at = np.where(at < 0, -first - at, at)
+        return np.where(at >= size, 2 * size - 2 + last - at, at)
+
+    return border
+
+
+BORDERS: Mapping[str, Border] = {
+    REFUSED: lambda at, size: at,
+    CLAMPED: lambda at, size: np.clip(at, 0, size - 1),
+    MIRRORED: _mirrored_about(0, 1),
+    "mirrored-about-centers": _mirrored_about(0, 0),
+    "mirrored-about-edges": _mirrored_about(1, 1),
+    "wrapped": lambda at, size: at % size,
+}
+"""What stands for places along an axis of so many pixels."""
+
+TABLES: Mapping[str, tuple[tuple[int, int], ...]] = {
+    "asked": ((1, 0), (0, 1)),
+    "exchanged": ((0, 1), (1, 0)),
+    "opposite": ((-1, 0), (0, -1)),
+    "upwards": ((1, 0), (0, -1)),
+}
+"""By what offsets of a table are multiplied."""
 
 SINE = 8.0
 """Roundings of a sine or cosine of 2πu: the argument's, times up to 2π, and its own."""
@@ -84,18 +124,30 @@ def judge_neighbors(
 ) -> Judgement:
     """Judge pass ``neighbors``.
 
-    The radius goes on from the backend's own success or failure.
+    The radius goes on from the backend's own success or failure; of a table there is
+    none.
     """
     rounding, s = rounding_of(precision), case.settings
     found = outputs["neighbors"]
     rows, width = np.arange(case.rows), int(s["width"])
-    least = float(s["min_radius"])
-    radius = np.full(case.rows, max(float(s["radius"]) * width, least))
+    size = width, case.rows // width
+    asked = str(s.get(BORDER.name, BORDER.default))
+    is_asked = rules.border == "asked" or asked == REFUSED
+    border = BORDERS[asked if is_asked else rules.border]
+    of_table = s.get(SEARCH.name) == TABLE
+    least = 0.0 if of_table else float(s["min_radius"])
+    first = 0.0 if of_table else max(float(s["radius"]) * width, least)
+    radius = np.full(case.rows, first)
     wrong, differing, mean = np.zeros(case.rows, bool), 0, 0.0
     expected = np.empty_like(found)
     for k in range(found.shape[1]):
-        u = case.inputs["u"][:, k].astype(float)
-        options, odds = _landings(rows, width, case.rows // width, radius, u, rounding)
+        if of_table:
+            offset = case.inputs["offsets"][:, k].astype(np.int64)
+            offset = offset @ np.array(TABLES[rules.table])
+            options, odds = [_row_at(rows, offset.T, size, border)], 0.0
+        else:
+            u = case.inputs["u"][:, k].astype(float)
+            options, odds = _landings(rows, size, radius, u, rounding, border)
         answers = [alike_to(case, rows, o, rules, rounding) for o in options]
         legal = [
             _is_legal(found[:, k], o, a, rows)
@@ -121,8 +173,29 @@ def judge_neighbors(
     return Judgement((compared,), terms, decisions, case.random)
 
 
+def _row_at(
+    rows: Indices, offset: Any, size: tuple[int, int], border: Border
+) -> Indices:
+    """Pixels at whole offsets from others, (N,), −1 outside.
+
+    Parameters
+    ----------
+    offset : two (N,) arrays; columns and rows
+    """
+    (dx, dy), (width, height) = offset, size
+    x, y = border(rows % width + dx, width), border(rows // width + dy, height)
+    inside = (x >= 0) & (x < width) & (y >= 0) & (y < height)
+    found: Indices = np.where(inside, y * width + x, -1).astype(np.int64)
+    return found
+
+
 def _landings(
-    rows: Indices, width: int, height: int, radius: Scalars, u: Scalars, r: Rounding
+    rows: Indices,
+    size: tuple[int, int],
+    radius: Scalars,
+    u: Scalars,
+    r: Rounding,
+    border: Border,
 ) -> tuple[list[Any], float]:
     """Pixels that an offset may be rounded to, the exact one first, −1 outside."""
     reach = radius * np.sqrt(u[:, 0])
@@ -131,10 +204,8 @@ def _landings(
     options, spread = [], []
     for sx in (0, -1, 1):
         for sy in (0, -1, 1):
-            x_to = rows % width + np.rint(dx + sx * room)
-            y_to = rows // width + np.rint(dy + sy * room)
-            inside = (x_to >= 0) & (x_to < width) & (y_to >= 0) & (y_to < height)
-            options.append(np.where(inside, y_to * width + x_to, -1).astype(np.int64))
+            moved = np.rint(dx + sx * room), np.rint(dy + sy * room)
+            options.append(_row_at(rows, moved, size, border))
             spread.append(options[-1] != options[0])
     return options, float(np.minimum(4 * room, 1.0).sum())
 

@@ -109,6 +109,11 @@ class Rules:
     azimuth_number : int; which of the two numbers the azimuth takes
     inward : bool; directions are on the other side of the surface
     narrows : bool; the search radius is halved after a failure
+    table : 'asked', 'exchanged', 'opposite' or 'upwards'
+        How offsets of a table are read: columns and rows exchanged, or with other
+        signs, both or that of rows.
+    border : 'asked', or a name of `BORDERS` in the replay of the search
+        What becomes of places outside where they are not refused.
     shading_sees : 'asked', 'never' or 'turned'
         Whether shading heeds the bit that says what the visible point sees, where it is
         given, or takes 0 for yes.
@@ -174,6 +179,8 @@ class Rules:
     azimuth_number: int = 1
     inward: bool = False
     narrows: bool = True
+    table: str = "asked"
+    border: str = "asked"
     shading_sees: str = "asked"
     part: Any = None
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars
 from restir_gi.reference.oracle.cases import Case
 from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.contract.passes import BORDER, SEARCH
 from restir_gi.reference.oracle.diagnosis.naming.fits import SHARE
 from restir_gi.reference.oracle.diagnosis.naming.misreadings import Misread
 from restir_gi.reference.oracle.diagnosis.naming.monomials import CONSTANTS, number
@@ -178,7 +179,9 @@ def misplaced(given: Sequence[AskedRows], precision: Precision) -> Misread | Non
     given : sequence of AskedRows; all that a backend answered of a pass
     """
     name = given[0].case.pass_name
-    if name not in FOUND:
+    # Of a table, and of a border that is not refused, the names have to do.
+    given = [a for a in given if not {SEARCH.name, BORDER.name} & {*a.case.settings}]
+    if name not in FOUND or not given:
         return None
     cases = [FOUND[name](asked, precision) for asked in given]
     of = sum(int((~one.right).sum()) for one in cases)
