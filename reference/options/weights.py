@@ -16,7 +16,6 @@ from restir_gi.reference.passes.initial import InitialSamples
 from restir_gi.reference.passes.pixels import NeighborPixels, Pixels, reconnection, sees
 from restir_gi.reference.resampling.generalized import Mis, Shifted, resample
 from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
-from restir_gi.reference.resampling.target import target_if_drawn
 
 Source = InitialSamples | Reservoirs | NeighborPixels
 
@@ -84,10 +83,8 @@ class ShiftedSource:
 
     def unshifted(self, at: Indices) -> Scalars:
         """p̂_n of what the neighbours ``at`` made, (A,), as it was: no ray."""
-        settings, frame, row = self.q_n.q.settings, self.q_n.frame, self.q_n.rows[at]
-        points, y = take(frame.visible.surface, row), take(frame.reservoirs.y, row)
-        table = frame.world.materials
-        return target_if_drawn(settings.source, settings.target, table, points, y)
+        row = self.q_n.rows[at]
+        return self.q_n.target(row, take(self.q_n.frame.reservoirs.y, row))
 
     def shifted(self, at: Indices) -> Shifted:
         """p̂_q of the neighbours' samples, (A,), 0 where hidden, and the Jacobian."""
@@ -98,13 +95,11 @@ class ShiftedSource:
 
     def inverse(self, samples: WeighedSamples, at: Indices) -> Shifted:
         """p̂_n of the pixels' samples, (A,), 0 outside of D_n, and the Jacobian back."""
-        q_n, settings = self.q_n, self.q_n.q.settings
+        q_n = self.q_n
         asked = np.zeros(len(self.rows), bool)
         asked[at] = True
         y, x_q = q_n.before(samples.y, asked)
-        table = q_n.frame.world.materials
-        points = take(q_n.frame.visible.surface, np.maximum(q_n.rows, 0))
-        p = target_if_drawn(settings.source, settings.target, table, points, y)
+        p = q_n.target(np.maximum(q_n.rows, 0), y)
         possible = asked & (p > 0)
         if refuses := q_n.q.refuses:
             possible &= ~refuses(q_n.x.position, x_q, y)
@@ -134,6 +129,24 @@ def resample_weighted(
     """
     if not any(isinstance(source, NeighborPixels) for source, _ in sources):
         mis = "1/M"
+    return resample_as_asked(q, sources, mis, cap)
+
+
+def resample_as_asked(
+    q: Pixels, sources: Sequence[tuple[Source, Scalars]], mis: Mis, cap: float
+) -> Reservoirs:
+    """The same, with the weights themselves where nothing is shifted either.
+
+    Parameters
+    ----------
+    sources : sequence of (InitialSamples, Reservoirs or NeighborPixels, (K,))
+        As of `resample_weighted`.
+    cap : float; limit of M
+
+    Returns
+    -------
+    Reservoirs; K rows
+    """
     given = [weighed(q, source) for source, _ in sources]
     u = [u_n for _, u_n in sources]
     kept = resample(given, u, mis, cap, itself)

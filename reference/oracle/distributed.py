@@ -25,7 +25,11 @@ from restir_gi.reference.oracle.backends.selected import (
 )
 from restir_gi.reference.oracle.cases import NO_TIME, UnaskedError
 from restir_gi.reference.oracle.contract.fields import Precision
-from restir_gi.reference.oracle.ladder import distribution_step, statistical_levels
+from restir_gi.reference.oracle.ladder import (
+    distribution_step,
+    run_of,
+    statistical_levels,
+)
 from restir_gi.reference.oracle.levels.distribution import SCENES
 from restir_gi.reference.oracle.levels.means import replicates
 from restir_gi.reference.oracle.parts import whole_contract
@@ -74,8 +78,8 @@ def batch(reached: Reached, seed: int) -> NDArray[np.float64]:
     :func:`restir_gi.reference.oracle.levels.means.replicates`.
     """
     backend = reached.open()
-    ask, mis = Asker(whole_contract(), backend), reached.selection.mis
-    return replicates(ask, backend.precision, seed, mis)
+    ask = Asker(whole_contract(), backend)
+    return replicates(ask, backend.precision, seed, run_of(reached.selection))
 
 
 def distribution(reached: Reached, scene: str) -> LevelStep:

@@ -28,7 +28,7 @@ from restir_gi.reference.oracle.levels.declared import declared_kernel_probes
 from restir_gi.reference.oracle.levels.exact import exact_outputs, examined_exactly
 from restir_gi.reference.oracle.levels.grades import graded
 from restir_gi.reference.oracle.levels.kernels import kernel_probes
-from restir_gi.reference.oracle.levels.lattice import lattice_probes
+from restir_gi.reference.oracle.levels.lattice import every_enumeration, lattice_probes
 from restir_gi.reference.oracle.levels.probe import Probe
 from restir_gi.reference.oracle.levels.replayed import replayed
 from restir_gi.reference.oracle.levels.rows import row_probes
@@ -204,7 +204,7 @@ def read_golden(folder: Path) -> tuple[Precision, list[Probe]]:
             *kernel_probes(precision),
             *declared_kernel_probes(precision),
             *(surface_kernel_probes(precision) if declared else ()),
-            *lattice_probes(precision),
+            *lattice_probes(precision, every_enumeration()),
             *row_probes(precision),
             *(probe for part in parts() for probe in part.probes(precision)),
         )

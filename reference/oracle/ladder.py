@@ -7,6 +7,7 @@ from functools import lru_cache, partial
 from restir_gi.reference.oracle.backends.backend import Backend
 from restir_gi.reference.oracle.backends.selected import (
     SelectedBackend,
+    Selection,
     lacks,
     selected,
     selection_of,
@@ -14,6 +15,7 @@ from restir_gi.reference.oracle.backends.selected import (
 from restir_gi.reference.oracle.contract.fields import Passes, Precision
 from restir_gi.reference.oracle.contract.passes import BORDER, SEARCH, VISIBILITY
 from restir_gi.reference.oracle.contract.surfaces import SURFACE
+from restir_gi.reference.oracle.contract.weights import MIS
 from restir_gi.reference.oracle.diagnosis.hypothesis import Departure
 from restir_gi.reference.oracle.frames import frame_cases
 from restir_gi.reference.oracle.levels.declared import (
@@ -22,6 +24,7 @@ from restir_gi.reference.oracle.levels.declared import (
 )
 from restir_gi.reference.oracle.levels.distribution import SCENES as DISTRIBUTION_SCENES
 from restir_gi.reference.oracle.levels.distribution import same_distribution
+from restir_gi.reference.oracle.levels.fitted import fitted, fitted_probes
 from restir_gi.reference.oracle.levels.grades import graded
 from restir_gi.reference.oracle.levels.kernels import kernel_probes
 from restir_gi.reference.oracle.levels.lattice import lattice_step
@@ -29,7 +32,7 @@ from restir_gi.reference.oracle.levels.means import Batches, Mean, mean_over_run
 from restir_gi.reference.oracle.levels.probe import Finding, Probe
 from restir_gi.reference.oracle.levels.relations import relations_of
 from restir_gi.reference.oracle.levels.replayed import replayed
-from restir_gi.reference.oracle.levels.rows import row_probes
+from restir_gi.reference.oracle.levels.rows import neighbor_row_probes, row_probes
 from restir_gi.reference.oracle.levels.spheres import (
     LONG,
     furnace,
@@ -44,7 +47,8 @@ from restir_gi.reference.oracle.levels.surfaces import (
     surface_row_probes,
     surface_scene_probes,
 )
-from restir_gi.reference.oracle.loop import Ask, LoopFrame
+from restir_gi.reference.oracle.levels.weights import weight_row_probes
+from restir_gi.reference.oracle.loop import Ask, LoopFrame, Run
 from restir_gi.reference.oracle.parts import SEED, Frames, Part, no_frames, parts
 from restir_gi.reference.oracle.prepared_frame import SCENES, prepare_frame
 from restir_gi.reference.oracle.steps import (
@@ -102,7 +106,11 @@ def ladder(passes: Passes, backend: Backend, seed: int = SEED) -> Iterator[Level
     def level_of(
         level: str, title: str, probes: Callable[[], Sequence[Probe]]
     ) -> Level:
-        return level, title, lambda: asked(level, title, passes, backend, probes())
+        def take() -> LevelStep:
+            fit = fitted_probes(probes(), backend.selection)
+            return asked(level, title, passes, backend, fit)
+
+        return level, title, take
 
     questions = [
         (part, _probes_of(part, backend, seed))
@@ -137,6 +145,9 @@ def ladder(passes: Passes, backend: Backend, seed: int = SEED) -> Iterator[Level
     yield from of_parts("L2")
     if not backend.lacks(*FRAME):
         yield level_of("L3", "designed rows", partial(row_probes, precision, seed))
+        counts = backend.selection.designed_neighbors
+        around = partial(neighbor_row_probes, precision, seed, counts)
+        yield level_of("L3", "numbers of neighbours", around)
     if any(map(backend.selection.declares, (SEARCH.name, BORDER.name))):
         of_declared = partial(declared_row_probes, precision, seed)
         yield level_of("L3", "declared settings", of_declared)
@@ -145,6 +156,9 @@ def ladder(passes: Passes, backend: Backend, seed: int = SEED) -> Iterator[Level
         of_scene = partial(surface_scene_probes, precision, seed)
         yield level_of("L3", "declared surfaces", of_rows)
         yield level_of("L3", SURFACE_SCENE, of_scene)
+    if backend.selection.declares(MIS.name):
+        of_rows = partial(weight_row_probes, precision, seed)
+        yield level_of("L3", "declared weights", of_rows)
     for scene in SCENES if not backend.lacks(*FRAME) else ():
         yield level_of("L3", scene, partial(scene_probes, scene, precision, seed))
     yield from of_parts("L3")
@@ -254,34 +268,45 @@ def scene_probes(
     return tuple(replayed("L3", case) for case in frame_cases(at, precision))
 
 
+def run_of(selection: Selection) -> Run:
+    """Whole runs of a backend, as it has the passes."""
+    return Run(
+        mis=selection.mis,
+        temporal_mis=selection.temporal_mis,
+        neighbors=selection.neighbors,
+        history=selection.history,
+    )
+
+
 def _spheres(passes: Passes, backend: Backend) -> LevelStep:
-    precision, mis = backend.precision, selection_of(backend).mis
-    spheres = furnace, half_lit
-    tests = [partial(test, precision=precision, mis=mis) for test in spheres]
+    precision, run = backend.precision, run_of(selection_of(backend))
+    spheres = (furnace, half_lit) if run.counts else (furnace,)
+    tests = [partial(test, precision=precision, run=run) for test in spheres]
     return taken("L2", "spheres", passes, backend, tests, THE_MEAN)
 
 
 def _long_spheres(passes: Passes, backend: Backend) -> Iterator[Level]:
     """Two steps of one run, of which the second relies on how M is capped as well."""
-    run: list[list[LoopFrame]] = []
+    like, run = run_of(selection_of(backend)), list[list[LoopFrame]]()
     titles = [
         f"{sphere} of {LONG.frames} frames" for sphere in ("furnace", "half-lit sphere")
     ]
 
     def furnace_of_run(ask: Ask) -> Finding:
-        run.append(long_run(ask, backend.precision, selection_of(backend).mis))
+        run.append(long_run(ask, backend.precision, like))
         return long_furnace(run[0], backend.precision)
 
     def take_furnace() -> LevelStep:
         return taken("L2", titles[0], passes, backend, [furnace_of_run], THE_MEAN)
 
     def take_half_lit() -> LevelStep:
-        findings = [long_half_lit(frames, backend.precision) for frames in run]
+        findings = [long_half_lit(frames, backend.precision, like) for frames in run]
         relies_on: tuple[Departure, ...] = ("confidence", *THE_MEAN)
         return LevelStep("L2", titles[1], findings=findings, relies_on=relies_on)
 
     yield "L2", titles[0], take_furnace
-    yield "L2", titles[1], take_half_lit
+    if like.counts:
+        yield "L2", titles[1], take_half_lit
 
 
 def _relations(passes: Passes, backend: SelectedBackend, seed: int) -> LevelStep:
@@ -290,7 +315,7 @@ def _relations(passes: Passes, backend: SelectedBackend, seed: int) -> LevelStep
     tests = (
         test
         for case in frame_cases(at, backend.precision)
-        for test in relations_of(graded(case))
+        for test in relations_of(graded(fitted(case, backend.selection)))
         if not backend.lacks(case.pass_name)
     )
     departures: tuple[Departure, ...] = ("confidence", "target", "storage", "bias")
@@ -304,12 +329,11 @@ def _means(
     batches: Batches | None,
 ) -> Iterator[Level]:
     """Two steps of the same runs; the second stands in where the bound is void."""
-    found: list[Mean] = []
+    found, run = list[Mean](), run_of(selection_of(backend))
 
     def test(ask: Ask) -> Finding:
         about = backend.precision, remaining, batches
-        mis = selection_of(backend).mis
-        found.append(mean_over_runs(ask, *about, mis=mis))
+        found.append(mean_over_runs(ask, *about, like=run))
         return found[0].finding
 
     def take_bets() -> LevelStep:
@@ -341,8 +365,8 @@ def distribution_step(passes: Passes, backend: Backend, scene: str) -> LevelStep
     """Step of the distribution test in one scene, of level L4."""
 
     def test(ask: Ask) -> Finding:
-        mis = selection_of(backend).mis
-        return same_distribution(ask, backend.precision, scene, mis=mis).finding
+        run = run_of(selection_of(backend))
+        return same_distribution(ask, backend.precision, scene, like=run).finding
 
     title = f"distribution in {scene}"
     return taken("L4", title, passes, backend, [test], SAME_NUMBERS)

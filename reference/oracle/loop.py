@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 
 from restir_gi.reference.numerics.arrays import Indices, Masks, Vec3s
 from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
+from restir_gi.reference.oracle.backends.selected import Selection
 from restir_gi.reference.oracle.buffers import given, prefixed
 from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.oracle.contract.fields import Precision, Value
+from restir_gi.reference.oracle.contract.weights import DEFENSIVE
 from restir_gi.reference.oracle.visibility import made_it
 
 Array = NDArray[Any]
@@ -42,18 +44,36 @@ class Run:
     ----------
     source : 'uniform' or 'cosine'; density of the directions
     target : 'scattered' or 'outgoing'; Equation 9 or 10
-    mis : '1/M' or '1/Z'; weight of Algorithm 4
+    mis : str; weights of Algorithm 4
+    temporal_mis : str; those of Algorithm 3; empty where a case says nothing of them
     temporal_cap, spatial_cap : float; limits of M
     seed : int; of the random numbers
+    neighbors : frozenset of int; how many Algorithm 4 may have; empty for any
+    history : bool; whether it merges what it left in the last frame
     """
 
     frames: int = 3
     source: str = "cosine"
     target: str = "scattered"
     mis: str = "1/Z"
+    temporal_mis: str = ""
     temporal_cap: float = 30.0
     spatial_cap: float = 500.0
     seed: int = 0
+    neighbors: frozenset[int] = frozenset()
+    history: bool = True
+
+    def around(self, usual: int) -> int:
+        """How many neighbours there are, where usually there are so many."""
+        return Selection(neighbors=self.neighbors).neighbors_for(usual)
+
+    @property
+    def counts(self) -> bool:
+        """Whether each sample weighs M where all could have made it with one density.
+
+        By the defensive weight the pixel's own weighs more.
+        """
+        return DEFENSIVE not in (self.mis, self.temporal_mis)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -112,17 +132,19 @@ def run_frames(
         # Algorithm 3.
         inputs = x | prefixed("past", temporal) | new
         inputs |= {"new_pdf": drawn["pdf"], "u": at(Stream.TEMPORAL).draw(0)[0]}
+        words = {"mis": run.temporal_mis} if run.temporal_mis else {}
         temporal = dict(
-            call("temporal", inputs, target=run.target, cap=run.temporal_cap)
+            call("temporal", inputs, target=run.target, cap=run.temporal_cap, **words)
         )
         # Algorithm 4.
         around = neighbors(frame)
         count = around.shape[1]
         decide = [at(Stream.SPATIAL).draw(k)[2] for k in range(count)]
-        inputs = x | temporal | prefixed("past", spatial)
+        before = spatial if run.history else _empty(rows)
+        inputs = x | temporal | prefixed("past", before)
         inputs |= {
             "neighbors": around,
-            "visible": _bits(harness, temporal, spatial, around),
+            "visible": _bits(harness, temporal, before, around),
             "u_own": at(Stream.SPATIAL).draw(63)[0],
             "u_neighbors": np.stack(decide, axis=1),
         }

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from restir_gi.reference.numerics.arrays import Indices, Masks, Vec3s
 from restir_gi.reference.numerics.records import take
 from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
-from restir_gi.reference.oracle.prepared_frame import NEIGHBORS
 from restir_gi.reference.passes.gbuffer import visible_points
 from restir_gi.reference.passes.neighbors import find_neighbors
 from restir_gi.reference.scene.camera import pixel_centers
@@ -79,18 +78,17 @@ class SceneHarness:
             x, position.astype(float), normal.astype(float), lit, "reuse"
         )
 
-    def neighbors(self, frame: int) -> Indices:
+    def neighbors(self, count: int, frame: int) -> Indices:
         """Neighbours of each row, within its own run, (N, K) int; or −1.
 
         Parameters
         ----------
+        count : int; K
         frame : int; from 0
         """
         pixels = len(self.visible.depth)
         row = np.arange(self.runs * pixels)
-        draws = [
-            self._uniforms(frame, Stream.SPATIAL).draw(k) for k in range(NEIGHBORS)
-        ]
+        draws = [self._uniforms(frame, Stream.SPATIAL).draw(k) for k in range(count)]
         width = self.world.camera.width
         found = find_neighbors(row % pixels, self.visible, width, UNBIASED, draws)
         start = row // pixels * pixels

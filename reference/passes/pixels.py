@@ -9,7 +9,7 @@ from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
 from restir_gi.reference.numerics.records import NONE, indices, select, take
 from restir_gi.reference.resampling.reservoir import Reservoirs, Samples
 from restir_gi.reference.resampling.shift import reconnection_jacobian
-from restir_gi.reference.resampling.target import supports, target
+from restir_gi.reference.resampling.target import supports, target, target_if_drawn
 from restir_gi.reference.scene.surface import SurfacePoints, Viewpoints, VisiblePoints
 from restir_gi.reference.settings import Settings
 from restir_gi.reference.transport.world import World
@@ -126,6 +126,21 @@ class NeighborPixels:
     def before(self, y: Samples, asked: Masks) -> tuple[Samples, Vec3s]:
         """Samples at q as they were in the frame of q_n, (K,), and x_v of q."""
         return y, self.q.points.position
+
+    def target(self, rows: Indices, y: Samples) -> Scalars:
+        """Target of samples at pixels of this frame, 0 where they draw none of them.
+
+        Parameters
+        ----------
+        rows : (A,) int; the pixels
+
+        Returns
+        -------
+        (A,), radiance/sr; whoever may hide them
+        """
+        s, points = self.q.settings, take(self.frame.visible.surface, rows)
+        table = self.frame.world.materials
+        return target_if_drawn(s.source, s.target, table, points, y)
 
     def supports(self, y: Samples) -> Masks:
         """Whether q_n draws y, (K,), with a target above 0, whoever may hide it."""

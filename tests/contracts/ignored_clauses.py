@@ -12,6 +12,7 @@ from math import cos, pi, radians
 import numpy as np
 
 from restir_gi.reference.oracle.builtin.backend import BuiltIn
+from restir_gi.reference.oracle.contract.weights import MIS
 from restir_gi.reference.oracle.diagnosis.diagnose import known_mistakes
 from restir_gi.reference.oracle.parts import judge_of
 from restir_gi.reference.oracle.replay.rules import CONTRACT_RULES
@@ -301,6 +302,17 @@ PLACES_OF_PATHS = (
     "rtxdi-path-boosts-in-bit-5",
 )
 
+
+def _for_declared(way):
+    """The same where a weight is asked for that has to be declared."""
+
+    def found(asked):
+        declared = asked.case.settings.get("mis") in MIS.more
+        return way(asked) if declared else np.zeros(asked.case.rows, bool)
+
+    return found
+
+
 TARGET = known("target-always-scattered", "target-always-outgoing")
 STREAM = {
     "the target is the one that is asked for": TARGET,
@@ -337,6 +349,11 @@ TEMPORAL = STREAM | {
     ),
     "an empty past does not count": known("empty-counts"),
 }
+AT_REST = {
+    "the defensive weight leaves the new sample a share": known(
+        "defensive-without-share", "one-over-z-where-defensive"
+    ),
+}
 SHIFTED = {
     "w has the Jacobian of the shift": known(
         "jacobian-omitted",
@@ -364,6 +381,16 @@ SHIFTED = {
         "view-of-the-receiver-in-the-domain"
     ),
     "who made the sample is in the domain": known("maker-missing-in-z"),
+    "a declared weight is the one that is asked for": known(
+        *(f"one-over-z-where-{asked}" for asked in MIS.more),
+        *(f"one-over-m-where-{asked}" for asked in MIS.more),
+    ),
+    "a declared weight asks the target of the source": tuple(
+        _for_declared(way) for way in known("receivers-target-in-z")
+    ),
+    "a declared weight compares densities in the receiver's measure": known(
+        "mis-weights-without-jacobian"
+    ),
 }
 
 
@@ -488,7 +515,7 @@ WAYS: dict[str, dict[str, tuple[Way, ...]]] = {
             W=1,
         ),
     },
-    "temporal": TEMPORAL,
+    "temporal": TEMPORAL | AT_REST,
     "moved": TEMPORAL
     | SHIFTED
     | {

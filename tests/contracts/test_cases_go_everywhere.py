@@ -21,6 +21,7 @@ from restir_gi.reference.oracle.levels.surfaces import (
     surface_row_probes,
     surface_scene_probes,
 )
+from restir_gi.reference.oracle.levels.weights import weight_row_probes
 from restir_gi.reference.oracle.parts import parts, whole_contract
 from restir_gi.reference.oracle.prepared_frame import CAPS, SCENES
 from tests.contracts.ignored_clauses import (
@@ -59,6 +60,7 @@ def asked_of(name):
     probes += surface_kernel_probes(PRECISION)
     probes += surface_row_probes(PRECISION)
     probes += surface_scene_probes(PRECISION)
+    probes += weight_row_probes(PRECISION)
     for scene in SCENES:
         probes += scene_probes(scene, PRECISION)
     for part in parts():

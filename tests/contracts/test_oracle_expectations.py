@@ -135,7 +135,7 @@ def test_1_over_m_has_its_known_bias_and_no_other():
         f"lattice-{pass_name}{target}"
         for pass_name in ("moved", "spatial")
         for target in ("", "-outgoing")
-    }
+    } | {f"lattice-spatial{target}-1-neighbor" for target in ("", "-outgoing")}
     wrong = faults(Resampler(weights="1/M", mistake="a thousandth"))
     assert set(wrong) > set(found)
 

@@ -14,6 +14,7 @@ from restir_gi.reference.oracle.diagnosis.innocence import (
     SITUATIONS,
     SURFACE_SITUATIONS,
     TOLERANCE,
+    WEIGHT_SITUATIONS,
     bias_of,
     bias_of_rules,
     expectations,
@@ -54,7 +55,9 @@ def test_the_contract_brings_no_bias_on_declared_surfaces(pass_name, situation):
 def test_whoever_has_other_surfaces_is_asked_about_each_look():
     rules = BY_NAME["target-lobe-left-out"].rules
     assert {s.look for s in situations_of(rules)} == {"", *LOOKS}
-    assert situations_of(CONTRACT_RULES) == SITUATIONS
+    assert situations_of(CONTRACT_RULES) == (*SITUATIONS, *WEIGHT_SITUATIONS)
+    other = replace(CONTRACT_RULES, normalization="balance")
+    assert situations_of(other) == SITUATIONS
 
 
 def scaled(formula, factor):

@@ -227,14 +227,14 @@ class ForeignRenderer:
         return {"p_hat": p_hat, "W": W, "M": M}
 
     @np.errstate(all="ignore")
-    def temporal(self, u, target, cap, **given):
+    def temporal(self, u, target, cap, mis="1/Z", **given):
         """The new sample meets the pixel's past."""
         x, _, y = self._of_past(target, given)
         at = Point(*(np.stack([a, a], axis=1) for a in x))
         rows = len(u)
         always = np.ones((rows, 2), bool), np.ones((rows, 2, 2), bool)
         s = ForeignStream(y, at, np.array([False, False]), *always, u[:, None])
-        return self._resample(x, s, Asked(target, cap, "1/Z")).buffers()
+        return self._resample(x, s, Asked(target, cap, mis)).buffers()
 
     @np.errstate(all="ignore")
     def moved(self, u, visible, target, cap, mis, **given):

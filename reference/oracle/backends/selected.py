@@ -7,7 +7,12 @@ from restir_gi.reference.oracle.backends.backend import Backend
 from restir_gi.reference.oracle.backends.offer import Offer
 from restir_gi.reference.oracle.cases import Case, Outcome, source_rows
 from restir_gi.reference.oracle.contract.fields import Passes, Precision
+from restir_gi.reference.oracle.contract.weights import MIS, MIS_AT_REST
 from restir_gi.reference.system.errors import UsageError
+
+NEIGHBORS = (1, 9, 30)
+"""Numbers of neighbours that rows are designed for: the least, a middle one, and the
+most."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,8 +44,21 @@ class Selection:
 
     @property
     def mis(self) -> str:
-        """Weights of pass ``spatial`` in whole runs: 1/M where 1/Z is declined."""
-        return "1/M" if ("spatial", "mis", "1/Z") in self.declined else "1/Z"
+        """Weights of pass ``spatial`` in whole runs: 1/Z, or else others that it has.
+
+        1/M, which is biased where not all see the same, comes last.
+        """
+        if ("spatial", MIS.name, "1/Z") not in self.declined:
+            return "1/Z"
+        had = (mis for mis in MIS.more if ("spatial", MIS.name, mis) in self.more)
+        return next(had, "1/M")
+
+    @property
+    def temporal_mis(self) -> str:
+        """Weights of pass ``temporal`` in whole runs; empty where nothing is said."""
+        usual = "temporal", MIS_AT_REST.name, MIS_AT_REST.default
+        had = (m for m in MIS_AT_REST.more if ("temporal", MIS.name, m) in self.more)
+        return next(had, "") if usual in self.declined else ""
 
     def both(self, other: "Selection") -> "Selection":
         """What both hold: passes and values that neither of them leaves out.
@@ -61,6 +79,24 @@ class Selection:
             neighbors=counts or self.neighbors | other.neighbors,
             history=self.history and other.history,
         )
+
+    def neighbors_for(self, count: int) -> int:
+        """How many pass ``spatial`` is given where a case has so many.
+
+        As many, if it may have them; else the next number above, or the largest.
+        """
+        if not self.neighbors or count in self.neighbors:
+            return count
+        above = [k for k in self.neighbors if k > count]
+        return min(above) if above else max(self.neighbors)
+
+    @property
+    def designed_neighbors(self) -> tuple[int, ...]:
+        """Numbers that rows are designed for: the least, a middle one and the most."""
+        if not self.neighbors:
+            return NEIGHBORS
+        known = sorted(self.neighbors)
+        return tuple(dict.fromkeys((known[0], known[len(known) // 2], known[-1])))
 
     def holds(self, pass_name: str) -> bool:
         """Whether a pass is asked."""

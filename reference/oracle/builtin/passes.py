@@ -8,6 +8,7 @@ import numpy as np
 
 from restir_gi.reference.options.neighborhood import clamped, mirrored, of_table
 from restir_gi.reference.options.visibility import without_hidden
+from restir_gi.reference.options.weights import Source, resample_as_asked
 from restir_gi.reference.oracle.builtin.buffers import (
     Array,
     Arrays,
@@ -35,18 +36,19 @@ from restir_gi.reference.oracle.contract.passes import (
     TABLE,
 )
 from restir_gi.reference.oracle.contract.surfaces import LAMBERTIAN
+from restir_gi.reference.oracle.contract.weights import DEFENSIVE
 from restir_gi.reference.passes.initial import InitialSamples
 from restir_gi.reference.passes.neighbors import find_neighbors
 from restir_gi.reference.passes.pixels import FrameReservoirs, Pixels
 from restir_gi.reference.passes.shade import shade
 from restir_gi.reference.passes.spatial import spatial_resampling
 from restir_gi.reference.passes.temporal import temporal_resampling
+from restir_gi.reference.resampling.generalized import Mis
 from restir_gi.reference.resampling.reservoir import (
     Reservoirs,
     finalize,
     initial_candidates,
 )
-from restir_gi.reference.resampling.reuse import PaperMis
 from restir_gi.reference.scene.surface import SurfacePoints, VisiblePoints
 from restir_gi.reference.settings import UNBIASED
 
@@ -70,12 +72,16 @@ def _temporal(
     u: Array,
     target: str,
     cap: float,
+    mis: Mis = "1/Z",
     surface: str = LAMBERTIAN,
     **buffers: Array,
 ) -> dict[str, Array]:
     q = pixels_of(buffers, target, surface=surface)
-    past = reservoirs_of(buffers, "past_")
-    kept = temporal_resampling(q, _new(buffers, new_pdf), past, u, cap=cap)
+    past, new = reservoirs_of(buffers, "past_"), _new(buffers, new_pdf)
+    if mis == DEFENSIVE:
+        kept = resample_as_asked(q, [(past, u), (new, u)], mis, cap)
+    else:
+        kept = temporal_resampling(q, new, past, u, cap=cap)
     return reservoirs_out(precision, kept)
 
 
@@ -86,7 +92,7 @@ def _moved(
     u: Array,
     target: str,
     cap: float,
-    mis: PaperMis,
+    mis: Mis,
     surface: str = LAMBERTIAN,
     **buffers: Array,
 ) -> dict[str, Array]:
@@ -103,7 +109,10 @@ def _moved(
     x_past = _past_points(buffers, surface, count)
     past = _frame(q, x_past, reservoirs_of(buffers, "past_")).neighbors(q, rows)
     new = _new(buffers, new_pdf)
-    kept = temporal_resampling(q, new, past, u, cap=cap, mis=mis)
+    if mis == "1/Z" or mis == "1/M":
+        kept = temporal_resampling(q, new, past, u, cap=cap, mis=mis)
+    else:
+        kept = resample_as_asked(q, [(past, u), (new, u)], mis, cap)
     return reservoirs_out(precision, kept)
 
 
@@ -143,7 +152,7 @@ def _spatial(
     u_neighbors: Array,
     target: str,
     cap: float,
-    mis: PaperMis,
+    mis: Mis,
     surface: str = LAMBERTIAN,
     **buffers: Array,
 ) -> dict[str, Array]:
@@ -155,7 +164,11 @@ def _spatial(
         (frame.neighbors(q, neighbors[:, k]), u_neighbors[:, k])
         for k in range(neighbors.shape[1])
     ]
-    kept = spatial_resampling(q, past, own, around, u_own, cap=cap, mis=mis)
+    if mis == "1/Z" or mis == "1/M":
+        kept = spatial_resampling(q, past, own, around, u_own, cap=cap, mis=mis)
+    else:
+        sources: list[tuple[Source, Array]] = [(past, u_own), (own, u_own), *around]
+        kept = resample_as_asked(q, sources, mis, cap)
     return reservoirs_out(precision, kept)
 
 
@@ -166,7 +179,7 @@ def _fused(
     u: Array,
     target: str,
     cap: float,
-    mis: PaperMis,
+    mis: Mis,
     surface: str = LAMBERTIAN,
     **buffers: Array,
 ) -> dict[str, Array]:
@@ -181,9 +194,13 @@ def _fused(
     q = pixels_of(buffers, target, _answers(viewers, samples, visible), surface)
     frame = _frame(q, _past_points(buffers, surface, len(rows)), past)
     around = [(frame.neighbors(q, there[k]), u[:, k]) for k in range(count)]
+    none = np.zeros_like(own.W)
+    if mis != "1/Z" and mis != "1/M":
+        candidates: list[tuple[Source, Array]] = [(own, none), *around]
+        weighted = resample_as_asked(q, candidates, mis, cap)
+        return reservoirs_out(precision, weighted)
     # Algorithm 4 from the past frame: a stream that begins with an empty reservoir is
     # one without it, and the next candidate needs no number.
-    none = np.zeros_like(own.W)
     nobody = Reservoirs(own.y, none, none)
     kept = spatial_resampling(q, nobody, own, around, none, cap=cap, mis=mis)
     return reservoirs_out(precision, kept)

@@ -70,10 +70,14 @@ class SurfaceFrame(FrameReservoirs):
 class SurfaceNeighbors(NeighborPixels):
     """Pixels q_n that see declared surfaces."""
 
+    def target(self, rows: Indices, y: Samples) -> Scalars:
+        """Target of samples at pixels of this frame, (A,), whoever may hide them."""
+        points = take(self.frame.visible.surface, rows)
+        return cast(SurfacePixels, self.q).target_at(points, y)
+
     def supports(self, y: Samples) -> Masks:
         """Whether samples have a target above 0 at q_n, (K,), whoever may hide them."""
-        points = take(self.frame.visible.surface, np.maximum(self.rows, 0))
-        supported: Masks = cast(SurfacePixels, self.q).target_at(points, y) > 0
+        supported: Masks = self.target(np.maximum(self.rows, 0), y) > 0
         return supported
 
 

@@ -98,8 +98,7 @@ def _candidates(
 ) -> StreamChances:
     slots, closing = STREAMS[case.pass_name](case, rules, precision)
     held = held_by(outputs, slots, rules)
-    asked = closing.mis if rules.normalization == "asked" else rules.normalization
-    weighted = with_mis_weights(slots, closing, replace(rules, normalization=asked))
+    weighted = with_mis_weights(slots, closing, rules)
     w, error = (
         np.stack([getattr(slot.w, name) for slot in weighted])
         for name in ("value", "error")

@@ -9,6 +9,7 @@ from restir_gi.reference.oracle.contract.fields import (
     Setting,
 )
 from restir_gi.reference.oracle.contract.surfaces import MATERIAL, PAGE
+from restir_gi.reference.oracle.contract.weights import PAGE as WEIGHTS
 from restir_gi.reference.oracle.exact.registry import limits_of
 
 INTRODUCTION = """\
@@ -97,7 +98,8 @@ PREFIXES = ("", "past_")
 def describe(passes: Passes) -> str:
     """Page of the contract, in Markdown."""
     sections = map(_section, passes.values())
-    return "".join((INTRODUCTION, _table(passes), RULES, _surfaces(), *sections))
+    about = INTRODUCTION, _table(passes), RULES, _surfaces(), WEIGHTS
+    return "".join((*about, *sections))
 
 
 def _table(passes: Passes) -> str:

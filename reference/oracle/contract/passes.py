@@ -17,9 +17,14 @@ from restir_gi.reference.oracle.contract.groups import (
 )
 from restir_gi.reference.oracle.contract.kernels import SCATTERS, TARGET
 from restir_gi.reference.oracle.contract.surfaces import MATERIAL, SURFACE
+from restir_gi.reference.oracle.contract.weights import (
+    MIS,
+    MIS_AT_REST,
+    SHARE_AT_REST,
+    SHARES,
+)
 
 CAP = Setting("cap", "number, at least 1", "limit of M, when the reservoir is closed")
-MIS = Setting("mis", "1/M | 1/Z", "what the sum of weights is divided by")
 ASKED = "asked"
 VISIBILITY = Setting(
     "visibility",
@@ -95,7 +100,8 @@ TEMPORAL = Pass(
     formula=(
         "the past with w₀ = p̂(y₀) W₀ M₀, then the new sample with w₁ = p̂(y₁) / pdf;\n"
         "the new one is kept where u (w₀ + w₁) < w₁, and where w₀ = 0 < w₁;\n"
-        "W = (w₀ + w₁) / (p̂(y) (M₀ + 1)), M = min(M₀ + 1, cap)"
+        "W = (w₀ + w₁) / (p̂(y) (M₀ + 1)), M = min(M₀ + 1, cap);\n"
+        "defensive: of that MIS weights tells"
     ),
     inputs=(
         *RECEIVER,
@@ -106,11 +112,11 @@ TEMPORAL = Pass(
         real("u", "number in [0, 1)"),
     ),
     outputs=RESERVOIR,
-    settings=(TARGET, CAP, SURFACE),
+    settings=(TARGET, CAP, MIS_AT_REST, SURFACE),
     source="[Ouyang21, Alg. 3], with w rebuilt after the cap",
     joins=(HERE_PAST, HERE_NEW),
     terms=_stream(2),
-    clauses=MEETING,
+    clauses=(*MEETING, SHARE_AT_REST),
 )
 
 MOVED = Pass(
@@ -166,6 +172,7 @@ MOVED = Pass(
         "the domain asks the albedo of the source",
         "the domain asks the view of the source",
         "who made the sample is in the domain",
+        *SHARES,
     ),
 )
 
@@ -254,6 +261,7 @@ SPATIAL = Pass(
         "1/M: Z = Σ M;  1/Z: Z = Σ M over those that hold the kept sample; a neighbour "
         "does where p̂(y) > 0 at its visible point, with its own normal, albedo and "
         "declared surface, and it sees the sample; past and own always do;\n"
+        "balance, pairwise, defensive: of these MIS weights tells;\n"
         "W = Σ w / (p̂(y) Z), and then M = min(Σ M, cap)"
     ),
     inputs=(
@@ -304,6 +312,7 @@ SPATIAL = Pass(
         "the domain asks the albedo of the source",
         "the domain asks the view of the source",
         "who made the sample is in the domain",
+        *SHARES,
     ),
 )
 
@@ -323,6 +332,7 @@ FUSED = Pass(
         "1/M: Z = Σ M;  1/Z: Z = Σ M over those that hold the kept sample; a source"
         " does where p̂(y) > 0 at its visible point, with its own normal, albedo and"
         " declared surface, and it sees the sample; the pixel's own always does;\n"
+        "balance, pairwise, defensive: of these MIS weights tells;\n"
         "W = Σ w / (p̂(y) Z), and then M = min(Σ M, cap)"
     ),
     inputs=(
@@ -375,6 +385,7 @@ FUSED = Pass(
         "the domain asks the albedo of the source",
         "the domain asks the view of the source",
         "who made the sample is in the domain",
+        *SHARES,
     ),
 )
 

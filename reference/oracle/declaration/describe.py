@@ -110,12 +110,14 @@ HAS = (
     ("`passes`", "a list of passes of the [contract](contract.md)", "all that answer"),
     (
         "`neighbors`",
-        "a list of how many neighbours pass `spatial` may have, 1 to 30",
+        "a list of how many neighbours pass `spatial` may have, 1 to 30: all cases and"
+        " whole runs have such a number",
         "any number",
     ),
     (
         "`history`",
-        "whether pass `spatial` merges what it left in the last frame",
+        "whether pass `spatial` merges what it left in the last frame; if not, its past"
+        " is empty in all cases and whole runs",
         "true",
     ),
     (
@@ -151,8 +153,8 @@ that are innocent apart may be biased together. The report then says so, and all
 have to be accepted.
 
 What a backend has may be a choice, too: without history its pass `spatial` makes the
-choice `history-not-merged`, which is innocent, and a backend whose `mis` is 1/M alone
-is biased by design in `one-over-m`.
+choice `history-not-merged`, which is innocent and shows in golden folders and captures
+alone, and a backend whose `mis` is 1/M alone is biased by design in `one-over-m`.
 
 Weights of which a renderer says `mis = "own"` are judged by M, by which samples may be
 kept, and by their expectation on level L1, which has to be asked: W itself is not

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from restir_gi.reference.oracle.backends.selected import Selection
-from restir_gi.reference.oracle.contract.fields import Passes
+from restir_gi.reference.oracle.contract.fields import Passes, Setting
 from restir_gi.reference.oracle.declaration.choices import (
     EXCLUSIVE,
     KEYS,
@@ -296,10 +296,10 @@ def _selection(has: Table, generator: str) -> Selection:
             if of_pass or not _has_its_own(has, one.name, name):
                 had[one.name, name] = words
     settings = {(p.name, s.name): s for p in passes.values() for s in p.settings}
+    had = {at: _as_known(settings[at], w) for at, w in had.items() if at in settings}
     every = {
         (*at, word): word in words
         for at, words in had.items()
-        if at in settings
         for word in words_of(settings[at])
     }
     return Selection(
@@ -310,6 +310,17 @@ def _selection(has: Table, generator: str) -> Selection:
         neighbors=frozenset(map(int, has.get("neighbors", ()))),
         history=bool(has.get("history", True)),
     )
+
+
+def _as_known(setting: Setting, words: list[str]) -> list[str]:
+    """Words of a setting as a pass has it.
+
+    For one that it does not know, as where nothing moves balance is 1/Z, that stands
+    which it is where nothing is said.
+    """
+    known = words_of(setting)
+    found = [word if word in known else setting.default for word in words]
+    return list(dict.fromkeys(filter(None, found)))
 
 
 def _has_its_own(has: Table, pass_name: str, setting: str) -> bool:

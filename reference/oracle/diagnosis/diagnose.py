@@ -5,9 +5,11 @@ from dataclasses import dataclass
 
 from restir_gi.reference.oracle.cases import Case
 from restir_gi.reference.oracle.contract.fields import Precision
+from restir_gi.reference.oracle.contract.weights import MIS
 from restir_gi.reference.oracle.diagnosis.alternatives import ALTERNATIVES
 from restir_gi.reference.oracle.diagnosis.choices import CHOICES
 from restir_gi.reference.oracle.diagnosis.confidences import CONFIDENCES
+from restir_gi.reference.oracle.diagnosis.declared_weights import DECLARED_WEIGHTS
 from restir_gi.reference.oracle.diagnosis.directions import DIRECTIONS
 from restir_gi.reference.oracle.diagnosis.hypothesis import Hypothesis, combined
 from restir_gi.reference.oracle.diagnosis.innocence import bias_of, without_surfaces
@@ -45,6 +47,7 @@ HYPOTHESES: tuple[Hypothesis, ...] = (
     *MERGING,
     *ALTERNATIVES,
     *SURFACES,
+    *DECLARED_WEIGHTS,
 )
 
 
@@ -262,7 +265,9 @@ def _names(explained: Iterable[Explanation]) -> list[frozenset[str]]:
 
 
 def _is_everywhere(h: Hypothesis) -> bool:
-    """Whether it is more than a choice about declared surfaces: runs have none."""
+    """Whether runs show it: they have no declared surface, and of weights their own."""
+    if h.only is not None and h.only[0] == MIS.name:
+        return False
     return h.only is None or without_surfaces(h.rules) != CONTRACT_RULES
 
 

@@ -25,6 +25,7 @@ from restir_gi.reference.oracle.buffers import given, prefixed
 from restir_gi.reference.oracle.cases import Case
 from restir_gi.reference.oracle.contract.fields import Value
 from restir_gi.reference.oracle.contract.surfaces import NODES
+from restir_gi.reference.oracle.contract.weights import MIS, MIS_AT_REST
 from restir_gi.reference.oracle.diagnosis.hypothesis import Hypothesis, combined
 from restir_gi.reference.oracle.replay.bounded import (
     Bounded,
@@ -173,6 +174,17 @@ Of 1/M nothing is asked: its own expectation hangs on what others could have mad
 """
 
 
+WEIGHT_SITUATIONS = tuple(
+    replace(situation, mis=mis)
+    for mis in MIS.more
+    for situation in SITUATIONS
+    if situation.target == "scattered"
+    and situation.eyes in ("beside", "near and far")
+    and situation.mis == "1/Z"
+)
+"""Worlds of declared weights, for rules that do not put others in their place."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class PatchWorld:
     """Pixels and patches.
@@ -265,6 +277,7 @@ def _temporal(at: PatchWorld, s: Situation) -> tuple[Case, Indices]:
     )
     inputs |= {"u": np.full(len(cells), 0.5)}
     settings: dict[str, Value] = {"target": s.target, "cap": s.cap}
+    settings |= {"mis": s.mis} if s.mis in MIS_AT_REST.more else {}
     case = Case("world", "temporal", settings, given(inputs, "float64"))
     return case, np.arange(len(cells))
 
@@ -554,7 +567,7 @@ def bias_of_light(pass_name: str, rules: Rules) -> BiasOfLight:
     found = [
         (situation.eyes, bias_in(pass_name, _heeded(rules, situation), situation))
         for situation in situations_of(rules)
-        if situation.mis != "1/M"
+        if situation.mis == "1/Z"
     ]
     beside = max((off for eyes, off in found if eyes == "beside"), key=abs)
     every = [off for _, off in found]
@@ -581,6 +594,9 @@ def light_of(situation: Situation) -> Scalars:
     found: Scalars = color @ np.array(REC_709) * at.sees[0][:NOTHING]
     return found
 
+
+AT_REST = (MIS_AT_REST.default, *MIS_AT_REST.more)
+"""Weights that pass ``temporal`` has."""
 
 KEPT_WITH_1_M = (
     "refused",
@@ -609,7 +625,7 @@ def bias_of_rules(pass_name: str, rules: Rules, shaded: bool = False) -> str:
     kept = {name: getattr(rules, name) for name in names}
     biased = replace(CONTRACT_RULES, **kept)
     for situation in situations_of(rules):
-        if pass_name == "temporal" and situation.mis == "1/M":
+        if pass_name == "temporal" and situation.mis not in AT_REST:
             continue  # which has no such setting
         at = world(situation.eyes, situation.hidden)
         mu = at.mu[0][:NOTHING]
@@ -625,9 +641,9 @@ def bias_of_rules(pass_name: str, rules: Rules, shaded: bool = False) -> str:
 
 def situations_of(rules: Rules) -> tuple[Situation, ...]:
     """Worlds in which rules may be other than the contract."""
-    if without_surfaces(rules) == rules:
-        return SITUATIONS
-    return (*SITUATIONS, *SURFACE_SITUATIONS)
+    weights = WEIGHT_SITUATIONS if rules.normalization == "asked" else ()
+    surfaces = SURFACE_SITUATIONS if without_surfaces(rules) != rules else ()
+    return (*SITUATIONS, *surfaces, *weights)
 
 
 def _heeded(rules: Rules, situation: Situation) -> Rules:

@@ -7,7 +7,8 @@ a backend with other weights, another target or other domains it says nothing: t
 distribution is another one, and may be right.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,9 @@ from restir_gi.reference.oracle.builtin.backend import BuiltIn
 from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.oracle.contract.fields import Precision
 from restir_gi.reference.oracle.levels.probe import Finding
+from restir_gi.reference.oracle.levels.spheres import PLAIN
 from restir_gi.reference.oracle.loop import Ask, Run, run_frames
+from restir_gi.reference.oracle.prepared_frame import NEIGHBORS
 from restir_gi.reference.oracle.scene_harness import open_harness
 from restir_gi.reference.oracle.statistics.distribution import distribution_p_values
 from restir_gi.reference.oracle.statistics.families import bonferroni
@@ -51,7 +54,7 @@ def same_distribution(
     tests: int = len(SCENES),
     alpha: float = ALPHA,
     seed: int = 0,
-    mis: str = "1/Z",
+    like: Run = PLAIN,
 ) -> DistributionTest:
     """Compare independent runs of a backend with as many of the reference.
 
@@ -64,7 +67,7 @@ def same_distribution(
     tests : int; scenes that are tested, among which alpha is shared
     alpha : float; probability of a false alarm in all of them
     seed : int; of the runs; the reference has others
-    mis : '1/M' or '1/Z'; weight of Algorithm 4, in the runs of both
+    like : Run; its weights are those of the runs of both
     """
     ours = BuiltIn("float64")
 
@@ -72,8 +75,8 @@ def same_distribution(
         found: Buffers = getattr(ours, case.pass_name)(**case.inputs, **case.settings)
         return found
 
-    theirs = _runs(ask, precision, scene, 2 * seed, mis)
-    reference = _runs(ask_ours, "float64", scene, 2 * seed + 1, mis)
+    theirs = _runs(ask, precision, scene, 2 * seed, like)
+    reference = _runs(ask_ours, "float64", scene, 2 * seed + 1, like)
     # The same whoever made which run: else runs would not be exchangeable.
     cap = 2 * float(np.median([color.mean() for color, _ in (*theirs, *reference)]))
     p = distribution_p_values(_functionals(theirs, cap), _functionals(reference, cap))
@@ -91,11 +94,12 @@ def same_distribution(
 Runs = list[tuple[NDArray[Any], NDArray[Any]]]
 
 
-def _runs(ask: Ask, precision: Precision, scene: str, seed: int, mis: str) -> Runs:
+def _runs(ask: Ask, precision: Precision, scene: str, seed: int, like: Run) -> Runs:
     """Colour and M of the last frame, a run each."""
     harness = open_harness(scene, SIZE, RUNS, seed)
-    run = Run(frames=FRAMES, source="uniform", seed=seed, mis=mis)
-    shown = run_frames(ask, harness, harness.neighbors, run, precision)[-1]
+    run = replace(like, frames=FRAMES, source="uniform", seed=seed)
+    around = partial(harness.neighbors, like.around(NEIGHBORS))
+    shown = run_frames(ask, harness, around, run, precision)[-1]
     color = shown.color.astype(float).mean(axis=1).reshape(RUNS, -1)
     M = shown.spatial["M"].astype(float).reshape(RUNS, -1)
     return list(zip(color, M, strict=True))

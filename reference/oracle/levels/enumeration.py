@@ -7,8 +7,8 @@ the weights are divided by, nor of the order in which candidates come.  By 1/M i
 mu_q(x) times the share of the confidences whose pixels can draw x, a known bias.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import product
 from typing import Any, Literal
@@ -20,6 +20,7 @@ from restir_gi.reference.numerics.arrays import Indices, Scalars
 from restir_gi.reference.oracle.buffers import prefixed
 from restir_gi.reference.oracle.cases import SOURCES, Buffers
 from restir_gi.reference.oracle.contract.fields import Value
+from restir_gi.reference.oracle.contract.weights import MIS, MIS_AT_REST
 from restir_gi.reference.oracle.levels.patches import (
     CLOSE_NEIGHBORS,
     FAR_NEIGHBORS,
@@ -79,7 +80,9 @@ class LatticeEnumeration:
     setups : tuple of Setup; S
     setup : (R,) int; of each outcome
     probability : (R,); of each outcome in its setup
-    weights : (R, D + 1); whole numbers that the contract's stream compares
+    weights : (R, D + 1)
+        Whole numbers that the contract's stream compares; by weights of pairs, which
+        stand in the stream, it compares others.
     solid_angle : (S, 5), sr; of each patch at the pixel that resamples
     expected : (S, 5), sr; E[W 1{y = x}] by the contract
     unbiased : (S, 5), sr; the same by any weights without bias
@@ -109,13 +112,41 @@ class LatticeEnumeration:
 @cache
 def enumerations() -> tuple[LatticeEnumeration, ...]:
     """Of the passes that choose: both targets, both weights, and all their setups."""
-    found = [_temporal(target) for target in TARGETS]
-    for pass_of in (_moved, _spatial, _fused):
-        found += [pass_of(t, mis) for mis in ("1/Z", "1/M") for t in TARGETS]
-    return tuple(found)
+    return (*_without_neighbors(), *enumerations_around())
 
 
-def _temporal(target: Target) -> LatticeEnumeration:
+@cache
+def declared_enumerations() -> tuple[LatticeEnumeration, ...]:
+    """Of weights that have to be declared: each with one target, and all setups."""
+    at_rest = (_temporal(TARGETS[0], mis) for mis in MIS_AT_REST.more)
+    moved = (_moved(TARGETS[0], mis) for mis in MIS.more)
+    return (*at_rest, *moved, *enumerations_around(declared=True))
+
+
+def _without_neighbors() -> Iterator[LatticeEnumeration]:
+    yield from map(_temporal, TARGETS)
+    yield from (_moved(t, mis) for mis in ("1/Z", "1/M") for t in TARGETS)
+
+
+@cache
+def enumerations_around(
+    count: int = 2, history: bool = True, declared: bool = False
+) -> tuple[LatticeEnumeration, ...]:
+    """Of passes ``spatial`` and ``fused``, with one neighbour or two.
+
+    Parameters
+    ----------
+    history : bool; whether the spatial past is there
+    declared : bool; weights that have to be declared, and no others
+    """
+    weights = MIS.more if declared else ("1/Z", "1/M")
+    targets = TARGETS[:1] if declared else TARGETS
+    asked = [(t, mis) for mis in weights for t in targets]
+    fused = (_fused(*words, count) for words in asked)
+    return (*(_spatial(*words, count, history) for words in asked), *fused)
+
+
+def _temporal(target: Target, mis: str = "") -> LatticeEnumeration:
     setups = tuple(Setup(NEAR, (M, 1.0), (0, 0)) for M in (0.0, 1.0, CAP - 1, CAP))
 
     def rows(s: Setup, cells: Indices) -> Table:
@@ -124,6 +155,7 @@ def _temporal(target: Target) -> LatticeEnumeration:
         return eye(s.world, 0, len(cells)) | prefixed("past", past) | new
 
     settings: dict[str, Value] = {"target": target, "cap": CAP}
+    settings |= {"mis": mis} if mis else {}
     return _enumerated("temporal", settings, setups, rows, ("u",))
 
 
@@ -151,10 +183,10 @@ def _moved(target: Target, mis: str) -> LatticeEnumeration:
     return _enumerated("moved", settings, setups, rows, ("u",))
 
 
-def _spatial(target: Target, mis: str) -> LatticeEnumeration:
+def _spatial(target: Target, mis: str, count: int, history: bool) -> LatticeEnumeration:
     """The neighbours, with each of their draws, stand behind the rows that count."""
     both, one = (0, 0, 1, 2), (0, 0, 1, -1)
-    setups = (
+    every = (
         Setup(NEAR, (0.0, 1.0, 2.0, 1.0), both),
         Setup(NEAR, (CAP - 1, 1.0, CAP, 0.0), one),
         Setup(FAR_NEIGHBORS, (0.0, CAP, CAP - 1, CAP), both),
@@ -162,16 +194,18 @@ def _spatial(target: Target, mis: str) -> LatticeEnumeration:
         Setup(CLOSE_NEIGHBORS, (0.0, 1.0, CAP, 1.0), both),
         Setup(CLOSE_NEIGHBORS, (CAP, 1.0, 1.0, 0.0), one),
     )
+    setups = [_with(s, count, history) for s in every]
     others = _stacked([_neighbors_of(s, target) for s in setups])
 
     def rows(s: Setup, cells: Indices) -> Table:
         past, own = (
             patch_reservoirs(s.world, target, 0, cells[:, k], s.M[k]) for k in (0, 1)
         )
-        first = np.arange(2) * OUTCOMES + setups.index(s) * 2 * OUTCOMES
+        behind = np.arange(count) + setups.index(s) * count
+        first = behind * OUTCOMES
         around = np.where(np.array(s.pixels[2:]) > 0, first + cells[:, 2:], -1)
         viewers = np.array([0, *s.pixels[2:]])
-        slots = [cells[:, 1], cells[:, 2], cells[:, 3], cells[:, 0]]
+        slots = [*cells.T[1:], cells[:, 0]]
         return (
             eye(s.world, 0, len(cells))
             | own
@@ -181,24 +215,34 @@ def _spatial(target: Target, mis: str) -> LatticeEnumeration:
 
     settings: dict[str, Value] = {"target": target, "cap": CAP, "mis": mis}
     numbers = ("u_own", "u_neighbors")
-    return _enumerated("spatial", settings, setups, rows, numbers, others)
+    about = tuple(setups), rows, numbers, others
+    found = _enumerated("spatial", settings, *about)
+    words = [found.name, "1-neighbor" * (count == 1), "no-past" * (not history)]
+    return replace(found, name="-".join(filter(None, words)))
 
 
-def _fused(target: Target, mis: str) -> LatticeEnumeration:
+def _with(s: Setup, count: int, history: bool) -> Setup:
+    """The same with the first neighbours, and with an empty past if there is none."""
+    past = s.M[0] if history else 0.0
+    return Setup(s.world, (past, *s.M[1 : 2 + count]), s.pixels[: 2 + count])
+
+
+def _fused(target: Target, mis: str, count: int) -> LatticeEnumeration:
     """The past frame, with each draw of its points, stands behind the rows."""
     both, one = (0, 1, 2), (0, 1, -1)
-    setups = (
+    every = (
         Setup(NEAR, (1.0, 2.0, 1.0), both),
         Setup(NEAR, (1.0, CAP, 0.0), one),
         Setup(FAR_NEIGHBORS, (1.0, CAP - 1, CAP), both),
         Setup(FAR_NEIGHBORS, (2.0, 1.0, 0.0), both),
         Setup(CLOSE_NEIGHBORS, (1.0, CAP, 1.0), both),
-        Setup(CLOSE_NEIGHBORS, (0.0, 1.0, 2.0), both),
+        Setup(CLOSE_NEIGHBORS, (1.0, 0.0, 2.0), both),
     )
+    setups = [Setup(s.world, s.M[: 1 + count], s.pixels[: 1 + count]) for s in every]
     past = _stacked([_past_of(s, target) for s in setups])
 
     def rows(s: Setup, cells: Indices) -> Table:
-        first = np.arange(2) * OUTCOMES + setups.index(s) * 2 * OUTCOMES
+        first = (np.arange(count) + setups.index(s) * count) * OUTCOMES
         sources = np.where(np.array(s.pixels[1:]) > 0, first + cells[:, 1:], -1)
         return (
             _now(s, target, cells[:, 0])
@@ -210,18 +254,20 @@ def _fused(target: Target, mis: str) -> LatticeEnumeration:
         )
 
     settings: dict[str, Value] = {"target": target, "cap": CAP, "mis": mis}
-    return _enumerated("fused", settings, setups, rows, ("u",), past)
+    found = _enumerated("fused", settings, tuple(setups), rows, ("u",), past)
+    return replace(found, name=f"{found.name}-1-source") if count == 1 else found
 
 
 def _past_of(s: Setup, target: Target) -> Table:
-    """Both points of the past with each of their draws, 2 `OUTCOMES` rows."""
+    """Points of the past with each of their draws, `OUTCOMES` rows each."""
+    count = len(s.pixels) - 1
     cells = np.arange(PATCHES + 1)
     found = [
         _now(s, target, np.full_like(cells, NOTHING))
         | _then(s, target, k, cells, s.M[k])
-        | {"sources": np.full((len(cells), 2), -1)}
-        | {"visible": visible_bits(np.array([0, -1, -1]), [cells])}
-        for k in (1, 2)
+        | {"sources": np.full((len(cells), count), -1)}
+        | {"visible": visible_bits(np.array([0, *[-1] * count]), [cells])}
+        for k in range(1, 1 + count)
     ]
     return _stacked(found)
 
@@ -239,16 +285,17 @@ def _then(s: Setup, target: Target, who: int, cells: Indices, M: float) -> Table
 
 
 def _neighbors_of(s: Setup, target: Target) -> Table:
-    """Both neighbours with each of their draws, 2 `OUTCOMES` rows."""
+    """The neighbours with each of their draws, `OUTCOMES` rows each."""
+    count = len(s.pixels) - 2
     cells = np.arange(PATCHES + 1)
     nothing = patch_reservoirs(s.world, target, 0, np.full_like(cells, NOTHING), 0.0)
     found = [
         eye(s.world, k, len(cells))
         | patch_reservoirs(s.world, target, k, cells, s.M[1 + k])
         | prefixed("past", nothing)
-        | {"neighbors": np.full((len(cells), 2), -1)}
-        | {"visible": visible_bits(np.array([k, -1, -1]), [cells])}
-        for k in (1, 2)
+        | {"neighbors": np.full((len(cells), count), -1)}
+        | {"visible": visible_bits(np.array([k, *[-1] * count]), [cells])}
+        for k in range(1, 1 + count)
     ]
     return _stacked(found)
 
@@ -278,9 +325,9 @@ def _enumerated(
     unbiased = np.array([known.mu[0] for known in angles])
     shares = np.array([_share_that_can_draw(s) for s in setups])
     words = [pass_name, target] if target != TARGETS[0] else [pass_name]
-    words += ["1-over-M"] if mis == "1/M" else []
+    words += [{"1/Z": "", "1/M": "1-over-M"}.get(mis, mis)]
     return LatticeEnumeration(
-        "-".join(["lattice", *words]),
+        "-".join(filter(None, ["lattice", *words])),
         pass_name,
         settings,
         lambda lines, u: _buffers(pass_name, table, behind, numbers, lines, u),

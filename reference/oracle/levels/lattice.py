@@ -17,9 +17,11 @@ import numpy as np
 
 from restir_gi.reference.numerics.arrays import Indices, Scalars
 from restir_gi.reference.oracle.backends.backend import Backend
+from restir_gi.reference.oracle.backends.selected import Selection, selection_of
 from restir_gi.reference.oracle.buffers import given
 from restir_gi.reference.oracle.cases import (
     NO_TIME,
+    SOURCES,
     Buffers,
     Case,
     Failure,
@@ -28,9 +30,12 @@ from restir_gi.reference.oracle.cases import (
     refused,
 )
 from restir_gi.reference.oracle.contract.fields import Passes, Precision
+from restir_gi.reference.oracle.contract.weights import MIS
 from restir_gi.reference.oracle.levels.enumeration import (
     LatticeEnumeration,
+    declared_enumerations,
     enumerations,
+    enumerations_around,
 )
 from restir_gi.reference.oracle.levels.expectation import (
     ROUNDINGS,
@@ -39,22 +44,70 @@ from restir_gi.reference.oracle.levels.expectation import (
     kept_by,
     other_confidence,
 )
+from restir_gi.reference.oracle.levels.fitted import fitted_inputs
 from restir_gi.reference.oracle.levels.probe import Finding, Probe
 from restir_gi.reference.oracle.levels.replayed import replayed
 from restir_gi.reference.oracle.levels.thresholds import own_expectation
 from restir_gi.reference.oracle.steps import LevelStep, asked
 
+AROUND = (2, 1)
+"""Neighbours of a pass that has them."""
+
 NEARLY_0 = 2.0**-20
 """A number u where nothing is left to decide."""
 
 
-def lattice_probes(precision: Precision) -> list[Probe]:
+def lattice_probes(
+    precision: Precision,
+    chosen: Sequence[LatticeEnumeration] | None = None,
+) -> list[Probe]:
     """Expectations of the passes that choose, of level L1.
 
     They are exact, so that a right backend that decides as the contract does cannot
     fail.  One that decides otherwise is examined as a replay examines it.
+
+    Parameters
+    ----------
+    chosen : sequence of LatticeEnumeration, optional
+        Those of weights that nobody need declare, unless others are given.
     """
-    return [_merge(precision), *(_probe(e, precision) for e in enumerations())]
+    every = enumerations() if chosen is None else chosen
+    return [_merge(precision), *(_probe(e, precision) for e in every)]
+
+
+def enumerations_for(selection: Selection) -> list[LatticeEnumeration]:
+    """What a backend is asked, as it has the passes: with one neighbour, too.
+
+    Weights that have to be declared come last.
+    """
+    found: list[LatticeEnumeration] = []
+    has_more = selection.declares(MIS.name)
+    for declared in (False, True) if has_more else (False,):
+        every = declared_enumerations() if declared else enumerations()
+        found += [e for e in every if e.pass_name not in SOURCES]
+        for count in AROUND:
+            if selection.neighbors_for(count) >= count:
+                about = count, selection.history, declared
+                found += [_fitted(e, selection) for e in enumerations_around(*about)]
+    return found
+
+
+def every_enumeration() -> list[LatticeEnumeration]:
+    """What any backend may be asked; of neighbours, as many as count."""
+    forms = product(AROUND, (True, False), (True, False))
+    around = [e for form in forms for e in enumerations_around(*form)]
+    return [*enumerations(), *declared_enumerations(), *around]
+
+
+def _fitted(e: LatticeEnumeration, selection: Selection) -> LatticeEnumeration:
+    """The same with neighbours that there are not, where there have to be more."""
+    if not selection.neighbors:
+        return e
+
+    def inputs(outcome: Indices, u: Scalars) -> Buffers:
+        return fitted_inputs(e.pass_name, e.inputs(outcome, u), selection)
+
+    return replace(e, inputs=inputs)
 
 
 def lattice_step(passes: Passes, backend: Backend) -> LevelStep:
@@ -64,8 +117,9 @@ def lattice_step(passes: Passes, backend: Backend) -> LevelStep:
     all of them if that one is right: some 26 batches each time, of all passes together.
     """
     precision = backend.precision
-    step = asked("L1", "lattices", passes, backend, lattice_probes(precision))
-    known = {e.name: e for e in enumerations()}
+    chosen = enumerations_for(selection_of(backend))
+    step = asked("L1", "lattices", passes, backend, lattice_probes(precision, chosen))
+    known = {e.name: e for e in chosen}
     off = [
         known[a.probe.case.name]
         for a in step.answers

@@ -14,6 +14,7 @@ and not on a bound.
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import chain, count
 
 import numpy as np
@@ -25,7 +26,7 @@ from restir_gi.reference.oracle.cases import UnaskedError
 from restir_gi.reference.oracle.contract.fields import Precision
 from restir_gi.reference.oracle.levels.probe import Finding
 from restir_gi.reference.oracle.levels.sphere import InsideSphere, points_inside, ring
-from restir_gi.reference.oracle.levels.spheres import room
+from restir_gi.reference.oracle.levels.spheres import PLAIN, room
 from restir_gi.reference.oracle.loop import Ask, Run, run_frames
 from restir_gi.reference.oracle.statistics.betting import e_value, open_bets, place
 from restir_gi.reference.oracle.statistics.certificate import (
@@ -117,7 +118,7 @@ def mean_over_runs(
     target: float = TARGET,
     alpha: float = ALPHA,
     first_seed: int = 1000,
-    mis: str = "1/Z",
+    like: Run = PLAIN,
 ) -> Mean:
     """Run the loop over and over, from nothing each time, and bet on the mean.
 
@@ -134,7 +135,9 @@ def mean_over_runs(
     target : float; certified bound at which to stop
     alpha : float; probability of a false alarm, over all times and statistics together
     first_seed : int; of the first batch; batches are numbered on
-    mis : '1/M' or '1/Z'; both are right here, where everybody sees everything
+    like : Run
+        Its weights are those of the runs; 1/M is right here too, where everybody sees
+        everything.
     """
     exact = truth()
     most = max(radiance for _, radiance in BANDS) * (1 + room(precision))
@@ -142,7 +145,7 @@ def mean_over_runs(
     certificate = open_certificate(exact, most)
     variance = _ByVariance(open_moments(np.full(1 + TILES, exact)), alpha)
     finding, bound, more = RIGHT, np.inf, ""
-    here = (replicates(ask, precision, seed, mis) for seed in count(first_seed))
+    here = (replicates(ask, precision, seed, like) for seed in count(first_seed))
     rest = batches(first_seed + 1) if batches else here
     for batch in _until_the_time_is_over(chain([next(here)], rest)):
         variance = _continued(variance, batch, room(precision))
@@ -225,7 +228,7 @@ def _until_the_time_is_over(
 
 
 def replicates(
-    ask: Ask, precision: Precision, seed: int, mis: str = "1/Z"
+    ask: Ask, precision: Precision, seed: int, like: Run = PLAIN
 ) -> NDArray[np.float64]:
     """Statistics of independent runs, each from nothing.
 
@@ -236,17 +239,18 @@ def replicates(
     """
     # Each run has points of its own: none is left out of the test for good.
     sphere = _Banded(points_inside(PIXELS * REPLICATES, seed), 1.0)
-    run = Run(frames=FRAMES, seed=seed, mis=mis)
-    shown = run_frames(ask, sphere, _own_ring, run, precision)[-1]
+    run = replace(like, frames=FRAMES, seed=seed)
+    around = partial(_own_ring, like.around(3))
+    shown = run_frames(ask, sphere, around, run, precision)[-1]
     color = shown.color.astype(float) / sphere.receivers()["albedo"]
     by_pixel = color.mean(axis=1).reshape(REPLICATES, PIXELS)
     tiles = by_pixel.reshape(REPLICATES, TILES, -1).mean(axis=2)
     return np.column_stack([by_pixel.mean(axis=1), tiles])
 
 
-def _own_ring(frame: int) -> Indices:
+def _own_ring(count: int, frame: int) -> Indices:
     """Neighbours within each run."""
-    within = ring(PIXELS, 3, frame)
+    within = ring(PIXELS, count, frame)
     start = np.arange(REPLICATES)[:, None, None] * PIXELS
     return (within[None] + start).reshape(REPLICATES * PIXELS, -1)
 

@@ -71,6 +71,15 @@ there are not, and of points that were there a frame ago."""
 TILTED = 0.7
 """Least cosine of a patch of an image with its axis."""
 
+
+def size_of(count: int) -> Size:
+    """A few rows with so many neighbours each, whose M are together within a byte."""
+    cluster = max(8, count + (count + 1) // 2)
+    trust = float(min(20, 200 // (count + 1)))
+    bare = BARE if count <= FEW_NEIGHBORS.neighbors else 0.0
+    return Size(192 // cluster * cluster, cluster, count, trust, bare)
+
+
 Buffer = dict[str, NDArray[Any]]
 
 
@@ -121,6 +130,28 @@ def row_probes(precision: Precision, seed: int = SEED) -> tuple[Probe, ...]:
         fused_rows(rng, "outgoing", 100.0, "1/M", FEW_NEIGHBORS),
         fused_rows(rng, "scattered", 60.0, "1/Z", MOST_NEIGHBORS),
     ]
+    return tuple(replayed("L3", in_float32(case, precision)) for case in cases)
+
+
+# The same cases for every backend that may have as many.
+@lru_cache(maxsize=8)
+def neighbor_row_probes(
+    precision: Precision, seed: int, counts: tuple[int, ...]
+) -> tuple[Probe, ...]:
+    """Probes of passes ``spatial`` and ``fused`` with given numbers of neighbours.
+
+    Parameters
+    ----------
+    seed : int; of all rows
+    """
+    rng = np.random.default_rng([2040, seed])
+    cases = [
+        spatial_rows(rng, kind, cap, mis, size_of(count))
+        for count in counts
+        for kind, cap, mis in (("scattered", 50.0, "1/Z"), ("outgoing", 30.0, "1/M"))
+    ]
+    sizes = map(size_of, counts)
+    cases += [fused_rows(rng, "scattered", 50.0, "1/Z", size) for size in sizes]
     return tuple(replayed("L3", in_float32(case, precision)) for case in cases)
 
 
@@ -224,8 +255,15 @@ def initial_rows(rng: np.random.Generator, kind: str) -> Case:
     return Case(f"rows-initial-{kind}", "initial", {"target": kind}, inputs)
 
 
-def temporal_rows(rng: np.random.Generator, kind: str, cap: float) -> Case:
-    """Case of pass ``temporal``."""
+def temporal_rows(
+    rng: np.random.Generator, kind: str, cap: float, mis: str = ""
+) -> Case:
+    """Case of pass ``temporal``.
+
+    Parameters
+    ----------
+    mis : str; a declared weight; empty where the case says nothing of it
+    """
     x = _points(rng)
     ways = [_ways(rng, x, spread(rng, -2, 1, ROWS)) for _ in range(2)]
     past = _reservoirs(rng, x, ways[0], kind, cap)
@@ -233,7 +271,9 @@ def temporal_rows(rng: np.random.Generator, kind: str, cap: float) -> Case:
     inputs = x.buffers | prefixed("past", past) | prefixed("new", new)
     inputs |= {"new_pdf": _density(rng), "u": ends_of_u(rng, ROWS)}
     settings: dict[str, Value] = {"target": kind, "cap": cap}
-    return Case(f"rows-temporal-{kind}", "temporal", settings, inputs)
+    settings |= {"mis": mis} if mis else {}
+    name = "-".join(word for word in ("rows-temporal", mis, kind) if word)
+    return Case(name, "temporal", settings, inputs)
 
 
 def moved_rows(rng: np.random.Generator, kind: str, cap: float, mis: str) -> Case:
@@ -302,8 +342,8 @@ def spatial_rows(
     }
     settings: dict[str, Value] = {"target": kind, "cap": cap, "mis": mis}
     name = f"rows-spatial-{mis.replace('/', '')}-{kind}"
-    if size == MOST_NEIGHBORS:
-        name += f"-{size.neighbors}-neighbors"
+    if size != FEW_NEIGHBORS:
+        name += f"-{size.neighbors}-neighbor" + "s" * (size.neighbors > 1)
     return Case(name, "spatial", settings, inputs)
 
 
@@ -341,8 +381,8 @@ def fused_rows(
     }
     settings: dict[str, Value] = {"target": kind, "cap": cap, "mis": mis}
     name = f"rows-fused-{mis.replace('/', '')}-{kind}"
-    if size == MOST_NEIGHBORS:
-        name += f"-{size.neighbors}-sources"
+    if size != FEW_NEIGHBORS:
+        name += f"-{size.neighbors}-source" + "s" * (size.neighbors > 1)
     return Case(name, "fused", settings, inputs)
 
 

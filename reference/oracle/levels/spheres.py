@@ -5,11 +5,14 @@ in proportion to the cosine and the full target, a reservoir's weight is then th
 for whoever looks, and what a pixel shows over ρ is the mean of the radiances that were
 met, each weighted with its confidence: 1 in a furnace, whatever is reused; and where
 half of the sphere shines, M times it is the count of samples that met it.  Both hold to
-rounding, in every frame, for weights that divide by sums of M: 1/M and 1/Z.
+rounding, in every frame, for weights that divide by sums of M: 1/M and 1/Z, and balance
+and pairwise, too, as p̂ / J is the same whoever looks; by the defensive weight a furnace
+is 1, and M counts nothing.
 """
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -36,6 +39,8 @@ LEAST_COSINE = 1 / 8
 LONG = Run(frames=40, temporal_cap=8.0, spatial_cap=20.0)
 """Long enough for both caps to be reached, and for what they leave out to add up."""
 
+PLAIN = Run()
+
 AROUND = 2
 """Neighbours of a pixel in the long run."""
 
@@ -49,37 +54,45 @@ ROWS = 64
 
 
 def furnace(
-    ask: Ask, precision: Precision, mis: str = "1/Z", rows: int = 512
+    ask: Ask, precision: Precision, run: Run = PLAIN, rows: int = 512
 ) -> Finding:
     """The sphere shines everywhere: every pixel is ρ, in every frame.
 
     A right backend cannot fail.
     """
     sphere = InsideSphere(points_inside(rows, 1), 2.0)
-    frames = run_frames(
-        ask, sphere, lambda f: ring(rows, 3, f), Run(mis=mis), precision
-    )
+    K = run.around(3)
+    frames = run_frames(ask, sphere, lambda f: ring(rows, K, f), run, precision)
     return _all_shine(frames, sphere, slice(rows), "sphere furnace", room(precision))
 
 
 def half_lit(
-    ask: Ask, precision: Precision, mis: str = "1/Z", rows: int = 512
+    ask: Ask, precision: Precision, run: Run = PLAIN, rows: int = 512
 ) -> Finding:
     """Half of the sphere shines: M times a pixel over ρ counts what met light.
 
     A right backend cannot fail; M here is no larger than the caps.
     """
     sphere = InsideSphere(points_inside(rows, 2), 0.0)
-    run = Run(mis=mis, temporal_cap=1e4, spatial_cap=1e4)
-    frames = run_frames(ask, sphere, lambda f: ring(rows, 2, f), run, precision)
-    around = [ring(rows, 2, f) for f in range(run.frames)]
+    run = replace(run, temporal_cap=1e4, spatial_cap=1e4)
+    K = run.around(2)
+    frames = run_frames(ask, sphere, lambda f: ring(rows, K, f), run, precision)
+    around = [ring(rows, K, f) for f in range(run.frames)]
     words, most = "half-lit sphere", room(precision)
     return _counts(frames, sphere, slice(rows), words, most, around, run)
 
 
-def long_run(ask: Ask, precision: Precision, mis: str = "1/Z") -> list[LoopFrame]:
+def long_run(ask: Ask, precision: Precision, run: Run = PLAIN) -> list[LoopFrame]:
     """Frames of a furnace, and behind it of a half-lit sphere, with small caps."""
-    return run_frames(ask, _both(), _rings, replace(LONG, mis=mis), precision)
+    return run_frames(ask, _both(), partial(_rings, run), long_form(run), precision)
+
+
+def long_form(run: Run) -> Run:
+    """A long run of the same weights and neighbours."""
+    limits = LONG.temporal_cap, LONG.spatial_cap
+    return replace(
+        run, frames=LONG.frames, temporal_cap=limits[0], spatial_cap=limits[1]
+    )
 
 
 def long_furnace(frames: list[LoopFrame], precision: Precision) -> Finding:
@@ -92,15 +105,18 @@ def long_furnace(frames: list[LoopFrame], precision: Precision) -> Finding:
     return _all_shine(frames, _both(), slice(ROWS), words, most)
 
 
-def long_half_lit(frames: list[LoopFrame], precision: Precision) -> Finding:
+def long_half_lit(
+    frames: list[LoopFrame], precision: Precision, run: Run = PLAIN
+) -> Finding:
     """Every pixel is what the contract's confidences make of the samples that it met.
 
     A right backend cannot fail.
     """
-    around = [ring(ROWS, AROUND, f) for f in range(LONG.frames)]
+    around = [ring(ROWS, run.around(AROUND), f) for f in range(LONG.frames)]
     words = f"half-lit sphere of {LONG.frames} frames"
     most = KEPT_ROUNDINGS * room(precision)
-    return _counts(frames, _both(), slice(ROWS, None), words, most, around, LONG)
+    about = words, most, around, long_form(run)
+    return _counts(frames, _both(), slice(ROWS, None), *about)
 
 
 def _both() -> InsideSphere:
@@ -108,8 +124,8 @@ def _both() -> InsideSphere:
     return InsideSphere(points_inside(2 * ROWS, 3), lit)
 
 
-def _rings(frame: int) -> Indices:
-    within = ring(ROWS, AROUND, frame)
+def _rings(run: Run, frame: int) -> Indices:
+    within = ring(ROWS, run.around(AROUND), frame)
     return np.concatenate([within, within + ROWS])
 
 
@@ -170,6 +186,7 @@ def _shares(
         lit = (shown.radiance[rows, 0] > 0).astype(float)
         v_t = (M_t * v_t + lit) / (M_t + 1)
         M_t = min(M_t + 1, run.temporal_cap)
+        M_s = M_s if run.history else 0.0
         total = M_s + M_t * (1 + near.shape[1])
         v_s = (M_s * v_s + M_t * (v_t + v_t[near].sum(axis=1))) / total
         M_s = min(total, run.spatial_cap)

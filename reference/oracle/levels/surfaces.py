@@ -89,23 +89,23 @@ def surface_row_probes(precision: Precision, seed: int = SEED) -> tuple[Probe, .
     rng = np.random.default_rng([2038, seed])
     # Of Equation 10 the reservoirs hold what black points do not reflect, too.
     cases = [
-        (_scattered(initial_rows(rng, "outgoing")), GGX),
-        (_scattered(initial_rows(rng, "outgoing")), COATED),
-        (_scattered(temporal_rows(rng, "outgoing", 20.0)), GGX),
-        (_scattered(temporal_rows(rng, "outgoing", 20.0)), COATED),
-        (_scattered(moved_rows(rng, "outgoing", 20.0, "1/Z")), GGX),
-        (_scattered(moved_rows(rng, "outgoing", 20.0, "1/Z")), COATED),
-        (_scattered(moved_rows(rng, "outgoing", 7.25, "1/M")), GGX),
+        (scattered(initial_rows(rng, "outgoing")), GGX),
+        (scattered(initial_rows(rng, "outgoing")), COATED),
+        (scattered(temporal_rows(rng, "outgoing", 20.0)), GGX),
+        (scattered(temporal_rows(rng, "outgoing", 20.0)), COATED),
+        (scattered(moved_rows(rng, "outgoing", 20.0, "1/Z")), GGX),
+        (scattered(moved_rows(rng, "outgoing", 20.0, "1/Z")), COATED),
+        (scattered(moved_rows(rng, "outgoing", 7.25, "1/M")), GGX),
         (moved_rows(rng, "outgoing", 8.0, "1/Z"), GGX),
-        (_scattered(spatial_rows(rng, "outgoing", 40.0, "1/Z", FEW_NEIGHBORS)), GGX),
-        (_scattered(spatial_rows(rng, "outgoing", 40.0, "1/Z", FEW_NEIGHBORS)), COATED),
-        (_scattered(spatial_rows(rng, "outgoing", 60.0, "1/Z", MOST_NEIGHBORS)), GGX),
+        (scattered(spatial_rows(rng, "outgoing", 40.0, "1/Z", FEW_NEIGHBORS)), GGX),
+        (scattered(spatial_rows(rng, "outgoing", 40.0, "1/Z", FEW_NEIGHBORS)), COATED),
+        (scattered(spatial_rows(rng, "outgoing", 60.0, "1/Z", MOST_NEIGHBORS)), GGX),
         (spatial_rows(rng, "outgoing", 100.0, "1/M", FEW_NEIGHBORS), COATED),
-        (_scattered(fused_rows(rng, "outgoing", 40.0, "1/Z", FEW_NEIGHBORS)), GGX),
-        (_scattered(fused_rows(rng, "outgoing", 40.0, "1/Z", FEW_NEIGHBORS)), COATED),
+        (scattered(fused_rows(rng, "outgoing", 40.0, "1/Z", FEW_NEIGHBORS)), GGX),
+        (scattered(fused_rows(rng, "outgoing", 40.0, "1/Z", FEW_NEIGHBORS)), COATED),
     ]
     return tuple(
-        replayed("L3", in_float32(_with_materials(rng, case, surface), precision))
+        replayed("L3", in_float32(with_materials(rng, case, surface), precision))
         for case, surface in cases
     )
 
@@ -142,7 +142,7 @@ def _declared(case: Case, surface: str, buffers: Buffers) -> Case:
 # ------------------------------------------------------------------- rows
 
 
-def _scattered(case: Case) -> Case:
+def scattered(case: Case) -> Case:
     """The same rows with the target of Equation 9."""
     name = case.name.replace("outgoing", "scattered")
     return replace(case, name=name, settings={**case.settings, "target": "scattered"})
@@ -159,7 +159,7 @@ def _kernels(rng: Generator, surface: str, precision: Precision) -> Iterator[Cas
         points = _mostly_lit(rng, light_points(rng, ROWS))
         name = "-".join(("kernel", pass_name, *map(str, words.values())))
         case = Case(name, pass_name, words, points | more)
-        found = _with_materials(rng, case, surface, smooth=SMOOTH)
+        found = with_materials(rng, case, surface, smooth=SMOOTH)
         found = replace(found, inputs=given(found.inputs, precision))
         yield found
         if pass_name == "shade":
@@ -177,7 +177,7 @@ def _mostly_lit(rng: Generator, points: Buffer) -> Buffer:
     return points | turned
 
 
-def _with_materials(
+def with_materials(
     rng: Generator, case: Case, surface: str, smooth: float = 0.0
 ) -> Case:
     """A case whose visible points have a declared surface."""

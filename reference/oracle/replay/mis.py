@@ -10,6 +10,8 @@ from dataclasses import replace
 import numpy as np
 
 from restir_gi.reference.numerics.arrays import Indices, Masks
+from restir_gi.reference.oracle.contract.weights import BALANCE, DEFENSIVE
+from restir_gi.reference.oracle.contract.weights import PAIRWISE as PAIRWISE_MIS
 from restir_gi.reference.oracle.replay.bounded import Bounded, constant
 from restir_gi.reference.oracle.replay.cached import jacobian_by, target_by
 from restir_gi.reference.oracle.replay.limits import within
@@ -19,13 +21,32 @@ from restir_gi.reference.oracle.replay.slots import Closing, Slot, nothing
 from restir_gi.reference.oracle.replay.verbs import choose, where_positive
 
 PAIRWISE = ("pairwise", "defensive", "pairwise-of-k", "defensive-of-k")
-IN_WEIGHTS = ("balance-in-weights", *PAIRWISE)
+LACKING = ("defensive-without-share", "pairwise-own-whole", "defensive-own-whole")
+"""Pairs with a mistake in what the canonical sample has; they do not sum to 1."""
+
+IN_WEIGHTS = ("balance-in-weights", *PAIRWISE, *LACKING)
+BALANCED = ("balance", "balance-of-ones", "balance-of-full")
+"""Balance heuristics of the kept sample: of M; of 1 each, and of 1 where M > 0, which
+do not sum to 1."""
+
 CHAINED = ("chained-balance", "chained-1/Z")
-UNBIASED = ("1/Z", "balance", *IN_WEIGHTS, *CHAINED)
+UNBIASED = ("1/Z", "balance", "balance-in-weights", *PAIRWISE, *CHAINED)
 """Weights that leave the mean alone, by their names in `Rules.normalization`."""
 
 OWN = "own"
 """Weights of which a backend says no more than that they sum to 1."""
+
+
+def weights_asked(closing: Closing, rules: Rules) -> str:
+    """Weights that a case asks for, or that the rules have in place of these."""
+    if rules.normalization != "asked":
+        return rules.normalization
+    heard = {
+        BALANCE: rules.balance_as,
+        PAIRWISE_MIS: rules.pairwise_as,
+        DEFENSIVE: rules.defensive_as,
+    }
+    return heard.get(closing.mis, closing.mis)
 
 
 def source_density(
@@ -51,7 +72,8 @@ def source_density(
     if slot.domain is None:
         return p_hat
     held = seen | (not rules.visibility_in_z)
-    p = target_by(rules.target_at_source, closing.kind, slot.domain.x, y)
+    x = closing.receiver if rules.receivers_domain else slot.domain.x
+    p = target_by(rules.target_at_source, closing.kind, x, y)
     p = in_domain(choose(held, p, nothing(p)), slot, y, closing, rules)
     if not rules.mis_jacobian:
         return p
@@ -70,7 +92,7 @@ def in_domain(
 
 def with_mis_weights(slots: list[Slot], closing: Closing, rules: Rules) -> list[Slot]:
     """Slots whose weights have their MIS weight in place of M."""
-    name = rules.normalization
+    name = weights_asked(closing, rules)
     if name not in IN_WEIGHTS:
         return slots
     share = _balanced if name == "balance-in-weights" else _pairwise
@@ -99,7 +121,7 @@ def _balanced(k: int, slots: list[Slot], closing: Closing, rules: Rules) -> Boun
 
 def _pairwise(k: int, slots: list[Slot], closing: Closing, rules: Rules) -> Bounded:
     """M / M of weights of pairs: the canonical sample with each of the others."""
-    own, name = closing.canonical, rules.normalization
+    own, name = closing.canonical, weights_asked(closing, rules)
     others = [j for j in range(len(slots)) if j != own]
     M_own = slots[own].M
     by_count = name.endswith("of-k")
@@ -107,6 +129,8 @@ def _pairwise(k: int, slots: list[Slot], closing: Closing, rules: Rules) -> Boun
     for j in others:
         S = S + (_is_there(slots[j].M) if by_count else slots[j].M)
     one = constant(1.0, S)
+    if k == own and name.endswith("own-whole"):
+        return one / M_own
     defends = one if by_count else M_own
     T = S + defends if name.startswith("defensive") else S
 
@@ -120,7 +144,8 @@ def _pairwise(k: int, slots: list[Slot], closing: Closing, rules: Rules) -> Boun
         p_k, p_own = pair(k, k)
         share = p_k / (p_k + p_own) / T
         return share / slots[k].M if by_count else share
-    found = one / T if name.startswith("defensive") else nothing(T)
+    has_share = name.startswith("defensive") and name != "defensive-without-share"
+    found = one / T if has_share else nothing(T)
     if by_count:
         found = found / M_own
     for j in others:
@@ -129,6 +154,13 @@ def _pairwise(k: int, slots: list[Slot], closing: Closing, rules: Rules) -> Boun
         found = found + part / T * (p_own / (p_j + p_own)) / M_own
     alone = (S.value == 0) & (S.error == 0)
     return choose(alone, one / M_own, found)
+
+
+def _weighs(M: Bounded, name: str) -> Bounded:
+    """What stands for the confidence of a source in the balance."""
+    if name == "balance":
+        return M
+    return constant(1.0, M) if name == "balance-of-ones" else _is_there(M)
 
 
 def _is_there(M: Bounded) -> Bounded:
@@ -144,11 +176,11 @@ def balanced_divisor(
     rules: Rules,
 ) -> Bounded:
     """Σ M p(y) / p_kept(y): what the sum of weights M p̂ W J is divided by, (N,)."""
-    rows = np.arange(len(kept))
+    rows, name = np.arange(len(kept)), weights_asked(closing, rules)
     whole, maker = nothing(p_hat), nothing(p_hat)
     for k, slot in enumerate(slots):
         seen = slot.domain.sees[kept, rows] if slot.domain else rows >= 0
         p = source_density(slot, y, p_hat, seen, closing, rules)
-        whole = whole + slot.M * p
+        whole = whole + _weighs(slot.M, name) * p
         maker = choose(kept == k, p, maker)
     return whole / maker

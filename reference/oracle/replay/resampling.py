@@ -16,10 +16,12 @@ from restir_gi.reference.oracle.replay.judgement import (
     of_light,
 )
 from restir_gi.reference.oracle.replay.mis import (
+    BALANCED,
     IN_WEIGHTS,
     OWN,
     balanced_divisor,
     in_domain,
+    weights_asked,
     with_mis_weights,
 )
 from restir_gi.reference.oracle.replay.points import SamplePoint
@@ -267,8 +269,8 @@ def _normalization(
     closing: Closing,
     rules: Rules,
 ) -> Bounded:
-    asked = closing.mis if rules.normalization == "asked" else rules.normalization
-    if asked == "balance":
+    asked = weights_asked(closing, rules)
+    if asked in BALANCED:
         return balanced_divisor(slots, kept, y, p_hat, closing, rules)
     if asked == "1" or asked in IN_WEIGHTS:
         return exact(np.ones_like(M.value), M.rounding)

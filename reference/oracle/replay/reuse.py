@@ -71,7 +71,7 @@ def _temporal(case: Case, rules: Rules, precision: Precision) -> Stream:
     x = _receiver(case, precision)
     past = _reused(case, x, rules, precision, "past_", u="u")
     slots = [counted_nulls(past, rules), _new(case, x, rules, precision)]
-    return slots, _closing(case, x, mis="1/M")
+    return slots, _closing(case, x, mis=str(case.settings.get("mis", "1/Z")))
 
 
 def _moved(case: Case, rules: Rules, precision: Precision) -> Stream:

@@ -76,6 +76,8 @@ class Rules:
     normalization : str
         'asked', or in place of that '1/M', '1/Z', '1', 'pairwise' or another of the
         weights in `mis`; 'own': others, of which nothing is known but their mean.
+    balance_as, pairwise_as, defensive_as : str
+        What is done where these are asked for, by its name in `mis`.
     refused_counts : bool; M of a reservoir whose shift has a Jacobian of 0
     rejected_counts, none_is_first : bool
         A neighbour of row −1 brings the M of row 0, or all that row 0 has.
@@ -158,6 +160,9 @@ class Rules:
     counted_as: str = "own"
     as_stored: bool = False
     normalization: str = "asked"
+    balance_as: str = "balance"
+    pairwise_as: str = "pairwise"
+    defensive_as: str = "defensive"
     mis_jacobian: bool = True
     divides_by_source_target: bool = False
     neighbor_trust: float = 1.0

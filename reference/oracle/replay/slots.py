@@ -51,7 +51,7 @@ class Closing:
 
     Attributes
     ----------
-    mis : '1/M' or '1/Z'; what the sum of weights is divided by
+    mis : str; weights that are asked for, a value of the setting
     cap : float; limit of M
     canonical : int; slot of the receiver's own sample
     """

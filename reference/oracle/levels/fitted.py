@@ -1,0 +1,73 @@
+"""Cases as a backend has their pass: how many neighbours, and whether there is a past.
+
+Neighbours that are too many are left out, and those that lack are none, row −1; a
+spatial past that is not merged is empty.
+"""
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from restir_gi.reference.numerics.arrays import Indices
+from restir_gi.reference.oracle.backends.selected import Selection
+from restir_gi.reference.oracle.cases import SOURCES, Buffers, Case
+from restir_gi.reference.oracle.levels.grades import graded
+from restir_gi.reference.oracle.levels.probe import Probe
+
+
+def fitted_probes(probes: Iterable[Probe], selection: Selection) -> list[Probe]:
+    """Questions as a backend has their passes."""
+    return [replace(p, case=fitted(p.case, selection)) for p in probes]
+
+
+def fitted(case: Case, selection: Selection) -> Case:
+    """A case as a backend has its pass; the same one if it has all of it."""
+    if case.pass_name not in SOURCES:
+        return case
+    inputs = fitted_inputs(case.pass_name, case.inputs, selection)
+    return case if inputs is case.inputs else graded(replace(case, inputs=inputs))
+
+
+def fitted_inputs(pass_name: str, inputs: Buffers, selection: Selection) -> Buffers:
+    """Inputs of a pass with neighbours, the same ones if a backend has all of it."""
+    count = inputs[SOURCES[pass_name].rows].shape[1]
+    asked = selection.neighbors_for(count)
+    if asked != count:
+        inputs = with_neighbors(pass_name, inputs, asked)
+    has_history = selection.history or pass_name != "spatial"
+    if not has_history and np.any(inputs["past_M"]):
+        none = np.zeros_like(inputs["past_M"])
+        inputs = {**inputs, "past_W": none, "past_M": none}
+    return inputs
+
+
+def with_neighbors(pass_name: str, inputs: Buffers, count: int) -> Buffers:
+    """Inputs of a pass with another number of neighbours.
+
+    Parameters
+    ----------
+    count : int; the first ones that there are, and −1 for the rest
+    """
+    names = SOURCES[pass_name]
+    around, u = inputs[names.rows], inputs[names.u]
+    before = around.shape[1]
+    kept = min(before, count)
+    more = ((0, 0), (0, count - kept))
+    words = inputs["visible"][:, : 1 + kept]
+    if pass_name == "spatial":
+        words = _moved_bits(words, before, count)
+    return {
+        **inputs,
+        names.rows: np.pad(around[:, :kept], more, constant_values=-1),
+        names.u: np.pad(u[:, :kept], more, constant_values=0.5),
+        "visible": np.pad(words, more),
+    }
+
+
+def _moved_bits(words: Indices, before: int, after: int) -> Indices:
+    """Words whose last bit, that of the spatial past, stands in another place."""
+    one = np.uint32(1)
+    past = (words >> np.uint32(1 + before)) & one
+    others = words & np.uint32((1 << (1 + min(before, after))) - 1)
+    return others | (past << np.uint32(1 + after))
