@@ -15,6 +15,7 @@ from restir_gi.reference.oracle.backends.selected import (
 from restir_gi.reference.oracle.contract.fields import Passes, Precision
 from restir_gi.reference.oracle.contract.passes import BORDER, SEARCH, VISIBILITY
 from restir_gi.reference.oracle.contract.surfaces import SURFACE
+from restir_gi.reference.oracle.contract.targets import DATA
 from restir_gi.reference.oracle.contract.weights import MIS
 from restir_gi.reference.oracle.diagnosis.hypothesis import Departure
 from restir_gi.reference.oracle.frames import frame_cases
@@ -25,6 +26,7 @@ from restir_gi.reference.oracle.levels.declared import (
 from restir_gi.reference.oracle.levels.distribution import SCENES as DISTRIBUTION_SCENES
 from restir_gi.reference.oracle.levels.distribution import same_distribution
 from restir_gi.reference.oracle.levels.fitted import fitted, fitted_probes
+from restir_gi.reference.oracle.levels.given_targets import given_target_probes
 from restir_gi.reference.oracle.levels.grades import graded
 from restir_gi.reference.oracle.levels.kernels import kernel_probes
 from restir_gi.reference.oracle.levels.lattice import lattice_step
@@ -159,6 +161,9 @@ def ladder(passes: Passes, backend: Backend, seed: int = SEED) -> Iterator[Level
     if backend.selection.declares(MIS.name):
         of_rows = partial(weight_row_probes, precision, seed)
         yield level_of("L3", "declared weights", of_rows)
+    if DATA in (word for *_, word in backend.selection.more):
+        of_rows = partial(given_target_probes, precision, seed)
+        yield level_of("L3", "targets as data", of_rows)
     for scene in SCENES if not backend.lacks(*FRAME) else ():
         yield level_of("L3", scene, partial(scene_probes, scene, precision, seed))
     yield from of_parts("L3")

@@ -77,7 +77,10 @@ LIMITS = (
     NumberRange(("W",), "W is", 1e-7, 1e7),
     NumberRange(("M", "M_a", "M_b", "Z"), "M is", 1e-3, 1e5),
     NumberRange(
-        ("w", "w_a", "w_b", "p_hat", "target_base", "target_here", "target_at"),
+        (
+            *("w", "w_a", "w_b", "p_hat", "p_hat_given"),
+            *("target_base", "target_here", "target_at"),
+        ),
         "a weight is",
         1e-16,
         1e16,

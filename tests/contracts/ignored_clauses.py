@@ -314,8 +314,22 @@ def _for_declared(way):
 
 
 TARGET = known("target-always-scattered", "target-always-outgoing")
+
+
+def _calculated(asked):
+    """As if the target were that of Equation 10."""
+    if "p_hat_given" not in asked.case.inputs:
+        return np.zeros(asked.case.rows, bool)
+    inputs = {n: a for n, a in asked.case.inputs.items() if n != "p_hat_given"}
+    settings = {**asked.case.settings, "target": "outgoing"}
+    other = replace(asked.case, inputs=inputs, settings=settings)
+    return asked.wrong(case=other)
+
+
+GIVEN = (_calculated,)
 STREAM = {
     "the target is the one that is asked for": TARGET,
+    "a target that is given is taken as it is": GIVEN,
     "W is divided by the target of what is kept": known("target-of-the-first"),
     "M is capped when it is stored": known("never-capped", "cap-off-by-one"),
     "M counts where nothing is kept": answered(_nothing_kept, M=0),
@@ -502,6 +516,7 @@ WAYS: dict[str, dict[str, tuple[Way, ...]]] = {
     },
     "initial": {
         "the target is the one that is asked for": TARGET,
+        "a target that is given is taken as it is": GIVEN,
         "W has the density of its row": (
             *known("density-left-out", "density-multiplied"),
             *given(pdf=_typical("pdf")),

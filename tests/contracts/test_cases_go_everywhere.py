@@ -14,6 +14,7 @@ from restir_gi.reference.oracle.levels.declared import (
     declared_kernel_probes,
     declared_row_probes,
 )
+from restir_gi.reference.oracle.levels.given_targets import given_target_probes
 from restir_gi.reference.oracle.levels.kernels import kernel_probes
 from restir_gi.reference.oracle.levels.rows import row_probes
 from restir_gi.reference.oracle.levels.surfaces import (
@@ -61,6 +62,7 @@ def asked_of(name):
     probes += surface_row_probes(PRECISION)
     probes += surface_scene_probes(PRECISION)
     probes += weight_row_probes(PRECISION)
+    probes += given_target_probes(PRECISION)
     for scene in SCENES:
         probes += scene_probes(scene, PRECISION)
     for part in parts():

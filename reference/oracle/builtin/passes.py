@@ -25,6 +25,12 @@ from restir_gi.reference.oracle.builtin.surfaces import (
     SurfacePixels,
     surface_points,
 )
+from restir_gi.reference.oracle.builtin.targets import (
+    Given,
+    GivenFrame,
+    GivenPixels,
+    with_targets,
+)
 from restir_gi.reference.oracle.builtin.world import Known, surface_of
 from restir_gi.reference.oracle.contract.fields import Precision
 from restir_gi.reference.oracle.contract.passes import (
@@ -36,6 +42,7 @@ from restir_gi.reference.oracle.contract.passes import (
     TABLE,
 )
 from restir_gi.reference.oracle.contract.surfaces import LAMBERTIAN
+from restir_gi.reference.oracle.contract.targets import DATA
 from restir_gi.reference.oracle.contract.weights import DEFENSIVE
 from restir_gi.reference.passes.initial import InitialSamples
 from restir_gi.reference.passes.neighbors import find_neighbors
@@ -60,7 +67,9 @@ def _initial(
     surface: str = LAMBERTIAN,
     **buffers: Array,
 ) -> dict[str, Array]:
-    p_hat = as_real(precision, target_of(target, buffers, surface))
+    given = buffers.get("p_hat_given")
+    p = target_of(target, buffers, surface) if given is None else given
+    p_hat = as_real(precision, p)
     c = initial_candidates(p_hat, p_hat, pdf)
     r = finalize(c, c.M)
     return {"p_hat": p_hat, "W": as_real(precision, r.W), "M": as_real(precision, r.M)}
@@ -77,6 +86,11 @@ def _temporal(
     **buffers: Array,
 ) -> dict[str, Array]:
     q = pixels_of(buffers, target, surface=surface)
+    if target == DATA:
+        samples = (buffers["new_position"], buffers["past_position"])
+        viewers = [np.arange(len(u))]
+        given = buffers["p_hat_given"][:, None]
+        q = with_targets(q, _given(viewers, [(y, viewers[0]) for y in samples], given))
     past, new = reservoirs_of(buffers, "past_"), _new(buffers, new_pdf)
     if mis == DEFENSIVE:
         kept = resample_as_asked(q, [(past, u), (new, u)], mis, cap)
@@ -106,6 +120,9 @@ def _moved(
         for k, y in enumerate(samples)
     ]
     q = pixels_of(buffers, target, known, surface)
+    if target == DATA:
+        viewers, makers = [rows, rows + count], [(y, rows) for y in samples]
+        q = with_targets(q, _given(viewers, makers, buffers["p_hat_given"]))
     x_past = _past_points(buffers, surface, count)
     past = _frame(q, x_past, reservoirs_of(buffers, "past_")).neighbors(q, rows)
     new = _new(buffers, new_pdf)
@@ -156,8 +173,10 @@ def _spatial(
     surface: str = LAMBERTIAN,
     **buffers: Array,
 ) -> dict[str, Array]:
-    known = _known(buffers, neighbors, visible)
-    q = pixels_of(buffers, target, known, surface)
+    viewers, samples = _viewers_and_samples(buffers, neighbors)
+    q = pixels_of(buffers, target, _answers(viewers, samples, visible), surface)
+    if target == DATA:
+        q = with_targets(q, _given(viewers, samples, buffers["p_hat_given"]))
     own, past = reservoirs_of(buffers), reservoirs_of(buffers, "past_")
     frame = _frame(q, q.points, own)
     around = [
@@ -192,6 +211,8 @@ def _fused(
     samples = [(own.y.position, rows)]
     samples += [(y[np.maximum(row, 0)], row) for row in there]
     q = pixels_of(buffers, target, _answers(viewers, samples, visible), surface)
+    if target == DATA:
+        q = with_targets(q, _given(viewers, samples, buffers["p_hat_given"]))
     frame = _frame(q, _past_points(buffers, surface, len(rows)), past)
     around = [(frame.neighbors(q, there[k]), u[:, k]) for k in range(count)]
     none = np.zeros_like(own.W)
@@ -244,18 +265,21 @@ def _past_points(buffers: Arrays, surface: str, count: int) -> SurfacePoints:
 def _frame(q: Pixels, points: SurfacePoints, r: Reservoirs) -> FrameReservoirs:
     depth = np.ones(len(r.W), r.W.dtype)
     frame = SurfaceFrame if isinstance(q, SurfacePixels) else FrameReservoirs
+    frame = GivenFrame if isinstance(q, GivenPixels) else frame
     return frame(q.world, VisiblePoints(points, depth), r)
 
 
-def _known(buffers: Arrays, neighbors: Array, visible: Array) -> list[Known]:
-    """Bits of pass ``spatial`` as questions and answers, of those who are there."""
+def _viewers_and_samples(
+    buffers: Arrays, neighbors: Array
+) -> tuple[list[Array], list[tuple[Array, Array]]]:
+    """Who looks at which samples in pass ``spatial``, as `_answers` takes them."""
     rows, count = np.arange(len(neighbors)), neighbors.shape[1]
     around = [neighbors[:, k] for k in range(count)]
     y = buffers["position"]
     samples = [(y, rows), *((y[np.maximum(row, 0)], row) for row in around)]
     past_is_there = np.where(buffers["past_M"] > 0, rows, -1)
     samples.append((buffers["past_position"], past_is_there))
-    return _answers([rows, *around], samples, visible)
+    return [rows, *around], samples
 
 
 def _answers(
@@ -274,6 +298,24 @@ def _answers(
             asked = (viewer >= 0) & (maker >= 0)
             seen = bit(visible[:, place], k)
             found.append(Known(viewer[asked], sample[asked], seen[asked]))
+    return found
+
+
+def _given(
+    viewers: Sequence[Array], samples: Sequence[tuple[Array, Array]], p_hat: Array
+) -> list[Given]:
+    """Targets of those who are there, of samples that are.
+
+    Parameters
+    ----------
+    viewers, samples : sequence of array; as of `_answers`
+    p_hat : (N, V, S), radiance/sr
+    """
+    found = []
+    for place, viewer in enumerate(viewers):
+        for k, (sample, maker) in enumerate(samples):
+            asked = (viewer >= 0) & (maker >= 0)
+            found.append((viewer[asked], sample[asked], p_hat[asked, place, k]))
     return found
 
 

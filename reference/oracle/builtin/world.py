@@ -38,7 +38,7 @@ class WrittenVisibility:
 
     Attributes
     ----------
-    known : Known; all that may be asked, sorted by `_keys`
+    known : Known; all that may be asked, sorted by `point_keys`
     keys : (Q,) uint64; of the questions, rising
     """
 
@@ -70,7 +70,7 @@ class WrittenVisibility:
         """
         asked = np.flatnonzero(active)
         viewer, position = points.primitive[asked], x_to[asked]
-        place = np.searchsorted(self.keys, _keys(viewer, position))
+        place = np.searchsorted(self.keys, point_keys(viewer, position))
         place = np.minimum(place, max(len(self.keys) - 1, 0))
         if len(asked):
             same = (self.known.position[place] == position).all(axis=1)
@@ -81,8 +81,18 @@ class WrittenVisibility:
         return seen
 
 
-def _keys(viewer: Indices, position: Vec3s) -> NDArray[np.uint64]:
-    """Hashes of viewers and points; what they find is compared in full."""
+def point_keys(viewer: Indices, position: Vec3s) -> NDArray[np.uint64]:
+    """Hashes of viewers and points; what they find is compared in full.
+
+    Parameters
+    ----------
+    viewer : (N,) int; numbers of visible points
+    position : (N, 3), m; of samples
+
+    Returns
+    -------
+    (N,) uint64
+    """
     key = viewer.astype(np.int64).astype(np.uint64)
     for column in range(3):
         word = np.ascontiguousarray(position[:, column].astype(float) + 0.0)
@@ -124,7 +134,7 @@ def world_of(
     )
     # Black points may be among the buffers: their target is asked, not their material.
     table = materials or replace(diffuse_table(), plain=False)
-    keys = _keys(joined.viewer, joined.position)
+    keys = point_keys(joined.viewer, joined.position)
     order = np.argsort(keys, kind="stable")
     written = WrittenVisibility(take(joined, order), keys[order])
     return cast(World, _Buffers(table, written))

@@ -9,6 +9,7 @@ from restir_gi.reference.oracle.contract.fields import (
     Setting,
 )
 from restir_gi.reference.oracle.contract.surfaces import MATERIAL, PAGE
+from restir_gi.reference.oracle.contract.targets import PAGE as TARGETS
 from restir_gi.reference.oracle.contract.weights import PAGE as WEIGHTS
 from restir_gi.reference.oracle.exact.registry import limits_of
 
@@ -98,7 +99,7 @@ PREFIXES = ("", "past_")
 def describe(passes: Passes) -> str:
     """Page of the contract, in Markdown."""
     sections = map(_section, passes.values())
-    about = INTRODUCTION, _table(passes), RULES, _surfaces(), WEIGHTS
+    about = INTRODUCTION, _table(passes), RULES, _surfaces(), TARGETS, WEIGHTS
     return "".join((*about, *sections))
 
 

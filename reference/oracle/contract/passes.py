@@ -15,8 +15,14 @@ from restir_gi.reference.oracle.contract.groups import (
     SAMPLE,
     prefixed,
 )
-from restir_gi.reference.oracle.contract.kernels import SCATTERS, TARGET
+from restir_gi.reference.oracle.contract.kernels import SCATTERS
 from restir_gi.reference.oracle.contract.surfaces import MATERIAL, SURFACE
+from restir_gi.reference.oracle.contract.targets import (
+    CLAUSE,
+    SEEN_ALIKE,
+    TARGET_OR_DATA,
+    given_targets,
+)
 from restir_gi.reference.oracle.contract.weights import (
     MIS,
     MIS_AT_REST,
@@ -59,17 +65,19 @@ INITIAL = Pass(
         *MATERIAL,
         *SAMPLE,
         real("pdf", "source density of the sample, 1/sr"),
+        *given_targets("target of the sample"),
     ),
     outputs=(
         real("p_hat", "target of the sample"),
         real("W", "contribution weight, sr"),
         real("M", "confidence"),
     ),
-    settings=(TARGET, SURFACE),
+    settings=(TARGET_OR_DATA, SURFACE),
     source="[Ouyang21, Alg. 2]",
     joins=JOINED,
     clauses=(
         "the target is the one that is asked for",
+        CLAUSE,
         "W has the density of its row",
         "nulls count",
         "W = 0 where pdf is 0",
@@ -79,6 +87,7 @@ INITIAL = Pass(
 
 MEETING = (
     "the target is the one that is asked for",
+    CLAUSE,
     "the past has w₀ = p̂ W₀ M₀",
     "the new sample has the density of its row",
     "w₁ = 0 where pdf is 0",
@@ -110,9 +119,10 @@ TEMPORAL = Pass(
         *prefixed("new", SAMPLE),
         real("new_pdf", "source density of the new sample, 1/sr"),
         real("u", "number in [0, 1)"),
+        *given_targets("targets of the new sample, and of the past's", 2),
     ),
     outputs=RESERVOIR,
-    settings=(TARGET, CAP, MIS_AT_REST, SURFACE),
+    settings=(TARGET_OR_DATA, CAP, MIS_AT_REST, SURFACE),
     source="[Ouyang21, Alg. 3], with w rebuilt after the cap",
     joins=(HERE_PAST, HERE_NEW),
     terms=_stream(2),
@@ -147,9 +157,10 @@ MOVED = Pass(
             2,
         ),
         real("u", "number in [0, 1)"),
+        *given_targets(SEEN_ALIKE, 2, 2),
     ),
     outputs=RESERVOIR,
-    settings=(TARGET, CAP, MIS, SURFACE),
+    settings=(TARGET_OR_DATA, CAP, MIS, SURFACE),
     source="[Ouyang21, Alg. 3 and Eq. 11]",
     joins=(
         HERE_PAST,
@@ -279,14 +290,16 @@ SPATIAL = Pass(
         ),
         real("u_own", "number in [0, 1) that decides on the pixel's own reservoir"),
         real("u_neighbors", "that decide on the neighbours", "K"),
+        *given_targets(SEEN_ALIKE, "K+1", "K+2"),
     ),
     outputs=RESERVOIR,
-    settings=(TARGET, CAP, MIS, SURFACE),
+    settings=(TARGET_OR_DATA, CAP, MIS, SURFACE),
     source="[Ouyang21, Alg. 4], where the weight is multiplied by the Jacobian",
     joins=(*JOINED, HERE_PAST),
     terms=_stream("K+2"),
     clauses=(
         "the target is the one that is asked for",
+        CLAUSE,
         "reused samples have w = p̂ W M",
         "the stream is past, own and neighbours in order",
         "each decision has a number of its own",
@@ -351,14 +364,16 @@ FUSED = Pass(
             "K+1",
         ),
         real("u", "numbers in [0, 1) that decide on the sources", "K"),
+        *given_targets(SEEN_ALIKE, "K+1", "K+1"),
     ),
     outputs=RESERVOIR,
-    settings=(TARGET, CAP, MIS, SURFACE),
+    settings=(TARGET_OR_DATA, CAP, MIS, SURFACE),
     source="[Ouyang21, Algs. 3 and 4] in one pass, as RTXDI and others have it",
     joins=JOINED,
     terms=_stream("K+1"),
     clauses=(
         "the target is the one that is asked for",
+        CLAUSE,
         "reused samples have w = p̂ W M",
         "the stream is own, then the sources in order",
         "each decision has a number of its own",

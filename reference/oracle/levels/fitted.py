@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from restir_gi.reference.numerics.arrays import Indices
+from restir_gi.reference.numerics.arrays import Indices, Scalars
 from restir_gi.reference.oracle.backends.selected import Selection
 from restir_gi.reference.oracle.cases import SOURCES, Buffers, Case
 from restir_gi.reference.oracle.levels.grades import graded
@@ -57,12 +57,25 @@ def with_neighbors(pass_name: str, inputs: Buffers, count: int) -> Buffers:
     words = inputs["visible"][:, : 1 + kept]
     if pass_name == "spatial":
         words = _moved_bits(words, before, count)
+    given = inputs.get("p_hat_given")
+    more_given = {} if given is None else {"p_hat_given": _given(given, kept, count)}
     return {
         **inputs,
+        **more_given,
         names.rows: np.pad(around[:, :kept], more, constant_values=-1),
         names.u: np.pad(u[:, :kept], more, constant_values=0.5),
         "visible": np.pad(words, more),
     }
+
+
+def _given(p_hat: Scalars, kept: int, count: int) -> Scalars:
+    """Targets of points and samples; that of the spatial past stays the last."""
+    past = p_hat.shape[1] != p_hat.shape[2]
+    found = np.zeros((len(p_hat), 1 + count, 1 + count + past), p_hat.dtype)
+    found[:, : 1 + kept, : 1 + kept] = p_hat[:, : 1 + kept, : 1 + kept]
+    if past:
+        found[:, : 1 + kept, -1] = p_hat[:, : 1 + kept, -1]
+    return found
 
 
 def _moved_bits(words: Indices, before: int, after: int) -> Indices:

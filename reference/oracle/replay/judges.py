@@ -14,6 +14,7 @@ from restir_gi.reference.oracle.replay.bounded import (
     exact,
     rounding_of,
 )
+from restir_gi.reference.oracle.replay.cached import target_by
 from restir_gi.reference.oracle.replay.direction import judge_direction
 from restir_gi.reference.oracle.replay.judgement import (
     Decisions,
@@ -30,6 +31,7 @@ from restir_gi.reference.oracle.replay.points import (
     receiver_of,
     receiver_read,
     sample_read,
+    with_given,
 )
 from restir_gi.reference.oracle.replay.reuse import judge_reuse
 from restir_gi.reference.oracle.replay.rules import Rules
@@ -153,7 +155,7 @@ def _initial(case: Case, out: Buffers, rules: Rules, precision: Precision) -> Ju
     rounding = rounding_of(precision)
     x, y = receiver_of(case.inputs, rounding), point_of(case.inputs, rounding)
     pdf = exact(case.inputs["pdf"], rounding)
-    p_hat = rules.target(case.settings["target"], x, y)
+    p_hat = target_by(rules.target, case.settings["target"], x, with_given(y, case, 0))
     w = rules.fresh_weight(p_hat, pdf)
     M = rules.fresh_confidence(w)
     W = rules.closed(w, p_hat, M)

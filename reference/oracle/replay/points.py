@@ -16,12 +16,14 @@ class ReceiverPoint:
     ----------
     position, normal, albedo : Bounded; (N, 3) each
     material : Material or None; of a declared surface; ``None`` for a Lambertian one
+    number : int; column of `SamplePoint.given` that holds the targets there
     """
 
     position: Bounded
     normal: Bounded
     albedo: Bounded
     material: Material | None = None
+    number: int = 0
 
     def rows(self, rows: Indices) -> "ReceiverPoint":
         """Some of the points.
@@ -50,11 +52,13 @@ class SamplePoint:
     Attributes
     ----------
     position, normal, radiance : Bounded; (N, 3) each
+    given : Bounded or None; (N, V), targets at V visible points, where they are data
     """
 
     position: Bounded
     normal: Bounded
     radiance: Bounded
+    given: Bounded | None = None
 
     def rows(self, rows: Indices) -> "SamplePoint":
         """Some of the points.
@@ -117,6 +121,20 @@ def _read(case: Case, name: str, x: Bounded) -> Bounded:
     if not case.decoded or name not in case.decoded:
         return x
     return Bounded(x.value, x.error + case.decoded[name][:, None], x.rounding)
+
+
+def with_given(y: SamplePoint, case: Case, sample: int) -> SamplePoint:
+    """Samples with their targets, where these are data.
+
+    Parameters
+    ----------
+    sample : int; which of the row's, as the bits of ``visible`` count them
+    """
+    given = case.inputs.get("p_hat_given")
+    if given is None:
+        return y
+    at = given.reshape(case.rows, -1, given.shape[-1] if given.ndim > 1 else 1)
+    return replace(y, given=exact(at[:, :, sample], y.position.rounding))
 
 
 def same_points(buffers: Buffers, y: SamplePoint) -> Masks:

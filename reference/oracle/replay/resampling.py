@@ -7,6 +7,7 @@ import numpy as np
 from restir_gi.reference.numerics.arrays import Indices, Masks
 from restir_gi.reference.oracle.cases import Buffers
 from restir_gi.reference.oracle.replay.bounded import Bounded, exact
+from restir_gi.reference.oracle.replay.cached import target_by
 from restir_gi.reference.oracle.replay.formulas import target
 from restir_gi.reference.oracle.replay.judgement import (
     Compared,
@@ -253,9 +254,13 @@ def of_kept(slots: list[Slot], kept: Indices) -> tuple[SamplePoint, Bounded]:
     y, p_hat = slots[0].y, slots[0].p_hat
     for k, slot in enumerate(slots[1:], start=1):
         here = kept == k
-        y = SamplePoint(
-            *(choose(here, getattr(slot.y, name), getattr(y, name)) for name in COPIED)
+        position, normal, radiance = (
+            choose(here, getattr(slot.y, n), getattr(y, n)) for n in COPIED
         )
+        given = y.given
+        if given is not None and slot.y.given is not None:
+            given = choose(here, slot.y.given, given)
+        y = SamplePoint(position, normal, radiance, given)
         p_hat = choose(here, slot.p_hat, p_hat)
     return y, p_hat
 
@@ -284,7 +289,7 @@ def _normalization(
                 Z = Z + counted
             continue
         x = closing.receiver if rules.receivers_domain else slot.domain.x
-        p = rules.target_at_source(closing.kind, x, y)
+        p = target_by(rules.target_at_source, closing.kind, x, y)
         p = in_domain(p, slot, y, closing, rules)
         seen = slot.domain.sees[kept, _row(kept)] | (not rules.visibility_in_z)
         if not rules.maker_in_z:
@@ -352,6 +357,6 @@ def _source_target(
 ) -> Bounded:
     for k, slot in enumerate(slots):
         if slot.domain is not None:
-            there = target(closing.kind, slot.domain.x, y)
+            there = target_by(target, closing.kind, slot.domain.x, y)
             p_hat = choose(kept == k, there, p_hat)
     return p_hat

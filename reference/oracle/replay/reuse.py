@@ -25,6 +25,7 @@ from restir_gi.reference.oracle.replay.points import (
     SamplePoint,
     receiver_read,
     sample_read,
+    with_given,
 )
 from restir_gi.reference.oracle.replay.resampling import judge_resampling
 from restir_gi.reference.oracle.replay.rules import Rules
@@ -76,6 +77,7 @@ def _temporal(case: Case, rules: Rules, precision: Precision) -> Stream:
 
 def _moved(case: Case, rules: Rules, precision: Precision) -> Stream:
     x, x_past = _receiver(case, precision), _receiver(case, precision, "past_")
+    x_past = replace(x_past, number=1)
     visible = case.inputs["visible"]
     new, old = 0, 1  # bits of the two samples; slots are the other way round
     sees = np.stack([_bit(visible[:, 1], old), _bit(visible[:, 1], new)])
@@ -176,7 +178,7 @@ def _bit(words: "Indices", place: int) -> Masks:
 def _new(case: Case, x: ReceiverPoint, rules: Rules, precision: Precision) -> Slot:
     """The sample that the initial pass has drawn."""
     rounding = rounding_of(precision)
-    y = _sample(case, precision, "new_", rules.storage)
+    y = with_given(_sample(case, precision, "new_", rules.storage), case, 0)
     p_hat = target_by(rules.target, case.settings["target"], x, y)
     w = rules.fresh_weight(p_hat, exact(case.inputs["new_pdf"], rounding))
     u = decides(case, "u", rounding)
@@ -195,6 +197,7 @@ def _reused(
     """A reservoir of the receiver itself, or of another point in its place."""
     rounding = rounding_of(precision)
     y = _sample(case, precision, prefix, rules.storage)
+    y = with_given(y, case, -1 if prefix else 0)
     W, M = (exact(case.inputs[prefix + name], rounding) for name in ("W", "M"))
     W = stored_W(W, rules.storage) if case.decoded is None else W
     M = rules.reused_confidence(M)
@@ -275,6 +278,7 @@ def _neighbor(
     there, row = row >= 0, np.maximum(row, 0)
     sources = SOURCES[case.pass_name]
     x_from, y = _sample_around(case, precision, k, rules.storage, rules.sources_now)
+    x_from, y = replace(x_from, number=1 + k), with_given(y, case, 1 + k)
     around = (case.around or case).inputs
     W, M = (exact(around[sources.prefix + name][row], rounding) for name in ("W", "M"))
     W = stored_W(W, rules.storage) if case.decoded is None else W

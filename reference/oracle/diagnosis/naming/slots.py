@@ -15,6 +15,7 @@ from restir_gi.reference.oracle.diagnosis.naming.factors import (
     of_shift,
 )
 from restir_gi.reference.oracle.replay.bounded import Bounded, Rounding, exact
+from restir_gi.reference.oracle.replay.cached import target_by
 from restir_gi.reference.oracle.replay.formulas import target
 from restir_gi.reference.oracle.replay.judgement import Compared, Judgement
 from restir_gi.reference.oracle.replay.points import (
@@ -23,6 +24,7 @@ from restir_gi.reference.oracle.replay.points import (
     point_of,
     receiver_of,
     same_points,
+    with_given,
 )
 
 STREAMS: Mapping[str, tuple[str, ...]] = {
@@ -120,12 +122,12 @@ def _slot(
     """Sample, confidence and factors of a slot; of neighbours, that of neighbour k."""
     given, x = case.inputs, receiver_of(case.inputs, rounding)
     if kind == "the new sample":
-        y = point_of(given, rounding, "new_")
+        y = with_given(point_of(given, rounding, "new_"), case, 0)
         p_hat, pdf = _target(case, x, y), exact(given["new_pdf"], rounding)
         seen = of_sample(x, y)
         return y, np.ones(case.rows), seen | RowFacts({"p_hat": p_hat, "pdf": pdf})
     prefix = "past_" if kind == "the past" else ""
-    own = point_of(given, rounding, prefix)
+    own = with_given(point_of(given, rounding, prefix), case, -1 if prefix else 0)
     y, x_from = own, None
     W, M = (exact(given[prefix + name], rounding) for name in ("W", "M"))
     there = np.ones(case.rows, bool)
@@ -134,6 +136,7 @@ def _slot(
         row = given[around.rows][:, k]
         there, row = row >= 0, np.maximum(row, 0)
         y = point_of(given, rounding, around.prefix).rows(row)
+        y = with_given(y, case, 1 + k)
         x_from = receiver_of(given, rounding, around.prefix).rows(row)
         W, M = (exact(given[around.prefix + n][row], rounding) for n in ("W", "M"))
     elif case.pass_name == "moved":
@@ -150,7 +153,7 @@ def _slot(
 
 
 def _target(case: Case, x: ReceiverPoint, y: SamplePoint) -> Bounded:
-    return target(case.settings["target"], x, y)
+    return target_by(target, case.settings["target"], x, y)
 
 
 def of_kept(
