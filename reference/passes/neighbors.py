@@ -47,6 +47,18 @@ def neighbors_of(
     ]
 
 
+def in_disk(radius: Scalars, u: Draw) -> tuple[Indices, Indices]:
+    """Whole columns and rows to a point of a disk, uniform on it, (K,) int each."""
+    r, phi = radius * np.sqrt(u[0]), 2.0 * np.pi * u[1]
+    dx, dy = np.rint(r * np.cos(phi)), np.rint(r * np.sin(phi))
+    return dx.astype(np.int64), dy.astype(np.int64)
+
+
+def open_border(at: Indices, size: int) -> Indices:
+    """Places along an axis of an image, (K,) int: nothing stands for those outside."""
+    return at
+
+
 def find_neighbors(
     rows: Indices,
     visible: VisiblePoints,
@@ -54,8 +66,8 @@ def find_neighbors(
     settings: Search,
     draws: list[Draw],
     keeper: Callable[[Indices], Indices] | None = None,
-    offset: Callable[[Scalars, Draw], tuple[Indices, Indices]] | None = None,
-    into: Callable[[Indices, int], Indices] | None = None,
+    offset: Callable[[Scalars, Draw], tuple[Indices, Indices]] = in_disk,
+    border: Callable[[Indices, int], Indices] = open_border,
 ) -> list[Indices]:
     """Neighbours drawn in a disk around each pixel, one a draw.
 
@@ -68,12 +80,9 @@ def find_neighbors(
     draws : list of four (K,) float64; lanes 0 and 1 of each give a point of the disk
     keeper : callable, optional
         From pixels to those that keep a reservoir for them; by default their own.
-    offset : callable, optional
-        From a radius and a draw to columns and rows, (K,) int each; by default in the
-        disk.
-    into : callable, optional
-        From places along an axis and its length to those that stand for them; by
-        default nothing stands for what is outside.
+    offset : callable; from a radius and a draw to columns and rows, (K,) int each
+    border : callable
+        From places along an axis and its length to those that stand for them.
 
     Returns
     -------
@@ -86,13 +95,9 @@ def find_neighbors(
     least = settings.min_radius
     radius = np.full(len(rows), max(settings.radius * width, least))
     found = []
-    x_to: Indices
-    y_to: Indices
     for u in draws:
-        dx, dy = (offset or _in_disk)(radius, u)
-        x_to, y_to = x + dx, y + dy
-        if into is not None:
-            x_to, y_to = into(x_to, width), into(y_to, height)
+        dx, dy = offset(radius, u)
+        x_to, y_to = border(x + dx, width), border(y + dy, height)
         inside = (x_to >= 0) & (x_to < width) & (y_to >= 0) & (y_to < height)
         neighbor = np.where(inside, y_to * width + x_to, rows)
         if keeper is not None:
@@ -108,9 +113,3 @@ def find_neighbors(
         radius = np.where(usable, radius, np.maximum(radius / 2.0, least))
         found.append(np.where(usable & (neighbor != rows), neighbor, NONE))
     return found
-
-
-def _in_disk(radius: Scalars, u: Draw) -> tuple[Indices, Indices]:
-    r, phi = radius * np.sqrt(u[0]), 2.0 * np.pi * u[1]
-    dx, dy = np.rint(r * np.cos(phi)), np.rint(r * np.sin(phi))
-    return dx.astype(np.int64), dy.astype(np.int64)

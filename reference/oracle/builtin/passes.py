@@ -45,7 +45,11 @@ from restir_gi.reference.oracle.contract.surfaces import LAMBERTIAN
 from restir_gi.reference.oracle.contract.targets import DATA
 from restir_gi.reference.oracle.contract.weights import DEFENSIVE
 from restir_gi.reference.passes.initial import InitialSamples
-from restir_gi.reference.passes.neighbors import find_neighbors
+from restir_gi.reference.passes.neighbors import (
+    find_neighbors,
+    in_disk,
+    open_border,
+)
 from restir_gi.reference.passes.pixels import FrameReservoirs, Pixels
 from restir_gi.reference.passes.shade import shade
 from restir_gi.reference.passes.spatial import spatial_resampling
@@ -155,8 +159,8 @@ def _neighbors(
         width,
         replace(UNBIASED, **settings),
         draws,
-        offset=of_table if search == TABLE else None,
-        into={REFUSED: None, CLAMPED: clamped, MIRRORED: mirrored}[border],
+        offset=of_table if search == TABLE else in_disk,
+        border={REFUSED: open_border, CLAMPED: clamped, MIRRORED: mirrored}[border],
     )
     return {"neighbors": np.stack(found, axis=1).astype(np.int32)}
 
