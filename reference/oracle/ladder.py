@@ -12,6 +12,7 @@ from restir_gi.reference.oracle.backends.selected import (
     selected,
     selection_of,
 )
+from restir_gi.reference.oracle.cases import Case
 from restir_gi.reference.oracle.contract.fields import Passes, Precision
 from restir_gi.reference.oracle.contract.passes import BORDER, SEARCH, VISIBILITY
 from restir_gi.reference.oracle.contract.surfaces import SURFACE
@@ -275,7 +276,10 @@ def scene_probes(
 
 def run_of(selection: Selection) -> Run:
     """Whole runs of a backend, as it has the passes."""
+    usual = Run()
+    spatial = Case("loop-spatial", "spatial", {"target": usual.target}, {})
     return Run(
+        target=DATA if selection.takes_targets(spatial) else usual.target,
         mis=selection.mis,
         temporal_mis=selection.temporal_mis,
         neighbors=selection.neighbors,

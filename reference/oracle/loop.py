@@ -14,7 +14,9 @@ from restir_gi.reference.oracle.backends.selected import Selection
 from restir_gi.reference.oracle.buffers import given, prefixed
 from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.oracle.contract.fields import Precision, Value
+from restir_gi.reference.oracle.contract.targets import DATA
 from restir_gi.reference.oracle.contract.weights import DEFENSIVE
+from restir_gi.reference.oracle.given_targets import scattered, with_given_targets
 from restir_gi.reference.oracle.visibility import made_it
 
 Array = NDArray[Any]
@@ -43,7 +45,7 @@ class Run:
     Attributes
     ----------
     source : 'uniform' or 'cosine'; density of the directions
-    target : 'scattered' or 'outgoing'; Equation 9 or 10
+    target : 'scattered', 'outgoing' or 'data'; Equation 9 or 10, or 9 as data
     mis : str; weights of Algorithm 4
     temporal_mis : str; those of Algorithm 3; empty where a case says nothing of them
     temporal_cap, spatial_cap : float; limits of M
@@ -116,7 +118,10 @@ def run_frames(
 
     def call(pass_name: str, inputs: Any, **settings: Value) -> Buffers:
         name = f"loop-{pass_name}"
-        return ask(Case(name, pass_name, settings, given(inputs, precision)))
+        case = Case(name, pass_name, settings, given(inputs, precision))
+        if settings.get("target") == DATA:
+            case = with_given_targets(case, scattered)
+        return ask(case)
 
     pixel = np.arange(rows, dtype=np.uint32)
     for frame in range(run.frames):

@@ -6,8 +6,11 @@ import pytest
 from restir_gi.reference.oracle.backends.selected import Selection
 from restir_gi.reference.oracle.builtin.backend import FLOAT32, FLOAT64
 from restir_gi.reference.oracle.checking import judge, told
+from restir_gi.reference.oracle.declaration.read import read_declaration
 from restir_gi.reference.oracle.levels.given_targets import given_target_probes
+from restir_gi.reference.oracle.levels.lattice import enumerations_for
 from restir_gi.reference.oracle.levels.probe import examined
+from restir_gi.reference.oracle.levels.thresholds import own_expectation
 from restir_gi.reference.oracle.parts import whole_contract
 from tests.foreign import kernels as k
 from tests.foreign.kernels import F
@@ -108,6 +111,54 @@ def test_a_mistake_is_found(mistake, pass_name):
 
 def test_points_and_samples_are_not_exchanged():
     assert not all(f.passed for f in found_by(Exchanged(), "moved"))
+
+
+@pytest.mark.parametrize(
+    "has",
+    [
+        pytest.param({"neighbors": [1]}, marks=pytest.mark.slow),
+        pytest.param({}, marks=pytest.mark.slow),
+    ],
+)
+def test_who_has_no_other_target_is_asked_on_all_levels(has):
+    """Lattices, frames and whole runs, whose targets are the contract's, given."""
+    loop = ("direction", *PASSES, "shade")
+    table = {
+        "schema": "restir-declaration 1",
+        "has": {"passes": list(loop), "target": ["data"], **has},
+    }
+    verdict = judge("float32", 300, statistics=False, declaration=table)
+    assert verdict.status == "PASS", told(verdict)
+    answers = [a for t in verdict.steps for a in t.step.answers if a.outputs]
+    levels = {a.probe.level for a in answers if a.probe.case.pass_name == "spatial"}
+    assert levels == {"L1", "L3"}
+    words = [a.probe.case.settings.get("target", "data") for a in answers]
+    assert set(words) == {"data"}
+    asked = {name for t in verdict.steps for f in t.step.findings for name in f.asked}
+    assert {"temporal", "spatial"} <= asked
+
+
+def test_the_mean_is_right_with_targets_as_data():
+    """Summed over all outcomes and the backend's own decisions."""
+    has = {"target": ["data"], "neighbors": [1], "mis": ["1/Z"]}
+    table = {"schema": "restir-declaration 1", "has": has}
+    for e in enumerations_for(read_declaration(table).selection):
+        if e.settings.get("mis") == "1/M":
+            continue
+        found = integrated(own_expectation(e, "float64"))
+        assert found.passed, found.text
+
+
+def integrated(search):
+    """What a search finds of the built-in passes, which are given all targets."""
+    sent = None
+    while True:
+        try:
+            case = search.send(sent)
+        except StopIteration as end:
+            return end.value
+        assert "p_hat_given" in case.inputs
+        sent = getattr(FLOAT64, case.pass_name)(**case.inputs, **case.settings)
 
 
 class OnlyMoved:

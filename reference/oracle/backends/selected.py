@@ -7,6 +7,9 @@ from restir_gi.reference.oracle.backends.backend import Backend
 from restir_gi.reference.oracle.backends.offer import Offer
 from restir_gi.reference.oracle.cases import Case, Outcome, source_rows
 from restir_gi.reference.oracle.contract.fields import Passes, Precision
+from restir_gi.reference.oracle.contract.kernels import TARGET
+from restir_gi.reference.oracle.contract.surfaces import SURFACE
+from restir_gi.reference.oracle.contract.targets import DATA
 from restir_gi.reference.oracle.contract.weights import MIS, MIS_AT_REST
 from restir_gi.reference.system.errors import UsageError
 
@@ -110,6 +113,13 @@ class Selection:
             if case.settings.get(s.name) in s.more
         }
         return wanted <= self.more
+
+    def takes_targets(self, case: Case) -> bool:
+        """Whether a case has a target that a pass takes as data alone."""
+        name, target = case.pass_name, str(case.settings.get(TARGET.name, ""))
+        data = (name, TARGET.name, DATA) in self.more
+        lambertian = SURFACE.name not in case.settings
+        return data and lambertian and (name, TARGET.name, target) in self.declined
 
     def has_settings(self, passes: Passes, case: Case) -> bool:
         """Whether no value of a case is declined, nor its number of neighbours."""

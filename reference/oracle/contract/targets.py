@@ -33,6 +33,7 @@ L_o, which says whether a sample is a null, is looked at beside it. In `moved`,
 in the order of the words and bits of `visible`: `p_hat_given[n, 0, s]` is the target of
 sample s at the receiver, `p_hat_given[n, 1 + k, s]` that at the visible point of source
 k, both without visibility. A source holds a sample where this is above 0 and it sees
-it. Points and normals are given as always: J is calculated.
+it. Points and normals are given as always: J is calculated. Who declares no other
+target is given those of the contract as data, in lattices, frames and whole runs.
 """
 """Section of the contract's page."""

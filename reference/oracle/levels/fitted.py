@@ -1,7 +1,8 @@
 """Cases as a backend has their pass: how many neighbours, and whether there is a past.
 
 Neighbours that are too many are left out, and those that lack are none, row −1; a
-spatial past that is not merged is empty.
+spatial past that is not merged is empty.  Who takes targets as data, and has no other,
+is given those of the contract.
 """
 
 from collections.abc import Iterable
@@ -12,6 +13,7 @@ import numpy as np
 from restir_gi.reference.numerics.arrays import Indices, Scalars
 from restir_gi.reference.oracle.backends.selected import Selection
 from restir_gi.reference.oracle.cases import SOURCES, Buffers, Case
+from restir_gi.reference.oracle.given_targets import FORMULAS, with_given_targets
 from restir_gi.reference.oracle.levels.grades import graded
 from restir_gi.reference.oracle.levels.probe import Probe
 
@@ -23,6 +25,9 @@ def fitted_probes(probes: Iterable[Probe], selection: Selection) -> list[Probe]:
 
 def fitted(case: Case, selection: Selection) -> Case:
     """A case as a backend has its pass; the same one if it has all of it."""
+    if selection.takes_targets(case):
+        case = with_given_targets(case, FORMULAS[str(case.settings["target"])])
+        case = case if case.pass_name in SOURCES else graded(case)
     if case.pass_name not in SOURCES:
         return case
     inputs = fitted_inputs(case.pass_name, case.inputs, selection)

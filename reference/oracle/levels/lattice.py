@@ -30,7 +30,9 @@ from restir_gi.reference.oracle.cases import (
     refused,
 )
 from restir_gi.reference.oracle.contract.fields import Passes, Precision
+from restir_gi.reference.oracle.contract.targets import DATA
 from restir_gi.reference.oracle.contract.weights import MIS
+from restir_gi.reference.oracle.given_targets import FORMULAS, given_targets
 from restir_gi.reference.oracle.levels.enumeration import (
     LatticeEnumeration,
     declared_enumerations,
@@ -84,7 +86,7 @@ def enumerations_for(selection: Selection) -> list[LatticeEnumeration]:
     has_more = selection.declares(MIS.name)
     for declared in (False, True) if has_more else (False,):
         every = declared_enumerations() if declared else enumerations()
-        found += [e for e in every if e.pass_name not in SOURCES]
+        found += [_fitted(e, selection) for e in every if e.pass_name not in SOURCES]
         for count in AROUND:
             if selection.neighbors_for(count) >= count:
                 about = count, selection.history, declared
@@ -100,14 +102,25 @@ def every_enumeration() -> list[LatticeEnumeration]:
 
 
 def _fitted(e: LatticeEnumeration, selection: Selection) -> LatticeEnumeration:
-    """The same with neighbours that there are not, where there have to be more."""
-    if not selection.neighbors:
+    """The same with more neighbours, that there are not, and with targets as data."""
+    settings = e.settings
+    data = selection.takes_targets(Case(e.name, e.pass_name, settings, {}))
+    if not selection.neighbors and not data:
         return e
 
     def inputs(outcome: Indices, u: Scalars) -> Buffers:
-        return fitted_inputs(e.pass_name, e.inputs(outcome, u), selection)
+        found = e.inputs(outcome, u)
+        if data:
+            formula = FORMULAS[str(settings["target"])]
+            p_hat = given_targets(e.pass_name, found, formula)
+            found = {**found, "p_hat_given": p_hat}
+        if e.pass_name not in SOURCES:
+            return found
+        return fitted_inputs(e.pass_name, found, selection)
 
-    return replace(e, inputs=inputs)
+    return replace(
+        e, inputs=inputs, settings={**settings, "target": DATA} if data else settings
+    )
 
 
 def lattice_step(passes: Passes, backend: Backend) -> LevelStep:

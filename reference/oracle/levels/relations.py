@@ -78,7 +78,7 @@ def _turned_colors(inputs: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
 
 def _dark(inputs: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     return {
-        name: array * 0 if name.endswith("radiance") else array
+        name: array * 0 if name.endswith(("radiance", "p_hat_given")) else array
         for name, array in inputs.items()
     }
 
@@ -89,7 +89,7 @@ RELATIONS = (
     Relation(
         "light times 2^9: the image too, and the same choices and W",
         ("initial", *REUSE, "shade"),
-        _scaled(("radiance",), SCALE),
+        _scaled(("radiance", "p_hat_given"), SCALE),
         {"radiance": SCALE, "color": SCALE, "p_hat": SCALE},
     ),
     Relation(
