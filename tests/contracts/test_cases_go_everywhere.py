@@ -299,29 +299,42 @@ def test_confidences_reach_the_caps_and_fall_to_0(name):
             assert (value == M).sum() >= LEAST * len(M) / 1024
 
 
+def target_where_stored(name, case):
+    """Targets of the past's samples where they were kept, (N,)."""
+    inputs = case.inputs
+    if case.settings["target"] == "data":
+        given = inputs["p_hat_given"]
+        if name == "fused":
+            found = np.ones(case.rows)
+            for k, row in enumerate(inputs["sources"].T):
+                there = row >= 0
+                found[row[there]] = given[there, 1 + k, 1 + k]
+            return found
+        return given[:, 1, 1] if name == "moved" else given[:, 0, -1]
+    viewer = "" if name == "spatial" else "past_"
+    stored = {
+        "visible_position": inputs[viewer + "visible_position"],
+        "visible_normal": inputs[viewer + "visible_normal"],
+        "albedo": inputs[viewer + "albedo"],
+        **{n: inputs["past_" + n] for n in ("position", "normal", "radiance")},
+        **{f.name: inputs[viewer + f.name] for f in MATERIAL if f.name in inputs},
+    }
+    words = {n: w for n, w in case.settings.items() if n in ("target", "surface")}
+    return BuiltIn(PRECISION).target(**stored, **words)["p_hat"]
+
+
 @pytest.mark.parametrize("name", ["moved", "spatial", "fused"])
 def test_samples_are_valid_where_they_were_stored(name):
     """What has weight had a target there; nulls have a place, most of them."""
     for one in asked_of(name):
         inputs = one.case.inputs
-        viewer = "" if name == "spatial" else "past_"
-        stored = {
-            "visible_position": inputs[viewer + "visible_position"],
-            "visible_normal": inputs[viewer + "visible_normal"],
-            "albedo": inputs[viewer + "albedo"],
-            **{n: inputs["past_" + n] for n in ("position", "normal", "radiance")},
-            **{f.name: inputs[viewer + f.name] for f in MATERIAL if f.name in inputs},
-        }
-        words = {
-            n: w for n, w in one.case.settings.items() if n in ("target", "surface")
-        }
-        p_hat = BuiltIn(PRECISION).target(**stored, **words)
+        p_hat = target_where_stored(name, one.case)
         light, within = inputs["past_radiance"].any(axis=1), one.case.within
         if name == "fused":  # rows of the past that such rows read
             read = inputs["sources"][within]
             within = np.isin(np.arange(one.case.rows), read)
         has_weight = (inputs["past_W"] > 0) & light & within
-        assert (p_hat["p_hat"][has_weight] > 0).all()
+        assert (p_hat[has_weight] > 0).all()
         placed = inputs["past_normal"].any(axis=1)
         assert placed[~light & within].all()
 
