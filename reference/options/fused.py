@@ -1,4 +1,4 @@
-"""One pass for all reuse: the pixel's past, and its neighbours' of the last frame."""
+"""One pass for all reuse: of the pixel's past, and of its neighbours' a frame ago."""
 
 from collections.abc import Sequence
 
@@ -56,4 +56,35 @@ def fused_resampling(
     for q_n, u_n in neighbors:
         R = R.then(shifted(q, q_n), u_n)
     Z = normalization(mis, R, [past, new, *(q_n for q_n, _ in neighbors)])
+    return cap_confidence(finalize(R.kept, Z), cap)
+
+
+def spatiotemporal_resampling(
+    q: Receiver,
+    own: Reservoirs,
+    sources: Sequence[tuple[Neighbor, Scalars]],
+    *,
+    cap: float,
+    mis: PaperMis = "1/Z",
+) -> Reservoirs:
+    """The pixels' own reservoirs of this frame, then sources of the last one.
+
+    As RTXDI has it: the history of the pixel is a source like any other.
+
+    Parameters
+    ----------
+    q : Receiver; K pixels
+    sources : sequence of (Neighbor, (K,))
+        Pixels of the last frame, and a number in [0, 1) for each.
+    cap : float; limit of M
+    mis : '1/M' or '1/Z'; biased or unbiased
+
+    Returns
+    -------
+    Reservoirs; K rows
+    """
+    R = begin(reused(q, own))
+    for q_n, u_n in sources:
+        R = R.then(shifted(q, q_n), u_n)
+    Z = normalization(mis, R, [own, *(q_n for q_n, _ in sources)])
     return cap_confidence(finalize(R.kept, Z), cap)

@@ -33,6 +33,7 @@ import pytest
 
 from restir_gi.reference import restir_gi
 from restir_gi.reference.numerics.arrays import divide_or_zero
+from restir_gi.reference.options.fused import spatiotemporal_resampling
 from restir_gi.reference.options.motion import EarlierReservoirs
 from restir_gi.reference.passes import pixels as scene
 from restir_gi.reference.passes.initial import InitialSamples
@@ -378,9 +379,15 @@ def spatial(
 
 
 def of_the_past(i, own, sources, uniform, settings):
-    """Algorithm 4 over a frame ago: pixel i's own reservoir, and those of pixel 0."""
+    """Pixel i's own reservoir, and those of pixel 0 a frame ago.
+
+    With other weights and visibility it is Algorithm 4 where there is no spatial past.
+    """
     q = receivers(i, len(own.W), settings)
     around = [one for r in sources for one in neighbors(q, {0: r}, uniform, then=True)]
+    if settings.mis == "1/Z" and settings.visibility == "all":
+        R = spatiotemporal_resampling(q, own.opened(), around, cap=NO_CAP)
+        return closed(R)
     nobody = empty(len(own.W))
     return resampled(q, nobody, own.opened(), around, uniform, settings, NO_CAP)
 

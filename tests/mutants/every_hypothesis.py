@@ -1057,12 +1057,42 @@ def _in_fused(hypothesis: str, name: str, *edits: tuple[str, str]) -> Plant:
     return Plant(name, (hypothesis,), found, {"fused": reuse_by_hand.reuse})
 
 
-# Slot 0 of its stream is nobody, 1 the pixel's own, and the last is a source.
+# By hand slot 0 of its stream is nobody, 1 the pixel's own, and the last is a source.
 HELD_M = "np.where(p_k > 0, M_k, 0.0) for p_k, M_k in zip(p, M, strict=True)"
 BY_M = 'if weights == "1/M":\n        return sum(M)'
 THERE = "there, row = row >= 0, np.maximum(row, 0)"
 
 FUSED = [
+    _in_fused(
+        "canonical-missing-in-z",
+        "1/Z leaves own out",
+        (
+            HELD_M,
+            "np.where(p_k > 0, M_k, 0.0)"
+            " for p_k, M_k in zip(p, [M[0], 0 * M[1], *M[2:]])",
+        ),
+    ),
+    _in_fused(
+        "canonical-not-merged",
+        "own has neither weight nor confidence",
+        (TRUSTED, f"{TRUSTED}\n    M[1] = 0 * M[1]"),
+    ),
+    _in_fused(
+        "capped-before-weight",
+        "Z is capped",
+        (
+            "divide_or_zero(total, Z_k * p)",
+            "divide_or_zero(total, np.minimum(Z_k, cap) * p)",
+        ),
+    ),
+    _in_fused(
+        "one-number-for-all-neighbors",
+        "one number decides on all sources",
+        (
+            "numbers.append(u[:, k].astype(float))",
+            "numbers.append(u[:, 0].astype(float))",
+        ),
+    ),
     _in_fused(
         "last-confidence-in-z",
         "Z adds the last M for each",

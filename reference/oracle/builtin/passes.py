@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from restir_gi.reference.options.fused import spatiotemporal_resampling
 from restir_gi.reference.options.neighborhood import clamped, mirrored, of_table
 from restir_gi.reference.options.visibility import without_hidden
 from restir_gi.reference.options.weights import Source, resample_as_asked
@@ -219,15 +220,11 @@ def _fused(
         q = with_targets(q, _given(viewers, samples, buffers["p_hat_given"]))
     frame = _frame(q, _past_points(buffers, surface, len(rows)), past)
     around = [(frame.neighbors(q, there[k]), u[:, k]) for k in range(count)]
-    none = np.zeros_like(own.W)
-    if mis != "1/Z" and mis != "1/M":
-        candidates: list[tuple[Source, Array]] = [(own, none), *around]
-        weighted = resample_as_asked(q, candidates, mis, cap)
-        return reservoirs_out(precision, weighted)
-    # Algorithm 4 from the past frame: a stream that begins with an empty reservoir is
-    # one without it, and the next candidate needs no number.
-    nobody = Reservoirs(own.y, none, none)
-    kept = spatial_resampling(q, nobody, own, around, none, cap=cap, mis=mis)
+    if mis == "1/Z" or mis == "1/M":
+        kept = spatiotemporal_resampling(q, own, around, cap=cap, mis=mis)
+    else:
+        candidates: list[tuple[Source, Array]] = [(own, np.zeros_like(own.W)), *around]
+        kept = resample_as_asked(q, candidates, mis, cap)
     return reservoirs_out(precision, kept)
 
 
