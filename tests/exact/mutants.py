@@ -122,7 +122,7 @@ MUTANTS = [
         PIXELS,
         "self.q.shift(self.x.position, self.q.points.position, self.reservoirs.y)",
         "self.q.shift(self.q.points.position, self.x.position, self.reservoirs.y)",
-        ("spatial_pass", "balance_pass", "fused_pass", "moved_sources_pass"),
+        ("spatial_pass", "balance_pass", "fused_pass"),
     ),
     # Confidence.
     ExactMutant(
@@ -139,7 +139,7 @@ MUTANTS = [
         "return replace(\n"
         "        c, w=np.where(seen, c.w, c.w * 0), M=np.where(seen, c.M, c.M * 0)\n"
         "    )",
-        ("spatial_pass", "fused_pass", "moved_temporal_pass"),
+        ("spatial_pass", "fused_pass", "moved_temporal_pass", "moved_sources_pass"),
     ),
     ExactMutant(
         "M of a merged reservoir is 1",
@@ -297,7 +297,7 @@ MUTANTS = [
         REUSE,
         COULD,
         "could = [R.slot == slot for slot in range(len(Q))]",
-        ("spatial_pass", "fused_pass", "moved_temporal_pass"),
+        ("spatial_pass", "fused_pass", "moved_temporal_pass", "moved_sources_pass"),
     ),
     ExactMutant(
         "Z forgets who made the sample",
@@ -465,7 +465,12 @@ MUTANTS = [
         MOTION,
         "x_n = self.temporal_shift.points_forward(y, self.x.position)",
         "x_n = self.x.position",
-        ("moved_temporal_pass", "moved_spatial_pass", "moved_fused_pass"),
+        (
+            "moved_temporal_pass",
+            "moved_spatial_pass",
+            "moved_fused_pass",
+            "moved_sources_pass",
+        ),
     ),
     ExactMutant(
         "M of a moved past is as if it could make everything",
@@ -500,8 +505,8 @@ MUTANTS = [
     ExactMutant(
         "neighbours of the fused pass are decided on by the number of the new sample",
         FUSED,
-        "R = R.then(shifted(q, q_n), u_n)",
-        "R = R.then(shifted(q, q_n), u)",
+        "in neighbors:\n        R = R.then(shifted(q, q_n), u_n)",
+        "in neighbors:\n        R = R.then(shifted(q, q_n), u)",
         ("fused_pass",),
     ),
 ]

@@ -125,7 +125,7 @@ REPLACE = "from dataclasses import replace\n\n    "
 MOVES = "not isinstance(past, Reservoirs)"
 ALIKE = "alike & (near > 0) & (far - near <= max_depth * far)"
 ANGLE = "dot(n_a, n_b) >= np.cos(np.radians(max_angle))"
-LANDS = "x_to, y_to = x + dx, y + dy"
+LANDS = "x_to, y_to = border(x + dx, width), border(y + dy, height)"
 
 RECEIVERS_COSINES = """y, x_q = self.reservoirs.y, self.q.points
         v_from, v_to = y.position - self.x.position, y.position - x_q.position
