@@ -22,8 +22,12 @@ BUDGET = 600.0
 
 def verdict_on(engine, folder, frames=4, declaration=DECLARED):
     """What is said of some frames of an engine."""
-    capture = Capture.read(dump(engine, folder, frames))
-    return judge_captured(recorded_of(capture), BUDGET, declaration)
+    return verdict_on_folder(dump(engine, folder, frames), declaration)
+
+
+def verdict_on_folder(folder, declaration):
+    """What is said of a capture on disk."""
+    return judge_captured(recorded_of(Capture.read(folder)), BUDGET, declaration)
 
 
 def said(verdict):
