@@ -211,6 +211,7 @@ def test_kinds_of_what_is_known_to_be_biased():
         "W_most",
         "divisor_least",
         "boiling",
+        "max_age",
     }
     assert [h.departure for h in declared({"mis": "1/M"}).hypotheses] == ["bias"]
 

@@ -291,11 +291,19 @@ def _temporal(recorded: RecordedFrames, place: int) -> Answered | None:
     past = past.at(row, there, new.emptied())
     read = x, x_past.prefixed("past_"), past.prefixed("past_"), new.prefixed("new_")
     inputs, errors = _together(read)
+    if (age := _ages(recorded, before[0], reads.past[0])) is not None:
+        inputs["past_age"] = np.where(there, age[row], 0)
     inputs["new_pdf"] = _density(recorded, place)
     who = (x, x_past), (new, past)
     inputs["visible"], sure = _visible(recorded, place, "visible_temporal", *who)
     inputs |= _targets(recorded, place, "moved", (2, 2))
     return _answered(recorded, place, "moved", "temporal", inputs, errors, sure)
+
+
+def _ages(recorded: RecordedFrames, place: int, role: str) -> Indices | None:
+    """Frames that samples have survived, (N,), if reservoirs tell."""
+    buffers = recorded.frames[place][role]
+    return np.asarray(buffers["age"]).astype(np.int64) if "age" in buffers else None
 
 
 def _spatial(recorded: RecordedFrames, place: int) -> Answered | None:

@@ -287,6 +287,19 @@ def _most_W(value: Any) -> tuple[Hypothesis, ...]:
     return (made,)
 
 
+def _oldest(value: Any) -> tuple[Hypothesis, ...]:
+    age = number(value)
+    made = choice(
+        f"forgotten-at-age-{age:.6g}",
+        f"the past is not reused once its sample has survived {age:g} frames",
+        f"M₀ = W₀ = 0 where age₀ ≥ {age:g}",
+        "the past is reused, however old its sample is",
+        ("temporal", "moved"),
+        max_age=age,
+    )
+    return (made,)
+
+
 DARK_TOO = "1/pdf, dark samples too"
 
 
@@ -530,6 +543,15 @@ KEYS: tuple[Key, ...] = (
         _clamped,
     ),
     Key("jacobian.omitted", YES, "J is left out", False, True, _no_jacobian),
+    Key(
+        "max_age",
+        POSITIVE,
+        "the past is not reused once its sample has survived so many frames; shows in"
+        " captures whose reservoirs have their age",
+        inf,
+        30,
+        _oldest,
+    ),
     Key("W_most", POSITIVE, "W is cut there", inf, 10, _most_W),
     Key(
         "W_of_nulls",

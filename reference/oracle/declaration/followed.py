@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 from typing import Literal
 
 from restir_gi.reference.oracle.contract.fields import Precision
@@ -167,6 +168,8 @@ def _hidden_biases(pass_name: str, declared: tuple[Hypothesis, ...]) -> Names:
 
 def _size(pass_name: str, chosen: tuple[Hypothesis, ...]) -> BiasOfLight | None:
     rules = combined(chosen)
-    if pass_name not in STREAMS or rules.normalization == OWN:
+    own = rules.normalization == OWN
+    # How old samples are hangs on the frames before, of which nothing is known.
+    if pass_name not in STREAMS or own or rules.max_age < inf:
         return None
     return bias_of_light(pass_name, rules)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from math import inf
 
 import numpy as np
 
@@ -201,6 +202,9 @@ def _reused(
     W, M = (exact(case.inputs[prefix + name], rounding) for name in ("W", "M"))
     W = stored_W(W, rules.storage) if case.decoded is None else W
     M = rules.reused_confidence(M)
+    if "past_age" in case.inputs and prefix == "past_" and rules.max_age < inf:
+        old, none = case.inputs["past_age"] >= rules.max_age, constant(0.0, M)
+        W, M = choose(old, none, W), choose(old, none, M)
     if rules.cap_arriving in ("own", "all") or (rules.cap_arriving and prefix):
         M = rules.capped(M, float(case.settings["cap"]))
     at = _reused_at(x, x_from, rules) if x_from else x
