@@ -18,6 +18,8 @@ import trimesh
 from restir_gi.reference.cli.main import build_parser, main
 from restir_gi.reference.reports.figures.registry import figure_names
 from restir_gi.reference.system.errors import UsageError
+from tests.captures.dump import dump
+from tests.captures.engine import Engine
 from tests.contracts.documented import (
     ROOT,
     commands_in,
@@ -251,6 +253,7 @@ def folder(tmp_path, monkeypatch):
     (tmp_path / "kitchen.glb").write_bytes(kitchen.export(file_type="glb"))
     (tmp_path / "mine.xml").write_text(SCENE)
     (tmp_path / "mine.py").write_text(BACKEND)
+    (tmp_path / "mine.toml").write_text('schema = "restir-declaration 1"\n')
     for name, body in (
         ("backend", "#!/bin/sh\nexit 0\n"),
         ("my-renderer", RENDERER.format(python=sys.executable)),
@@ -284,6 +287,8 @@ def test_the_commands_of_a_page_run(page, folder, capsys):
         if command.asked is None:
             continue
         words = smaller(command.asked)
+        if words[:2] == ["check", "frames"]:
+            dump(Engine(16), folder / "frames", 2)  # what the reader's engine copies
         code = main(words)
         # A verdict on pictures that are small, of a sample or two, is as it may be.
         allowed = {0, 3} if words[0] == "check" else {0}

@@ -52,6 +52,7 @@ STORAGES = {
     "half W": {"storage": "half-weight"},
     "RGBE": {"storage": "rgbe-float-weight"},
     "octahedral": {"storage": "octahedral"},
+    "RTXDI": {"storage": "rtxdi", "M": {"whole": True, "most": 255}},
     "32 bytes": {"storage": "rgbe", "M": {"whole": True, "most": 255}},
 }
 

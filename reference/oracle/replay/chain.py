@@ -199,7 +199,7 @@ def _walked(
         alone = (weights[0].value == 0) & (weights[1].value > 0)
         accepted = (prefers.value > 0) | alone
         may = ~prefers.surely_not_positive & (weights[1].value > 0)
-        must = prefers.surely_positive | alone
+        must = prefers.surely_positive | alone & weights[1].surely_positive
         if claimed is not None:
             unsure = unsure | ((claimed > k) & (may & ~must))
             accepted = np.where(claimed > k, accepted, claimed == k)

@@ -56,7 +56,8 @@ def choices_of(
     for k, slot in enumerate(slots[1:], start=1):
         prefers = rules.preference(slot.u, sums[k - 1], slot.w)
         alone = (sums[k - 1].value == 0) & (slot.w.value > 0)
-        may[:k] &= ~(prefers.surely_positive | alone)
+        # A weight that rounding cannot tell from 0 may be 0, and then it is not kept.
+        may[:k] &= ~(prefers.surely_positive | alone & slot.w.surely_positive)
         may[k] = ~prefers.surely_not_positive & (slot.w.value + slot.w.error > 0)
         exactly = np.where((prefers.value > 0) | alone, k, exactly)
     return may, exactly
