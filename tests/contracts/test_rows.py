@@ -412,7 +412,9 @@ ELSEWHERE = {
     "not_reused.split_light": "traces rays: tests of the frame loop",
     "history_search.find_history": "of a whole frame",
     "jacobian.with_jacobian": "of settings",
+    "neighbors.in_disk": "by find_neighbors",
     "neighbors.neighbors_of": "of a whole frame",
+    "neighbors.open_border": "by find_neighbors",
     "roulette.tail_weights": "of a frame",
 }
 """Functions of the modules that are not kernels, with the reason."""
