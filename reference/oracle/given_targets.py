@@ -12,11 +12,11 @@ from restir_gi.reference.oracle.contract.targets import DATA
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
+# Place, normal and colour of visible points, or of samples, (N, 3) each.
 Points = tuple[NDArray[np.float64], ...]
-"""Place, normal and colour of visible points, or of samples, (N, 3) each."""
 
+# From visible points and samples to the targets of the samples, (N,).
 Formula = Callable[[Points, Points], Scalars]
-"""From visible points and samples to the targets of the samples, (N,)."""
 
 
 def with_given_targets(case: Case, formula: Formula) -> Case:

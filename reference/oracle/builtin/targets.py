@@ -13,8 +13,8 @@ from restir_gi.reference.oracle.builtin.world import point_keys
 from restir_gi.reference.passes.pixels import FrameReservoirs, NeighborPixels, Pixels
 from restir_gi.reference.resampling.reservoir import Samples
 
+# Number of the visible point, (Q,), place of the sample, (Q, 3), and target, (Q,).
 Given = tuple[Indices, Vec3s, Scalars]
-"""Number of the visible point, (Q,), place of the sample, (Q, 3), and target, (Q,)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
