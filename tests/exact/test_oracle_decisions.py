@@ -4,6 +4,8 @@ Both samples weigh about the same, so that the threshold of u is near 1/2, and u
 beside it in units of the bound that the replay itself states.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 from scipy.stats import poisson
@@ -11,11 +13,17 @@ from scipy.stats import poisson
 from restir_gi.reference.oracle.builtin.backend import FLOAT32
 from restir_gi.reference.oracle.cases import Case
 from restir_gi.reference.oracle.levels.patches import NEAR, eye, patch_reservoirs
-from restir_gi.reference.oracle.replay.bounded import exact, rounding_of
+from restir_gi.reference.oracle.replay.bounded import Bounded, exact, rounding_of
 from restir_gi.reference.oracle.replay.formulas import preference
 from restir_gi.reference.oracle.replay.judgement import BUDGET_ALARM, Decisions
 from restir_gi.reference.oracle.replay.judges import JUDGES
 from restir_gi.reference.oracle.replay.rules import CONTRACT_RULES
+from restir_gi.reference.oracle.replay.stream import (
+    by_chance,
+    choices_of,
+    left_open,
+    sums_of,
+)
 
 ROWS = 64
 ROUNDING = rounding_of("float32")
@@ -135,3 +143,35 @@ def test_the_expected_number_of_open_decisions_is_their_share_of_all_numbers():
     assert 2 < open_cells < reach
     stated = merged(merge_case(np.full(1, 0.5)), 1).decisions.expected
     assert abs(stated / cell - open_cells) <= 2
+
+
+# ---------------------------------------------------------------- weights that may be 0
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """A weight and the number that decides on it."""
+
+    w: Bounded
+    u: Bounded
+
+
+def stream(weight, error):
+    """Nothing, and then a weight that is known to an error."""
+    none, half = (exact(np.full(ROWS, v), ROUNDING) for v in (0.0, 0.5))
+    second = Bounded(np.full(ROWS, weight), np.full(ROWS, error), ROUNDING)
+    return [Weighed(none, none), Weighed(second, half)]
+
+
+@pytest.mark.parametrize(("weight", "free"), [(1e-35, True), (1.0, False)])
+def test_a_first_weight_that_may_be_0_need_not_be_kept(weight, free):
+    """A backend in single precision has rounded it to 0, and keeps nothing."""
+    slots = stream(weight, 1e-34)
+    sums = sums_of(slots, CONTRACT_RULES)
+    may, exactly = choices_of(slots, sums, CONTRACT_RULES)
+    assert (may[0] == free).all()
+    assert may[1].all()
+    assert (exactly == 1).all()
+    # Neither choice is counted against a budget of which it is no part.
+    assert (by_chance(slots) == (not free)).all()
+    assert left_open(slots, sums) == 0

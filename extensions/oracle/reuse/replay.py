@@ -20,7 +20,7 @@ from restir_gi.reference.oracle.replay.judgement import (
 )
 from restir_gi.reference.oracle.replay.rules import Rules
 from restir_gi.reference.oracle.replay.stream import (
-    at_an_end,
+    by_chance,
     choices_of,
     left_open,
     sums_of,
@@ -61,7 +61,7 @@ def judge_path_reuse(
         W = W * (capped(M, t.cap) / M)
     W = choose(empty, exact(np.zeros(case.rows), rounding), W)
     M = M if part.capped in ("never", "before") else capped(M, t.cap)
-    drawn = ~np.any([at_an_end(slot.u) for slot in slots[1:]], axis=0)
+    drawn = by_chance(slots)
     differs = int(((kept != surely) & ~illegal & ~empty & drawn).sum())
     terms = {f"w of slot {k}": slot.w.value for k, slot in enumerate(slots)}
     terms |= {f"u of slot {k}": slot.u.value for k, slot in enumerate(slots) if k}

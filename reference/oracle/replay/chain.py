@@ -22,7 +22,7 @@ from restir_gi.reference.oracle.replay.resampling import (
 from restir_gi.reference.oracle.replay.rules import Rules
 from restir_gi.reference.oracle.replay.slots import Closing, Slot, nothing
 from restir_gi.reference.oracle.replay.stream import (
-    at_an_end,
+    by_chance,
     left_open,
     sums_of,
 )
@@ -144,7 +144,7 @@ def judge_chain(
     illegal = ~(walk.may_be & held.any(axis=0)) & ~empty
     W = _weight_after(walk, slots, rules)
     M = closed_confidence(chain.M, closing, rules)
-    drawn = ~np.any([at_an_end(slot.u) for slot in slots[1:]], axis=0)
+    drawn = by_chance(slots)
     differing = int(((claimed != surely) & ~illegal & ~empty & drawn).sum())
     decisions = Decisions(illegal, differing, left_open(slots, sums_of(slots, rules)))
     terms = {f"w of slot {k}": slot.w.value for k, slot in enumerate(slots)}

@@ -34,7 +34,7 @@ from restir_gi.reference.oracle.replay.storage import (
     stored_W,
 )
 from restir_gi.reference.oracle.replay.stream import (
-    at_an_end,
+    by_chance,
     choices_of,
     left_open,
     sums_of,
@@ -83,9 +83,7 @@ def judge_resampling(
     illegal = ~possible.any(axis=0) & ~empty
     weights, M = closed(slots, kept, total, closing, rules)
     W = choose(empty, nothing(total), weights["W"])
-    drawn = ~np.any([at_an_end(slot.u) for slot in slots[1:]], axis=0)
-    # Nor does chance decide where rounding leaves open whether a weight is 0.
-    drawn &= ~np.any([(s.w.value > 0) & ~s.w.surely_positive for s in slots], axis=0)
+    drawn = by_chance(slots)
     differs = (kept != surely) & ~illegal & ~empty & ~held[surely, _row(kept)]
     open_by_chance = left_open(slots, sums)
     decisions = Decisions(illegal, int((differs & drawn).sum()), open_by_chance)

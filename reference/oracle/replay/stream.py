@@ -77,21 +77,37 @@ def at_an_end(u: Bounded) -> Masks:
     return ends
 
 
-def left_open(slots: Sequence[Weighted], sums: list[Bounded]) -> float:
-    """Mean number of decisions that rounding leaves open: 2 error / S, for random u.
+def by_chance(slots: Sequence[Weighted]) -> Masks:
+    """Rows whose decisions hang on random numbers alone, (N,) bool.
 
-    Numbers at an end are left out, as they are by those who count.
+    Not those with a number at an end, nor those of which rounding leaves open whether a
+    weight is 0.
 
     Parameters
     ----------
     slots : sequence of Weighted; in the order of the stream
     """
-    mean = 0.0
+    ends = [at_an_end(slot.u) for slot in slots[1:]]
+    unsure = [(s.w.value > 0) & ~s.w.surely_positive for s in slots]
+    found: Masks = ~np.any([*ends, *unsure], axis=0)
+    return found
+
+
+def left_open(slots: Sequence[Weighted], sums: list[Bounded]) -> float:
+    """Mean number of decisions that rounding leaves open: 2 error / S, for random u.
+
+    Rows that are not `by_chance` are left out, as they are by those who count.
+
+    Parameters
+    ----------
+    slots : sequence of Weighted; in the order of the stream
+    """
+    mean, counted = 0.0, by_chance(slots)
     for k, slot in enumerate(slots[1:], start=1):
         S = sums[k]
         margin = slot.w - slot.u * S
         here = (S.value > 0) & (slot.w.value > 0) & (sums[k - 1].value > 0)
-        here &= ~at_an_end(slot.u)
+        here &= counted
         share = np.divide(
             2 * margin.error, S.value, out=np.zeros_like(S.value), where=here
         )
