@@ -26,9 +26,13 @@ class Forgetful(Engine):
         """A frame older."""
         return super().arrived(r) | {"age": r["age"] + 1}
 
+    def limit(self, frame):
+        """The age from which on nothing is reused."""
+        return OLDEST
+
     def temporal(self, frame, x, x_before, new, past, row):
         """Without a past that is too old."""
-        old = past["age"][np.maximum(row, 0)] >= OLDEST
+        old = past["age"][np.maximum(row, 0)] >= self.limit(frame)
         return super().temporal(frame, x, x_before, new, past, np.where(old, -1, row))
 
     def resample(self, x, candidates, decide):
@@ -39,6 +43,14 @@ class Forgetful(Engine):
             same = there & (r["position"] == found["position"]).all(axis=1)
             age = np.where(same, r["age"], age)
         return found | {"age": age.astype(np.uint32)}
+
+
+class Drawn(Forgetful):
+    """Each pixel draws the age, 1 to 3, in each frame."""
+
+    def limit(self, frame):
+        """The ages of all pixels."""
+        return np.random.default_rng(frame).integers(1, 4, self.size**2)
 
 
 def declared(age, accept=()):
@@ -56,8 +68,8 @@ def declared(age, accept=()):
     return read_declaration(form | {"choices": choices})
 
 
-def verdict(folder, declaration):
-    return verdict_on(Forgetful(32), folder, 5, declaration)
+def verdict(folder, declaration, engine=Forgetful):
+    return verdict_on(engine(32), folder, 5, declaration)
 
 
 def test_what_is_accepted_passes_and_is_called_biased(tmp_path):
@@ -78,4 +90,16 @@ def test_control_another_age_fails(tmp_path, age):
     found = verdict(
         tmp_path, declared(age, [] if age is None else ["forgotten-at-age"])
     )
+    assert found.status == "FAIL"
+
+
+def test_a_limit_may_be_drawn_at_random(tmp_path):
+    found = verdict(tmp_path, declared([1, 3], ["forgotten-at-age"]), Drawn)
+    assert found.status == "PASS", said(found)
+    assert [bias.names for bias in found.biases] == [("forgotten-at-age-1-3",)]
+
+
+@pytest.mark.parametrize("ages", [[2, 3], [1, 2], 2])
+def test_control_limits_that_are_not_drawn_fail(tmp_path, ages):
+    found = verdict(tmp_path, declared(ages, ["forgotten-at-age"]), Drawn)
     assert found.status == "FAIL"

@@ -11,6 +11,7 @@ from restir_gi.reference.cli.main import BAD_USAGE, main
 from restir_gi.reference.oracle.capture.families import FAMILIES
 from restir_gi.reference.oracle.capture.faults import CaptureError
 from restir_gi.reference.oracle.capture.layouts import LAYOUTS
+from restir_gi.reference.oracle.declaration.read import read_declaration
 from restir_gi.reference.oracle.capture.record import Capture
 
 FILES = ["README.md", "capture.toml", "declaration.toml"]
@@ -119,6 +120,11 @@ def test_a_declaration_stands_beside(template, layout):
     declaration = tomllib.loads(text)
     assert declaration["schema"] == "restir-declaration 1"
     assert declaration["choices"]["generator"] == "own"
+    # With the line of what is accepted taken in, nothing biased is left.
+    whole = read_declaration(tomllib.loads(text.replace("# accept = ", "accept = ")))
+    biased = [h.name for h in whole.hypotheses if h.departure == "bias"]
+    assert all(map(whole.accepts, biased))
+    assert ("# accept = " in text) == bool(biased)
 
 
 def test_the_list_has_the_bytes_of_the_gpu(template):

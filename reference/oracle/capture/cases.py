@@ -293,6 +293,9 @@ def _temporal(recorded: RecordedFrames, place: int) -> Answered | None:
     inputs, errors = _together(read)
     if (age := _ages(recorded, before[0], reads.past[0])) is not None:
         inputs["past_age"] = np.where(there, age[row], 0)
+        # A limit drawn at random shows in M alone: 1 for the new sample, or more.
+        kept = _needed(recorded, place, "temporal", ("M",)).columns["M"]
+        inputs["past_counted"] = (kept > 1).astype(np.uint32)
     inputs["new_pdf"] = _density(recorded, place)
     who = (x, x_past), (new, past)
     inputs["visible"], sure = _visible(recorded, place, "visible_temporal", *who)

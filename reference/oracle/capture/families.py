@@ -311,6 +311,7 @@ mis = "balance"           # ray traced bias correction; off: "1/M"
 visibility = "shading"    # a ray in the final shading, none in the weights
 M.whole = true            # M is stored in 8 bits
 M.most = 255
+max_age = [15, 30]        # the sample application draws a limit; the library has 30
 
 [choices.jacobian]
 refused = [0.1, 10]       # as the sample application validates it

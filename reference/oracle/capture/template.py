@@ -1,5 +1,6 @@
 """A folder to begin with: manifest, declaration, and what to copy when."""
 
+import json
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -7,9 +8,10 @@ from pathlib import Path
 from textwrap import wrap
 
 from restir_gi.reference.oracle.capture.elements import wanted_bytes
-from restir_gi.reference.oracle.capture.families import FAMILIES, Dump
+from restir_gi.reference.oracle.capture.families import FAMILIES, Dump, Family
 from restir_gi.reference.oracle.capture.manifest import NAME, manifest_of
 from restir_gi.reference.oracle.capture.schema import FORM
+from restir_gi.reference.oracle.declaration.read import read_declaration
 from restir_gi.reference.system.errors import UsageError
 from restir_gi.reference.system.files import make_folder, read_file, write_file
 from restir_gi.reference.system.leftovers import sweep
@@ -43,8 +45,14 @@ DECLARATION_TEXT = """\
 
 schema = "restir-declaration 1"
 name = "{title}"
-
+{accept}
 {choices}"""
+
+ACCEPT_TEXT = """
+# These choices are biased by design.  The verdict says so and is FAIL, until they are
+# accepted:
+# accept = {names}
+"""
 
 README_TEXT = """\
 # Frames for restir check
@@ -141,10 +149,20 @@ def template(layout: str, width: int, height: int, frames: tuple[int, ...]) -> T
     )
     tables = "".join(_table(dump, dump.optional) for dump in family.dumps)
     declaration = DECLARATION_TEXT.format(
-        title=family.title, choices=family.declaration
+        title=family.title, accept=_accepted(family), choices=family.declaration
     )
     files = {README: readme, DECLARATION: declaration, NAME: head + tables}
     return Template(files, buffers)
+
+
+def _accepted(family: Family) -> str:
+    """The biased choices of a family, for the user to accept."""
+    form = tomllib.loads(
+        DECLARATION_TEXT.format(title="", accept="", choices=family.declaration)
+    )
+    choices = read_declaration(form).hypotheses
+    biased = [h.name for h in choices if h.departure == "bias"]
+    return ACCEPT_TEXT.format(names=json.dumps(biased)) if biased else ""
 
 
 def write_template(folder: Path, files: Mapping[str, str]) -> None:

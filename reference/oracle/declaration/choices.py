@@ -288,14 +288,15 @@ def _most_W(value: Any) -> tuple[Hypothesis, ...]:
 
 
 def _oldest(value: Any) -> tuple[Hypothesis, ...]:
-    age = number(value)
+    limits = _limits(value if isinstance(value, list) else [value, value])
+    ages = " to ".join(f"{age:g}" for age in sorted(set(limits)))
     made = choice(
-        f"forgotten-at-age-{age:.6g}",
-        f"the past is not reused once its sample has survived {age:g} frames",
-        f"M₀ = W₀ = 0 where age₀ ≥ {age:g}",
+        f"forgotten-at-age-{ages.replace(' to ', '-')}",
+        f"the past is not reused once its sample has survived {ages} frames",
+        f"M₀ = W₀ = 0 where age₀ ≥ {ages}",
         "the past is reused, however old its sample is",
         ("temporal", "moved"),
-        max_age=age,
+        max_age=limits,
     )
     return (made,)
 
@@ -465,6 +466,10 @@ LIMITS: Form = {
     "description": "two numbers, the least and the most, such as [0.1, 10] or"
     ' ["1/3", 3], where 0 and inf are none',
 }
+AGES: Form = {
+    "anyOf": [*_amount(exclusiveMinimum=0)["anyOf"], LIMITS],
+    "description": "a number above 0, or two, the least and the most",
+}
 
 KEYS: tuple[Key, ...] = (
     Key(
@@ -545,11 +550,12 @@ KEYS: tuple[Key, ...] = (
     Key("jacobian.omitted", YES, "J is left out", False, True, _no_jacobian),
     Key(
         "max_age",
-        POSITIVE,
-        "the past is not reused once its sample has survived so many frames; shows in"
-        " captures whose reservoirs have their age",
+        AGES,
+        "the past is not reused once its sample has survived so many frames, or [from,"
+        " to] where each pixel draws its limit anew; shows in captures whose reservoirs"
+        " have their age",
         inf,
-        30,
+        [15, 30],
         _oldest,
     ),
     Key("W_most", POSITIVE, "W is cut there", inf, 10, _most_W),

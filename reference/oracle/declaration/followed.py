@@ -170,6 +170,6 @@ def _size(pass_name: str, chosen: tuple[Hypothesis, ...]) -> BiasOfLight | None:
     rules = combined(chosen)
     own = rules.normalization == OWN
     # How old samples are hangs on the frames before, of which nothing is known.
-    if pass_name not in STREAMS or own or rules.max_age < inf:
+    if pass_name not in STREAMS or own or rules.max_age[1] < inf:
         return None
     return bias_of_light(pass_name, rules)

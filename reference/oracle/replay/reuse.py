@@ -53,6 +53,13 @@ def _sample(case: Case, precision: Precision, prefix: str, storage: str) -> Samp
     return stored_sample(y, storage) if case.decoded is None else y
 
 
+def _too_old(case: Case, rules: Rules) -> Masks:
+    """Pasts that are not reused: where either is right, as M of the result says."""
+    may, must = (case.inputs["past_age"] >= age for age in rules.max_age)
+    found: Masks = must | may & (case.inputs["past_counted"] == 0)
+    return found
+
+
 @kept_by(256, lambda case, *others: case.rows)
 def _sample_around(
     case: Case, precision: Precision, k: int, storage: str, now: bool
@@ -202,8 +209,8 @@ def _reused(
     W, M = (exact(case.inputs[prefix + name], rounding) for name in ("W", "M"))
     W = stored_W(W, rules.storage) if case.decoded is None else W
     M = rules.reused_confidence(M)
-    if "past_age" in case.inputs and prefix == "past_" and rules.max_age < inf:
-        old, none = case.inputs["past_age"] >= rules.max_age, constant(0.0, M)
+    if "past_age" in case.inputs and prefix == "past_" and rules.max_age[1] < inf:
+        old, none = _too_old(case, rules), constant(0.0, M)
         W, M = choose(old, none, W), choose(old, none, M)
     if rules.cap_arriving in ("own", "all") or (rules.cap_arriving and prefix):
         M = rules.capped(M, float(case.settings["cap"]))

@@ -105,9 +105,10 @@ class Rules:
         both of its own, or those of neighbours too.
     whole_confidence : bool; M is cut to a whole number when the reservoir is closed
     most_confidence : float; that the type of M can hold
-    max_age : float
-        Frames that the sample of a past may have survived, where its age is told; with
-        that many it is not reused.
+    max_age : tuple of two floats
+        Frames that the sample of a past may have survived, where its age is told.  With
+        as many as the second it is not reused; from the first on it may be reused or
+        not, as where the limit is drawn at random, and M says which.
     depth_test : 'symmetric' or 'own'
         Relative to the larger depth, or to the pixel's own.
     turn : float; azimuth of the second number 1, in radians
@@ -182,7 +183,7 @@ class Rules:
     refused: tuple[float, float] = (0.0, inf)
     refused_both_ways: bool = False
     clamped: tuple[float, float] = (0.0, inf)
-    max_age: float = inf
+    max_age: tuple[float, float] = (inf, inf)
     depth_test: str = "symmetric"
     turn: float = 2 * pi
     azimuth_number: int = 1
