@@ -14,14 +14,20 @@ evaluates the value f / p and the Jacobian of its shift and of the inverse.  Run
 number type, so that `tests/exact` enumerates it in fractions.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal, Protocol
 
 import numpy as np
 
 from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars, divide_or_zero
-from restir_gi.reference.numerics.records import NONE, scatter, take, where
+from restir_gi.reference.numerics.records import (
+    NONE,
+    concatenate,
+    pick,
+    scatter,
+    take,
+)
 from restir_gi.reference.resampling.pairwise import (
     pairwise_canonical,
     pairwise_neighbor,
@@ -278,26 +284,17 @@ def samples_in(stream: list[Candidate], slot: Indices) -> Any:
     ----------
     slot : (K,) int; whose sample is wanted
     """
-    value, jacobian = stream[0].value, stream[0].jacobian
-    for c in stream[1:]:
-        here = slot == c.slot
-        value = where(here, c.value, value)
-        jacobian = np.where(here, c.jacobian, jacobian)
-    found: Any = None
-    for reservoirs, row in _rows_of_frames(stream, slot):
-        part = take(reservoirs.y, np.maximum(row, 0))
-        found = part if found is None else where(row != NONE, part, found)
-    return found.moved(value, jacobian)
+    value = pick(slot, [c.value for c in stream])
+    jacobian = pick(slot, [c.jacobian for c in stream])
+    return _as_stored(stream, slot).moved(value, jacobian)
 
 
-def _rows_of_frames(
-    stream: list[Candidate], slot: Indices
-) -> Iterable[tuple[Reservoirs, Indices]]:
-    """One gather for each frame of reservoirs, however many slots point into it."""
-    frames: dict[int, tuple[Reservoirs, Indices]] = {}
-    for c in stream:
-        reservoirs = c.neighbor.reservoirs
-        _, rows = frames.get(id(reservoirs), (reservoirs, np.full(len(slot), NONE)))
-        chosen = np.where(slot == c.slot, c.neighbor.rows, rows)
-        frames[id(reservoirs)] = reservoirs, chosen
-    return frames.values()
+def _as_stored(stream: list[Candidate], slot: Indices) -> Any:
+    """Samples in given slots: one gather for each frame, however many point into it."""
+    stored = [c.neighbor.reservoirs for c in stream]
+    frames = {id(reservoirs): reservoirs.y for reservoirs in stored}
+    row = pick(slot, [np.maximum(c.neighbor.rows, 0) for c in stream])
+    frame = np.array([[*frames].index(id(reservoirs)) for reservoirs in stored])[slot]
+    at = [np.flatnonzero(frame == k) for k in range(len(frames))]
+    parts = [take(y, row[k]) for y, k in zip(frames.values(), at, strict=True)]
+    return take(concatenate(parts), np.argsort(np.concatenate(at)))
