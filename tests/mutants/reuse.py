@@ -206,8 +206,15 @@ BIASES = [
         "the value of another slot is kept",
         (),
         ENGINE,
-        "value = where(here, c.value, value)",
-        "value = where(~here, c.value, value)",
+        "value = pick(slot, [c.value for c in stream])",
+        "value = pick(len(stream) - 1 - slot, [c.value for c in stream])",
+    ),
+    Mutant(
+        "samples are put where they were taken from",
+        (),
+        ENGINE,
+        "np.argsort(np.concatenate(at))",
+        "np.concatenate(at)",
     ),
 ]
 
