@@ -6,12 +6,15 @@ from tests.captures.packed import F
 
 BLOCK = 16
 
-MANIFEST = """\
+HEAD = """\
 schema = "restir-capture 1"
 width = {size}
 height = {size}
 frames = {frames}
 declaration = "declaration.toml"
+"""
+
+PASSES = """\
 
 [passes.temporal]
 cap = 20
@@ -20,6 +23,9 @@ surface = "{surface}"
 [passes.spatial]
 cap = 255
 surface = "{surface}"
+"""
+
+VISIBLE_POINTS = """\
 
 [buffers.position]
 role = "gbuffer"
@@ -38,6 +44,9 @@ role = "gbuffer"
 file = "albedo.{{frame}}.bin"
 stride = 16
 fields = [{{ name = "albedo", kind = "float32" }}]
+"""
+
+RESERVOIRS = """\
 
 [buffers.initial]
 file = "initial.{{frame}}.bin"
@@ -66,6 +75,9 @@ layout = "rtxdi"
 [buffers.visible_spatial]
 file = "visible_spatial.{{frame}}.bin"
 fields = [{{ name = "visible", kind = "uint32", count = {viewers} }}]
+"""
+
+SHADING = """\
 
 [buffers.visible_shade]
 file = "visible_shade.{{frame}}.bin"
@@ -75,6 +87,31 @@ fields = [{{ name = "visible", kind = "uint32" }}]
 file = "shade.{{frame}}.bin"
 stride = 16
 fields = [{{ name = "color", kind = "float32" }}]
+"""
+
+FUSED_PASS = """\
+
+[passes.fused]
+cap = 20
+"""
+
+FUSED_RESERVOIRS = """\
+
+[buffers.initial]
+file = "initial.{{frame}}.bin"
+layout = "rtxdi"
+
+[buffers.sources]
+file = "sources.{{frame}}.bin"
+fields = [{{ name = "sources", kind = "int32", count = {around}, given = "rows" }}]
+
+[buffers.fused]
+file = "fused.{{frame}}.bin"
+layout = "rtxdi"
+
+[buffers.visible_fused]
+file = "visible_fused.{{frame}}.bin"
+fields = [{{ name = "visible", kind = "uint32", count = {viewers} }}]
 """
 
 MATERIAL = """\
@@ -118,11 +155,18 @@ def dump(engine, folder, frames):
         for name, array in _files(buffers, size).items():
             (folder / f"{name}.{frame}.bin").write_bytes(array.tobytes())
     about = {"size": size, "frames": list(range(frames)), "surface": engine.surface}
-    form = MANIFEST + MATERIAL if engine.surface == "ggx" else MANIFEST
-    text = form.format(**about, around=around, viewers=around + 1)
+    text = _manifest(engine).format(**about, around=around, viewers=around + 1)
     (folder / "capture.toml").write_text(text)
     (folder / "declaration.toml").write_text(DECLARATION)
     return folder
+
+
+def _manifest(engine):
+    """``capture.toml``, but for its numbers."""
+    if engine.fused:
+        return HEAD + FUSED_PASS + VISIBLE_POINTS + FUSED_RESERVOIRS + SHADING
+    form = HEAD + PASSES + VISIBLE_POINTS + RESERVOIRS + SHADING
+    return form + MATERIAL if engine.surface == "ggx" else form
 
 
 def _files(buffers, size):
@@ -132,11 +176,11 @@ def _files(buffers, size):
             found[name] = _texture(buffers["gbuffer"][name])
     if "alpha" in buffers["gbuffer"]:
         found["alpha"] = buffers["gbuffer"]["alpha"]
-    for name in ("initial", "temporal", "spatial"):
+    for name in buffers.keys() & {"initial", "temporal", "spatial", "fused"}:
         found[name] = _blocks(buffers[name], size)
-    for name in ("history", "neighbors"):
+    for name in buffers.keys() & {"history", "neighbors", "sources"}:
         found[name] = buffers[name].astype(np.int32)
-    for name in ("visible_temporal", "visible_spatial", "visible_shade"):
+    for name in (name for name in buffers if name.startswith("visible_")):
         found[name] = buffers[name].astype(np.uint32)
     return found | {"shade": _texture(buffers["shade"])}
 

@@ -69,7 +69,7 @@ class Engine:
     """
 
     size, cap, around, reach = 64, F(20), 2, 12
-    named, surface = (), "lambertian"
+    named, surface, fused = (), "lambertian", False
     same_normal, same_depth = 0.5, 0.1
 
     def __init__(self, size=size, seed=1):

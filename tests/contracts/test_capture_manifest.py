@@ -237,7 +237,11 @@ WRONG = [
     (f"{FIELD}.scale", [1, 2], "scale has 2 entries; it should have one, or 3"),
     (f"{FIELD}.scale", float("nan"), "fields[0].scale is no number; give one"),
     (f"{FIELD}.bias", float("inf"), "fields[0].bias is inf"),
-    (f"{FIELD}.none", 0, "none is for row, neighbors, depth, and not for visible_pos"),
+    (
+        f"{FIELD}.none",
+        0,
+        "none is for row, neighbors, sources, depth, and not for visible_pos",
+    ),
     (
         f"{FIELD}.given",
         "pixels",

@@ -11,8 +11,8 @@ from restir_gi.reference.cli.main import BAD_USAGE, main
 from restir_gi.reference.oracle.capture.families import FAMILIES
 from restir_gi.reference.oracle.capture.faults import CaptureError
 from restir_gi.reference.oracle.capture.layouts import LAYOUTS
-from restir_gi.reference.oracle.declaration.read import read_declaration
 from restir_gi.reference.oracle.capture.record import Capture
+from restir_gi.reference.oracle.declaration.read import read_declaration
 
 FILES = ["README.md", "capture.toml", "declaration.toml"]
 WIDTH, HEIGHT = 20, 10

@@ -17,7 +17,7 @@ from restir_gi.reference.oracle.buffers import given
 from restir_gi.reference.oracle.capture.frames import CapturedFrame
 from restir_gi.reference.oracle.capture.record import Capture
 from restir_gi.reference.oracle.capture.visibility import PlacedPoints, traced
-from restir_gi.reference.oracle.cases import Buffers, Case
+from restir_gi.reference.oracle.cases import Buffers, Case, source_rows
 from restir_gi.reference.oracle.contract.fields import Value
 from restir_gi.reference.oracle.contract.passes import ASKED, VISIBILITY
 from restir_gi.reference.oracle.contract.surfaces import (
@@ -50,6 +50,7 @@ class Reads:
     own, around : str and int; what Algorithm 4 takes as its own, and of others
     alone : int, or None; the neighbour that is read from ``around``; ``None``: all
     history : str and int, or None; the spatial past; ``None``: there is none
+    sources : str and int; the reservoirs that a fused pass reads
     """
 
     past: tuple[str, int] = ("spatial", 1)
@@ -58,6 +59,7 @@ class Reads:
     around: tuple[str, int] = ("temporal", 0)
     alone: int | None = None
     history: tuple[str, int] | None = None
+    sources: tuple[str, int] = ("fused", 1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -104,7 +106,9 @@ def recorded_of(
     shading_sees : bool; what the declaration says of the shading
     """
     has = {role for frame in capture.frames for role in frame.roles}
-    temporal, spatial = (capture.passes.get(n, {}) for n in ("temporal", "spatial"))
+    temporal, spatial, fused = (
+        capture.passes.get(name, {}) for name in ("temporal", "spatial", "fused")
+    )
     last = "spatial" if "spatial" in has else "temporal"
     reads = Reads(
         past=(temporal.get("past", last), 1),
@@ -113,11 +117,12 @@ def recorded_of(
         history=("spatial", 1) if spatial.get("history") else None,
     )
     settings = {"moved": _settings(temporal), "spatial": _settings(spatial)}
-    settings["shade"] = _surface(spatial or temporal)
+    settings |= {"fused": _settings(fused)}
+    settings["shade"] = _surface(fused or spatial or temporal)
     layouts = {
         frame[role].storage
         for frame in capture.frames
-        for role in ("temporal", "spatial")
+        for role in ("temporal", "spatial", "fused")
         if role in frame
     }
     stored = [STORED_AS[name] for name in layouts if name in STORED_AS]
@@ -271,7 +276,7 @@ def captured_cases(recorded: RecordedFrames) -> Iterator[Answered]:
     Raises UsageError: a pass has written a buffer, and what it has read is not there.
     """
     for place in range(len(recorded.frames)):
-        for build in (_temporal, _spatial, _shade):
+        for build in (_temporal, _spatial, _fused, _shade):
             found = build(recorded, place)
             if found is not None:
                 yield found
@@ -369,9 +374,34 @@ def _apart(rows: int, found: Answered, others: Read, alone: int | None) -> Answe
     return replace(found, case=case, outputs=outputs)
 
 
+def _fused(recorded: RecordedFrames, place: int) -> Answered | None:
+    """Spatiotemporal resampling: the pixel's own, and some of the frame before."""
+    frame, reads = recorded.frames[place], recorded.reads
+    role, age = reads.sources
+    before = [place - age, place - reads.past_viewer]
+    if "fused" not in frame or min(before) < 0:
+        return None
+    of = _needed(recorded, place, "sources", ("sources",)).columns["sources"]
+    x, x_past = _viewer(recorded, place), _viewer(recorded, before[1])
+    own = _needed(recorded, place, "initial", RESERVOIR)
+    past = _needed(recorded, before[0], role, RESERVOIR)
+    read = x, own, x_past.prefixed("past_"), past.prefixed("past_")
+    inputs, errors = _together(read)
+    inputs["sources"], count = of, of.shape[1]
+    rows = [np.maximum(of[:, k], 0) for k in range(count)]
+    who = (x, *x_past.of(rows)[1:]), (own, *past.of(rows)[1:])
+    inputs["visible"], sure = _visible(recorded, place, "visible_fused", *who)
+    inputs |= _targets(recorded, place, "fused", (count + 1, count + 1))
+    return _answered(recorded, place, "fused", "fused", inputs, errors, sure)
+
+
+SHADED = ("fused", "spatial", "temporal", "initial")
+"""Whose reservoirs are shaded: the last of a frame."""
+
+
 def _shade(recorded: RecordedFrames, place: int) -> Answered | None:
     frame = recorded.frames[place]
-    last = next((n for n in ("spatial", "temporal", "initial") if n in frame), None)
+    last = next((name for name in SHADED if name in frame), None)
     if "shade" not in frame or last is None:
         return None
     kept, x = _needed(recorded, place, last, (*SAMPLE, "W")), _viewer(recorded, place)
@@ -437,8 +467,8 @@ def _numbers(inputs: Buffer) -> tuple[Buffer, Masks]:
             known = np.isfinite(array)
             found[name] = np.where(known, array, 0.0)
             sure &= known.reshape(len(array), -1).all(axis=1)
-    if "neighbors" in inputs and not sure.all():
-        around = inputs["neighbors"]
+    if (sources := source_rows(inputs)) and not sure.all():
+        around = inputs[sources.rows]
         sure = sure & (sure[np.maximum(around, 0)] | (around < 0)).all(axis=1)
     return found, sure
 

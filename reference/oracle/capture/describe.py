@@ -76,6 +76,12 @@ TITLES = {
         "Spatial reuse",
         "Keys of `[passes.spatial]`. The pass is judged as `spatial` of the contract.",
     ),
+    "fused": (
+        "Both in one",
+        "Keys of `[passes.fused]`. The pass is judged as `fused` of the contract: the"
+        " new sample as a reservoir, then sources, all of which are reservoirs that the"
+        " pass left a frame ago. The pixel that is continued is one of them.",
+    ),
     "buffer": (
         "Buffers",
         "Keys of `[buffers.NAME]`. A role may have several buffers, such as a texture"

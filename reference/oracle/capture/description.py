@@ -19,6 +19,7 @@ PAIRS = ("pixels", "offsets")
 GIVEN: Mapping[str, tuple[str, ...]] = {
     "row": ("rows", *PAIRS),
     "neighbors": ("rows", *PAIRS),
+    "sources": ("rows", *PAIRS),
     "depth": ("view", "distance", "device"),
 }
 """How a field may be given, by its name; the first is the default."""

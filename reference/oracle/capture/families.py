@@ -149,8 +149,8 @@ TEMPORAL = Dump(
     "temporal",
     "reservoir",
     "after temporal reuse, before spatial reuse",
-    "leave it out where there is no temporal pass; where one pass does both, there is"
-    " nothing between: dump `spatial` alone",
+    "leave it out where there is no temporal pass; where one pass does both, dump"
+    " `fused` and `sources` in place of all this",
     "",
 )
 SPATIAL = Dump(
@@ -159,6 +159,30 @@ SPATIAL = Dump(
     "after spatial reuse, or the last of several such passes",
     "leave it out where there is no spatial pass",
     "",
+)
+FUSED = Dump(
+    "fused",
+    "reservoir",
+    "after the one pass that is temporal and spatial reuse in one",
+    "leave it out where there are two passes; else leave out `history`, `temporal`,"
+    " `neighbors` and `spatial`, and name the pass `[passes.fused]`",
+    "",
+    optional=True,
+)
+SOURCES = Dump(
+    "sources",
+    "two R32_SINT a pixel: y · width + x of each source in the frame before, −1 for"
+    " none",
+    "written by the fused pass itself: those that it has merged, in its order",
+    "they are needed for the fused pass alone; pixels x, y will do: `given`",
+    """\
+file = "sources.{frame}.bin"
+fields = [
+    # count: how many sources, of pairs x, y twice as many.
+    { name = "sources", kind = "int32", count = 2, given = "rows" },
+]
+""",
+    optional=True,
 )
 HISTORY = Dump(
     "history",
@@ -215,6 +239,20 @@ fields = [
 """,
     optional=True,
 )
+VISIBLE_FUSED = Dump(
+    "visible_fused",
+    "R32_UINT for the pixel and for each source: masks of who sees which sample, as"
+    " pass `fused` of the contract has them",
+    "written by the fused pass, if it traces rays",
+    VISIBLE_TEMPORAL.otherwise,
+    """\
+file = "visible_fused.{frame}.bin"
+fields = [
+    { name = "visible", kind = "uint32", count = 3 },
+]
+""",
+    optional=True,
+)
 VISIBLE_SHADE = Dump(
     "visible_shade",
     "R32_UINT: 1 where the pixel sees the sample that it is shaded with, else 0",
@@ -246,20 +284,20 @@ fields = [
 
 
 def _reservoirs(form: str, keys: str) -> tuple[Dump, ...]:
-    """The three kinds of reservoirs, in one layout."""
+    """All kinds of reservoirs, in one layout."""
     return tuple(
         replace(
             dump,
             form=form,
             keys=f'file = "{dump.name}.{{frame}}.bin"\n{keys}',
         )
-        for dump in (INITIAL, TEMPORAL, SPATIAL)
+        for dump in (INITIAL, TEMPORAL, SPATIAL, FUSED)
     )
 
 
 def _frame(gbuffer: tuple[Dump, ...], reservoirs: tuple[Dump, ...]) -> tuple[Dump, ...]:
     """All that a frame has, in the order of its passes."""
-    initial, temporal, spatial = reservoirs
+    initial, temporal, spatial, fused = reservoirs
     return (
         *gbuffer,
         initial,
@@ -269,6 +307,9 @@ def _frame(gbuffer: tuple[Dump, ...], reservoirs: tuple[Dump, ...]) -> tuple[Dum
         NEIGHBORS,
         spatial,
         VISIBLE_SPATIAL,
+        SOURCES,
+        fused,
+        VISIBLE_FUSED,
         SHADE,
         VISIBLE_SHADE,
     )

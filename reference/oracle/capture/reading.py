@@ -23,7 +23,7 @@ from restir_gi.reference.oracle.capture.faults import CaptureError
 from restir_gi.reference.oracle.capture.frames import CapturedBuffers, CapturedFrame
 from restir_gi.reference.system.errors import UsageError
 
-WRITTEN = ("temporal", "spatial", "shade")
+WRITTEN = ("temporal", "spatial", "fused", "shade")
 """Roles that a renderer's passes write: what is no number there, is its own mistake."""
 
 ContentsOf = Callable[[Buffer, int], Contents]

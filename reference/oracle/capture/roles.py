@@ -57,6 +57,7 @@ ROLES: Mapping[str, Role] = {
     "initial": Role("new samples, before any reuse", SAMPLES),
     "temporal": Role("reservoirs after temporal reuse", SAMPLES),
     "spatial": Role("reservoirs after spatial reuse", SAMPLES),
+    "fused": Role("reservoirs after one pass that is both in one", SAMPLES),
     "history": Role(
         "which pixel of the frame before each pixel continues",
         (index("row", "row of the history pixel, or −1"),),
@@ -64,6 +65,11 @@ ROLES: Mapping[str, Role] = {
     "neighbors": Role(
         "which pixels each pixel reuses",
         (index("neighbors", "row of each neighbour, or −1", "K"),),
+    ),
+    "sources": Role(
+        "which pixels of the frame before each pixel reuses in a fused pass: the one"
+        " that it continues, too",
+        (index("sources", "row of each source, or −1", "K"),),
     ),
     "visible_temporal": Role(
         "what the temporal pass knows of visibility",
@@ -81,6 +87,16 @@ ROLES: Mapping[str, Role] = {
             bits(
                 "visible",
                 "who sees which sample, as pass spatial of the contract has it",
+                "K",
+            ),
+        ),
+    ),
+    "visible_fused": Role(
+        "what the fused pass knows of visibility",
+        (
+            bits(
+                "visible",
+                "who sees which sample, as pass fused of the contract has it",
                 "K",
             ),
         ),

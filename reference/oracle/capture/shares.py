@@ -111,6 +111,8 @@ def _candidates(
 
 def _names(pass_name: str, count: int) -> tuple[str, ...]:
     """What candidates are called, in the order of the contract."""
+    if pass_name == "fused":
+        return "the pixel's own", *(f"source {k}" for k in range(count - 1))
     if pass_name != "spatial":
         return "the past", "the new sample"
     around = (f"neighbour {k}" for k in range(count - 2))

@@ -26,6 +26,7 @@ WHAT = {
     "initial": "new samples",
     "temporal": "temporal reservoirs",
     "spatial": "reservoirs that Algorithm 4 has left",
+    "fused": "reservoirs of the fused pass",
 }
 
 ENOUGH = 0.9
@@ -120,6 +121,16 @@ def _misread(name: str, recorded: RecordedFrames) -> Iterator[MisreadBuffers]:
             "the visible points of the past are those of this frame",
             (_reading(recorded, past_viewer=0),),
         )
+    if name == "fused":
+        words = f"the sources are the {WHAT['fused']} {_ago(2)}"
+        yield MisreadBuffers(words, (_reading(recorded, sources=("fused", 2)),))
+        yield MisreadBuffers(
+            "the visible points of the sources are those of this frame",
+            (_reading(recorded, past_viewer=0),),
+        )
+        words = "sources are read while they are written: some are already what this"
+        now = (_reading(recorded, sources=("fused", 0)),)
+        yield MisreadBuffers(f"{words} pass has left", now, mixed=True)
     if name == "spatial":
         for role, age in (("temporal", 1), ("initial", 0)):
             words = f"neighbours are read from the {WHAT[role]} {_ago(age)}"
