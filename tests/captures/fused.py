@@ -62,7 +62,7 @@ class FusedEngine(Engine):
         return self._bits(viewers, [new, *(only(past, row) for row in rows)])
 
 
-class PastViewerForgotten(FusedEngine):
+class SourceViewersForgotten(FusedEngine):
     """Sources are taken to stand where this frame has their pixels."""
 
     named = ("visible points of the sources are those of this frame",)
@@ -78,7 +78,7 @@ def also(mistake, size=48):
 
 
 MISTAKES = (
-    PastViewerForgotten,
+    SourceViewersForgotten,
     also(mistakes.JacobianLeftOut),
     also(mistakes.JacobianInverted),
     also(mistakes.DividedByConfidences),

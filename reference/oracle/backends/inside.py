@@ -2,8 +2,6 @@
 
 from typing import Any
 
-import numpy as np
-
 from restir_gi.reference.oracle.backends.offer import (
     Offer,
     declaration_of,
@@ -19,6 +17,7 @@ from restir_gi.reference.oracle.cases import (
     for_ever,
 )
 from restir_gi.reference.oracle.contract.fields import Passes, Precision
+from restir_gi.reference.oracle.host_arrays import answered_arrays
 
 
 class InsideBackend:
@@ -62,7 +61,7 @@ class InsideBackend:
         inputs = {name: array.copy() for name, array in case.inputs.items()}
         try:
             outputs = method(**inputs, **case.settings)
-            return {name: np.asarray(array) for name, array in dict(outputs).items()}
+            return answered_arrays(outputs)
         except NotImplementedError:
             return None
         except Exception as error:

@@ -23,6 +23,7 @@ from restir_gi.reference.oracle.backends.offer import (
 )
 from restir_gi.reference.oracle.backends.running import bind
 from restir_gi.reference.oracle.cases import Case
+from restir_gi.reference.oracle.host_arrays import answered_arrays
 from restir_gi.reference.oracle.raw import read_cases
 
 
@@ -64,7 +65,7 @@ def _run(backend: Any, folder: Path, case: Case) -> str:
         return "absent"
     try:
         outputs = method(**case.inputs, **case.settings)
-        arrays = {name: np.asarray(array) for name, array in dict(outputs).items()}
+        arrays = answered_arrays(outputs)
         np.savez(folder / case.name / "out.npz", allow_pickle=False, **arrays)
     except NotImplementedError:
         return "absent"

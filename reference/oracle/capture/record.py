@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self
 
-from restir_gi.reference.oracle.capture.contents import host_array, read_buffer
+from restir_gi.reference.oracle.capture.contents import read_buffer
 from restir_gi.reference.oracle.capture.description import Buffer
 from restir_gi.reference.oracle.capture.faults import CaptureError
 from restir_gi.reference.oracle.capture.frames import CapturedBuffers, CapturedFrame
@@ -16,6 +16,7 @@ from restir_gi.reference.oracle.capture.manifest import (
 )
 from restir_gi.reference.oracle.capture.reading import read_frames
 from restir_gi.reference.oracle.capture.schema import FORM
+from restir_gi.reference.oracle.host_arrays import host_array
 from restir_gi.reference.system.errors import UsageError
 
 

@@ -552,7 +552,7 @@ KEYS: tuple[Key, ...] = (
         "max_age",
         AGES,
         "the past is not reused once its sample has survived so many frames, or [from,"
-        " to] where each pixel draws its limit anew; shows in captures whose reservoirs"
+        " to] where each pixel draws its limit; shows in captures whose reservoirs"
         " have their age",
         inf,
         [15, 30],

@@ -1,6 +1,6 @@
 """The folder of a verdict: one page that needs nothing else, and its numbers."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +18,9 @@ from restir_gi.reference.reports.verdict.worst import answers_of, worst_answer
 from restir_gi.reference.system.files import make_folder, write_file
 from restir_gi.reference.system.json_text import json_text
 
+PACKAGE = "restir_gi.reference.reports.verdict"
+"""Whose templates these are."""
+
 
 def write_page(out: Path, verdict: Verdict, plain: Mapping[str, Any]) -> None:
     """Write ``verdict.json``, and last ``index.html``.
@@ -28,11 +31,29 @@ def write_page(out: Path, verdict: Verdict, plain: Mapping[str, Any]) -> None:
     ----------
     out : Path; folder; made if it is missing
     """
-    maps = {one["name"]: _maps(verdict, one["name"]) for one in plain["passes"]}
-    page = _page(plain, maps)
+    page = page_of(verdict, plain)
     make_folder(out)
     write_file(out / "verdict.json", json_text(plain).encode())
     write_file(out / "index.html", page)
+
+
+def page_of(verdict: Verdict, plain: Mapping[str, Any]) -> bytes:
+    """The page alone, UTF-8."""
+    maps = {one["name"]: _maps(verdict, one["name"]) for one in plain["passes"]}
+    return _page(plain, maps)
+
+
+def cell_of(verdict: Verdict, plain: Mapping[str, Any]) -> str:
+    """The verdict in short, for a cell of a notebook: HTML with a table and pictures.
+
+    A line for each pass that was asked; of the first wrong one, where it is wrong.
+    """
+    first = plain["first_wrong_pass"]
+    of_frames = [a for a in answers_of(verdict, first) if a.probe.case.width]
+    worst = worst_answer(of_frames)
+    maps = [] if worst is None else error_maps(worst)
+    values = {"verdict": plain, "maps": maps, "pictures": _encoded(maps)}
+    return render_page(PACKAGE, "cell.html", values).decode()
 
 
 def _maps(verdict: Verdict, pass_name: str) -> list[ErrorMap]:
@@ -41,12 +62,9 @@ def _maps(verdict: Verdict, pass_name: str) -> list[ErrorMap]:
 
 
 def _page(plain: Mapping[str, Any], maps: Mapping[str, list[ErrorMap]]) -> bytes:
-    pictures = {
-        name: [encode_png(error.pixels()) for error in each]
-        for name, each in maps.items()
-    }
+    pictures = {name: _encoded(each) for name, each in maps.items()}
     return render_page(
-        "restir_gi.reference.reports.verdict",
+        PACKAGE,
         "verdict.html",
         {"verdict": plain, "maps": maps, "pictures": pictures},
         {
@@ -55,3 +73,7 @@ def _page(plain: Mapping[str, Any], maps: Mapping[str, list[ErrorMap]]) -> bytes
             "was_asked": lambda steps: [step for step in steps if was_asked(step)],
         },
     )
+
+
+def _encoded(maps: Sequence[ErrorMap]) -> list[bytes]:
+    return [encode_png(error.pixels()) for error in maps]
