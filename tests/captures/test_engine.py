@@ -132,3 +132,16 @@ def test_a_decoder_may_round(tmp_path):
     capture = Capture.read(tmp_path)
     normals = capture.frames[0]["temporal"]["normal"]
     assert np.abs(normals - normals.astype(np.float32)).max() > 0
+
+
+def test_bits_that_are_missing_are_asked_for(tmp_path):
+    # The rays that its sources trace are known to nobody then.
+    dump(Engine(32), tmp_path, 3)
+    manifest = tmp_path / "capture.toml"
+    text = manifest.read_text("utf-8")
+    start = text.index("[buffers.visible_spatial]")
+    end = text.index("[buffers.", start + 1)
+    manifest.write_text(text[:start] + text[end:], "utf-8")
+    verdict = verdict_on_folder(tmp_path, DECLARED)
+    assert verdict.status == "FAIL"
+    assert "dump visible_spatial" in said(verdict)

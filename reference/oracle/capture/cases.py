@@ -75,6 +75,9 @@ class RecordedFrames:
     storage : str; how reservoirs are stored, by its name in `STORAGES`, or "exact"
     shading_sees : bool
         The shading asks what the pixel sees, also where no bits of it were dumped.
+    blind : frozenset of int
+        Viewers, 0 for the pixel, who see nothing but their own sample where neither
+        bits nor a scene tell what they see.
     """
 
     width: int
@@ -84,6 +87,7 @@ class RecordedFrames:
     world: World | None = None
     storage: str = "exact"
     shading_sees: bool = False
+    blind: frozenset[int] = frozenset()
 
     @property
     def rows(self) -> int:
@@ -523,7 +527,10 @@ def _visible(
     if recorded.world is not None:
         x = [_points(one, "visible_") for one in viewers]
         return traced(recorded.world, x, [_points(one) for one in samples])
-    return np.full((recorded.rows, len(viewers)), 0xFFFFFFFF, np.uint32), everywhere
+    own = 1 << np.arange(len(viewers), dtype=np.uint32)
+    blind = np.isin(np.arange(len(viewers)), list(recorded.blind))
+    words = np.where(blind, own, np.uint32(0xFFFFFFFF))
+    return np.tile(words, (recorded.rows, 1)), everywhere
 
 
 def _points(read: Read, prefix: str = "") -> PlacedPoints:

@@ -7,6 +7,7 @@ in memory: reservoirs of another pass, or of another frame.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -109,9 +110,22 @@ def _right(recorded: RecordedFrames, name: str, rules: Rules) -> dict[int, Masks
     return found
 
 
+BITS = {
+    "moved": "visible_temporal",
+    "spatial": "visible_spatial",
+    "fused": "visible_fused",
+}
+"""Roles that tell what a pass knows of visibility."""
+
+
 def _misread(name: str, recorded: RecordedFrames) -> Iterator[MisreadBuffers]:
     """What may have been read in place of what should have been."""
     reads = recorded.reads
+    bits = BITS.get(name)
+    if bits and recorded.world is None and bits not in recorded.frames[-1]:
+        words = f"all was taken to be visible, and some is not: dump {bits}, or"
+        blind = [replace(recorded, blind=who) for who in _who_is_blind(name, recorded)]
+        yield MisreadBuffers(f"{words} name the scene", tuple(blind), mixed=True)
     if name == "moved":
         for role, age in (("spatial", 1), ("temporal", 1), ("spatial", 2)):
             if (role, age) != reads.past:
@@ -137,15 +151,30 @@ def _misread(name: str, recorded: RecordedFrames) -> Iterator[MisreadBuffers]:
             yield MisreadBuffers(words, (_reading(recorded, around=(role, age)),))
         written = [
             _reading(recorded, around=("spatial", 0), alone=k)
-            for k in (None, *range(_count(recorded)))
+            for k in (None, *range(_count(recorded, "neighbors")))
         ]
         words = "neighbours are read while they are written: some are already what this"
         yield MisreadBuffers(f"{words} pass has left", tuple(written), mixed=True)
 
 
-def _count(recorded: RecordedFrames) -> int:
-    """Neighbours of a pixel."""
-    return int(recorded.frames[0]["neighbors"]["neighbors"].shape[1])
+FEW = 4
+"""Viewers of whom all subsets are tried; of more, one by one and all but the pixel."""
+
+
+def _who_is_blind(name: str, recorded: RecordedFrames) -> list[frozenset[int]]:
+    """Sets of viewers, 0 for the pixel, who may not see what others have found."""
+    roles = {"spatial": "neighbors", "fused": "sources"}
+    others = range(1, 2 if name == "moved" else 1 + _count(recorded, roles[name]))
+    viewers = [0, *others]
+    if len(viewers) > FEW:
+        return [frozenset([k]) for k in viewers] + [frozenset(others)]
+    sizes = range(1, len(viewers) + 1)
+    return [frozenset(who) for k in sizes for who in combinations(viewers, k)]
+
+
+def _count(recorded: RecordedFrames, role: str) -> int:
+    """Others of whom a pixel reads."""
+    return int(recorded.frames[-1][role][role].shape[1])
 
 
 def _ago(age: int) -> str:
