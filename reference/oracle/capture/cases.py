@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars
 from restir_gi.reference.oracle.buffers import given
-from restir_gi.reference.oracle.capture.frames import CapturedFrame
+from restir_gi.reference.oracle.capture.frames import CapturedBuffers, CapturedFrame
 from restir_gi.reference.oracle.capture.record import Capture
 from restir_gi.reference.oracle.capture.visibility import PlacedPoints, traced
 from restir_gi.reference.oracle.cases import Buffers, Case, source_rows
@@ -75,6 +75,9 @@ class RecordedFrames:
     storage : str; how reservoirs are stored, by its name in `STORAGES`, or "exact"
     shading_sees : bool
         The shading asks what the pixel sees, also where no bits of it were dumped.
+    boiling : bool
+        A filter empties reservoirs after temporal or fused reuse.  Which sample an
+        emptied one had is not known: such rows are not looked at.
     blind : frozenset of int
         Viewers, 0 for the pixel, who see nothing but their own sample where neither
         bits nor a scene tell what they see.
@@ -87,6 +90,7 @@ class RecordedFrames:
     world: World | None = None
     storage: str = "exact"
     shading_sees: bool = False
+    boiling: bool = False
     blind: frozenset[int] = frozenset()
 
     @property
@@ -452,12 +456,35 @@ def _answered(
             decoded=dict(errors),
         )
     )
+    asked = whole_contract()[pass_name].outputs
+    columns = _needed(recorded, place, role, [f.name for f in asked]).columns
+    if recorded.boiling and role in FILTERED:
+        sure = sure & ~_is_empty(columns)
     if not sure.all():
         beyond = ~sure if case.beyond is None else case.beyond | ~sure
         case = replace(case, beyond=beyond)
-    asked = whole_contract()[pass_name].outputs
-    columns = _needed(recorded, place, role, [f.name for f in asked]).columns
     return Answered(frame.number, case, given(columns, "float32"))
+
+
+FILTERED = ("temporal", "fused")
+"""Roles whose reservoirs a boiling filter empties."""
+
+
+def _is_empty(reservoirs: Buffer | CapturedBuffers) -> Masks:
+    """Which reservoirs hold nothing at all, not even the pixel's own null."""
+    empty: Masks = (reservoirs["W"] == 0) & (reservoirs["M"] == 0)
+    return empty
+
+
+def emptied(recorded: RecordedFrames) -> tuple[int, int]:
+    """Reservoirs of surfaces that a filter has emptied, and how many there are."""
+    count = rows = 0
+    for frame in recorded.frames:
+        seen = np.any(frame["gbuffer"]["visible_normal"], axis=1)
+        for role in (role for role in FILTERED if role in frame):
+            count += int((_is_empty(frame[role]) & seen).sum())
+            rows += int(seen.sum())
+    return count, rows
 
 
 def _numbers(inputs: Buffer) -> tuple[Buffer, Masks]:

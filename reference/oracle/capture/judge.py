@@ -9,15 +9,18 @@ from restir_gi.reference.oracle.capture.cases import (
     Answered,
     RecordedFrames,
     captured_cases,
+    emptied,
 )
 from restir_gi.reference.oracle.capture.choices import choice_findings
 from restir_gi.reference.oracle.capture.sources import told_sources
 from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.oracle.contract.fields import Passes, Precision
+from restir_gi.reference.oracle.declaration.choices import BOILING
 from restir_gi.reference.oracle.declaration.declared import (
     NOTHING_DECLARED,
     Declaration,
 )
+from restir_gi.reference.oracle.declaration.followed import BiasByDesign
 from restir_gi.reference.oracle.diagnosis.alternatives import ALTERNATIVES
 from restir_gi.reference.oracle.diagnosis.hypothesis import combined
 from restir_gi.reference.oracle.levels.probe import Finding, Probe, examined
@@ -51,6 +54,8 @@ def judge_captured(
     """
     passes, clock = whole_contract(), time.monotonic
     declaration = _with_storage(declaration, recorded.storage)
+    boiling = any(h.name == BOILING.name for h in declaration.hypotheses)
+    recorded = replace(recorded, boiling=boiling)
     answered = list(captured_cases(recorded))
     levels = _levels(passes, answered, declaration)
     verdict = run_ladder(
@@ -69,10 +74,30 @@ def judge_captured(
         )
     ]
     step = LevelStep("L4", "choices", findings=findings)
+    verdict = _with_filter(verdict, recorded)
     steps = [*verdict.steps, Timed(step, clock() - began)]
     wrong = any(not finding.passed for finding in findings)
     status = "FAIL" if wrong else verdict.status
     return replace(verdict, steps=steps, status=status)
+
+
+def _with_filter(verdict: Verdict, recorded: RecordedFrames) -> Verdict:
+    """The verdict, with the bias of a filter that empties reservoirs."""
+    count, rows = emptied(recorded)
+    if not recorded.boiling or not count:
+        return verdict
+    accepted = verdict.declaration.accepts(BOILING.name)
+    told = f"emptied {count:,} of {rows:,} reservoirs, which are not looked at"
+    biases = [
+        BiasByDesign(name, (BOILING.name,), None, accepted)
+        for name in ("moved", "fused")
+        if name in verdict.judged
+    ]
+    steps = [*verdict.steps, Timed(LevelStep("L3", BOILING.name, more=told), 0.0)]
+    status = "FAIL" if biases and not accepted else verdict.status
+    return replace(
+        verdict, steps=steps, biases=[*verdict.biases, *biases], status=status
+    )
 
 
 def _with_storage(declaration: Declaration, storage: str) -> Declaration:

@@ -234,10 +234,11 @@ def _count(rows: int, of: int) -> str:
 
 
 def _names(judged: list[_Judged]) -> list[str]:
-    """What is compared; what was copied with the kept sample is wrong where that is."""
+    """What is compared in all; what was copied with a kept sample is wrong with that."""
+    every = [{c.name for c in j.judgement.compared} for j in judged]
     names = [c.name for c in judged[0].judgement.compared]
     copied = COPIED if judged[0].stream is not None else ()
-    return [name for name in names if name not in copied]
+    return [n for n in names if n not in copied and all(n in one for one in every)]
 
 
 def _numbers(judged: list[_Judged], name: str, precision: Precision) -> Numbers:
