@@ -26,6 +26,18 @@ class Dump:
     optional: bool = False
 
 
+CAPS = """\
+# Say what limits M, where something does, and how visible points scatter.
+[passes.temporal]
+# cap = 20
+# surface = "ggx"
+
+[passes.spatial]
+# cap = 500
+# surface = "ggx"
+"""
+
+
 @dataclass(frozen=True, slots=True)
 class Family:
     """Renderers of one layout.
@@ -35,11 +47,13 @@ class Family:
     title : str; whose layout it is
     dumps : tuple of Dump; in the order of a frame
     declaration : str; keys of a declaration that is typical, as TOML has them
+    passes : str; of the manifest, likewise
     """
 
     title: str
     dumps: tuple[Dump, ...]
     declaration: str
+    passes: str = CAPS
 
 
 POSITION = Dump(
@@ -348,15 +362,29 @@ layout = "rtxdi"
 generator = "own"         # its own random numbers
 order = "own-first"       # the pixel's own sample, then the history, then neighbours
 cap = "on arrival"        # M of the history is limited when it is read
-mis = "balance"           # ray traced bias correction; off: "1/M"
+mis = "balance"           # biasCorrectionMode; where that is off: "1/M"
+mis_jacobian = false      # the weights compare densities each in its own measure
 visibility = "shading"    # a ray in the final shading, none in the weights
 M.whole = true            # M is stored in 8 bits
 M.most = 255
+boiling = true            # enableBoilingFilter
 max_age = [15, 30]        # the sample application draws a limit; the library has 30
 
 [choices.jacobian]
 refused = [0.1, 10]       # as the sample application validates it
 clamped = ["1/3", 3]
+""",
+        """\
+[passes.temporal]
+cap = 8  # maxHistoryLength
+# surface = "ggx"  # where RAB_GetGISampleTargetPdfForSurface has a lobe
+
+[passes.spatial]
+# surface = "ggx"
+
+# The fused pass, in place of both: dump `fused` and `sources`.
+# [passes.fused]
+# cap = 8
 """,
     ),
     "restir_pt": Family(
@@ -402,6 +430,13 @@ generator = "own"         # its own random numbers
 storage = "packed"        # radiance in halves, normals in two 16-bit numbers
 M.whole = true            # M is stored in 16 bits
 M.most = 65535
+""",
+        """\
+[passes.temporal]
+cap = 30
+
+[passes.spatial]
+cap = 500
 """,
     ),
     "fields": Family(

@@ -37,7 +37,8 @@ declaration = "declaration.toml"
 #     [0, 0, 1, 0],
 #     [0, 0, 0, 1],
 # ]
-"""
+
+{passes}"""
 
 DECLARATION_TEXT = """\
 # What the renderer does that others do otherwise.  This is typical of {title}: take out
@@ -131,6 +132,7 @@ def template(layout: str, width: int, height: int, frames: tuple[int, ...]) -> T
         width=width,
         height=height,
         frames=list(frames),
+        passes=family.passes,
     )
     whole = head + "".join(_table(dump, optional=False) for dump in family.dumps)
     manifest = manifest_of(tomllib.loads(whole), NAME, of_files=True)

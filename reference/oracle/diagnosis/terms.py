@@ -234,7 +234,7 @@ def _count(rows: int, of: int) -> str:
 
 
 def _names(judged: list[_Judged]) -> list[str]:
-    """What is compared in all; what was copied with a kept sample is wrong with that."""
+    """What all compare; what was copied with a kept sample is wrong with that."""
     every = [{c.name for c in j.judgement.compared} for j in judged]
     names = [c.name for c in judged[0].judgement.compared]
     copied = COPIED if judged[0].stream is not None else ()
