@@ -177,7 +177,7 @@ def _files(buffers, size):
     if "alpha" in buffers["gbuffer"]:
         found["alpha"] = buffers["gbuffer"]["alpha"]
     for name in buffers.keys() & {"initial", "temporal", "spatial", "fused"}:
-        found[name] = _blocks(buffers[name], size)
+        found[name] = in_blocks(buffers[name], size)
     for name in buffers.keys() & {"history", "neighbors", "sources"}:
         found[name] = buffers[name].astype(np.int32)
     for name in (name for name in buffers if name.startswith("visible_")):
@@ -190,7 +190,7 @@ def _texture(vectors):
     return np.column_stack([vectors, np.zeros(len(vectors))]).astype(F)
 
 
-def _blocks(reservoirs, size):
+def in_blocks(reservoirs, size):
     """Pixels in blocks of 16 × 16, as RTXDI stores them."""
     across = -(-size // BLOCK)
     y, x = np.divmod(np.arange(size * size), size)

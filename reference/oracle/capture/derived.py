@@ -42,6 +42,13 @@ UNSEEN = "say by `none` which depth is that of nothing seen, or give another mat
 SMALL = "numbers should not be so small"
 
 
+def nothing_seen(columns: Mapping[str, Column]) -> Masks:
+    """Pixels whose depth is that of no surface, (N,) bool; none where no depth is."""
+    depth = columns["depth"]
+    found: Masks = depth.stored[:, 0] == depth.fields[0].none
+    return found
+
+
 def derive(
     role: str,
     columns: Mapping[str, Column],
@@ -66,7 +73,7 @@ def derive(
         points, along = positions(
             depth=arrays["depth"],
             given=field.given,
-            nothing=columns["depth"].stored[:, 0] == field.none,
+            nothing=nothing_seen(columns),
             camera=camera,
             size=size,
         )

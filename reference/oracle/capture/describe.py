@@ -169,8 +169,9 @@ CONVERSIONS = """\
 | `pdf` of role `initial` | `W` | 1 / W, 0 where W is 0 |
 
 A depth is *given* along the camera's axis (`view`), along the ray (`distance`), or as a
-depth buffer has it (`device`). `none` is the depth of pixels that see nothing: 0, or
-the far end of a depth buffer; there depth and position become 0.
+depth buffer has it (`device`). `none` is the depth of pixels that see nothing, whatever
+stands in their normals: 0, or the far end of a depth buffer; there depth, position and
+normal become 0.
 
 Pixels of the history and neighbours are *given* as row numbers (`rows`), as x, y
 (`pixels`), or as x, y from the pixel's centre (`offsets`), such as motion vectors: with

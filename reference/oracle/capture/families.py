@@ -365,6 +365,9 @@ cap = "on arrival"        # M of the history is limited when it is read
 mis = "balance"           # biasCorrectionMode; where that is off: "1/M"
 mis_jacobian = false      # the weights compare densities each in its own measure
 visibility = "shading"    # a ray in the final shading, none in the weights
+# Mode "basic" takes sources to see what they are asked about, which is biased; for
+# "ray traced" take this out, and dump what the rays found, or name the scene.
+visibility_in_domain = false
 M.whole = true            # M is stored in 8 bits
 M.most = 255
 boiling = true            # enableBoilingFilter

@@ -17,7 +17,7 @@ from restir_gi.reference.oracle.capture.columns import (
     refuse_what_is_not_finite,
 )
 from restir_gi.reference.oracle.capture.conversions import as_bits, as_reals, as_rows
-from restir_gi.reference.oracle.capture.derived import Derived, derive
+from restir_gi.reference.oracle.capture.derived import Derived, derive, nothing_seen
 from restir_gi.reference.oracle.capture.description import Buffer, Manifest
 from restir_gi.reference.oracle.capture.faults import CaptureError
 from restir_gi.reference.oracle.capture.frames import CapturedBuffers, CapturedFrame
@@ -111,6 +111,10 @@ class _FrameReader:
                 arrays[name] = self._converted(f"{name} of {role}", column)
             except ValueError as error:
                 self.faults.append(f"{name} of {role} {error}")
+        if {"depth", "visible_normal"} <= arrays.keys():
+            # Whatever bits stand there, they are no normal.
+            seen = ~nothing_seen(columns)
+            arrays["visible_normal"] = arrays["visible_normal"] * seen[:, None]
         formats = {name: column.kind for name, column in columns.items()}
         derived: dict[str, str] = {}
         # What follows from wrong numbers need not be told.

@@ -50,8 +50,8 @@ name = "{title}"
 {choices}"""
 
 ACCEPT_TEXT = """
-# These choices are biased by design.  The verdict says so and is FAIL, until they are
-# accepted:
+# These choices are biased by design.  The verdict says so, and is FAIL until this line
+# is taken in, which accepts them:
 # accept = {names}
 """
 
