@@ -159,7 +159,7 @@ def test_what_does_not_run_here_has_a_reason_and_every_reason_is_needed():
 
 
 def test_commands_of_our_own_on_other_pages_run_in_other_tests():
-    """The demo by test_cli.py; backends that need a compiler or a device by theirs."""
+    """The demo by test_cli.py; foreign backends and frames by their own tests."""
     left = {c.text for c in documented() if c.asked and c.page not in RUN}
     assert left == {
         ".venv/bin/restir demo --out out",
@@ -168,6 +168,8 @@ def test_commands_of_our_own_on_other_pages_run_in_other_tests():
         " --out report",
         "restir check docs/examples/wgsl/backend.py",
         "restir check docs/examples/wgsl/backend.py --out report",
+        "restir capture-template --layout rtxdi --size 640x360 --out capture",
+        "restir check capture --out report",
     }
 
 
