@@ -1,4 +1,4 @@
-"""``restir scenes``: list the built-in scenes, or write them as files."""
+"""``restir scenes``: the built-in scenes and what each requires; or export them."""
 
 import argparse
 from functools import partial

@@ -16,7 +16,6 @@ class Form:
 
     Attributes
     ----------
-    name : str; for messages
     unsaid : callable; what it cannot say of a scene, a clause each
     files : callable; contents by name, the file to open last
     """

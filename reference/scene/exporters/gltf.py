@@ -19,7 +19,6 @@ from restir_gi.reference.scene.lights import DirectionalLight, PointLight
 from restir_gi.reference.scene.materials.kinds import (
     Coated,
     Conductor,
-    Dielectric,
     Lambertian,
     Material,
 )
@@ -38,7 +37,7 @@ Json = dict[str, Any]
 def gltf_unsaid(scene: Scene) -> Iterator[str]:
     """What glTF cannot say of a scene, a clause each; nothing if it can say it all."""
     yield from unsaid_in_both(scene)
-    shines = any(map(emits, (*scene.meshes, *scene.spheres)))
+    shines = any(map(emits, scene.meshes)) or any(map(emits, scene.spheres))
     if scene.environment is not None:
         yield "glTF has no environment"
     elif not (scene.lamps or scene.suns or shines):
@@ -79,8 +78,10 @@ def gltf_files(scene: Scene) -> dict[str, bytes]:
     for mesh in scene.meshes:
         writer.mesh(mesh)
     writer.camera(scene.camera)
-    for light in (*scene.points, *scene.suns):
-        writer.light(light)
+    for point in scene.points:
+        writer.light(point)
+    for sun in scene.suns:
+        writer.light(sun)
     return writer.files(scene.name)
 
 

@@ -30,7 +30,8 @@ from restir_gi.reference.scene.textures import Checker, Pattern, Texture
 def mitsuba_unsaid(scene: Scene) -> Iterator[str]:
     """What Mitsuba XML cannot say of a scene, a clause each; nothing if it can."""
     yield from unsaid_in_both(scene)
-    for shape in (*scene.meshes, *scene.spheres):
+    shapes: list[Mesh | Sphere] = [*scene.meshes, *scene.spheres]
+    for shape in shapes:
         for clause in _shape_unsaid(shape):
             yield f'"{shape.name}" {clause}'
 
