@@ -9,7 +9,7 @@ from restir_gi.reference.cli.arguments import add_json
 from restir_gi.reference.cli.console import emit, show
 from restir_gi.reference.cli.targets import new_folder
 from restir_gi.reference.cli.values import MOST_SAMPLES, whole
-from restir_gi.reference.scene.catalogue.registry import CATALOGUE
+from restir_gi.reference.scene.catalogue.registry import CATALOGUE, find_scene
 from restir_gi.reference.scene.exporters.export import built_in_scene, exported
 from restir_gi.reference.scene.requirements import requirements
 from restir_gi.reference.system.errors import UsageError
@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "scenes",
         metavar="NAME",
         nargs="*",
-        help="with --export: built-in scenes to write (default: all)",
+        help="built-in scenes (default: all)",
     )
     parser.add_argument(
         "--export",
@@ -46,20 +46,18 @@ def run(arguments: argparse.Namespace) -> None:
     Raises UsageError: no such scene, one that is named and cannot be said in any form,
     or a file cannot be written.
     """
-    if arguments.export is not None:
-        _export(arguments)
-        return
-    given = arguments.scenes[:1] or ["--frame"] * (arguments.frame is not None)
-    if given:
-        raise UsageError(
-            f"{given[0]} goes with --export DIR, which writes scenes as files; restir"
-            " scenes alone lists them all"
-        )
-    _list(arguments)
-
-
-def _export(arguments: argparse.Namespace) -> None:
     names = list(dict.fromkeys(arguments.scenes)) or list(CATALOGUE)
+    if arguments.export is not None:
+        _export(arguments, names)
+    elif arguments.frame is not None:
+        raise UsageError(
+            "--frame says what --export DIR is to write; the list is of all frames"
+        )
+    else:
+        _list(arguments, names)
+
+
+def _export(arguments: argparse.Namespace, names: list[str]) -> None:
     frame = arguments.frame or 0
     written = [exported(built_in_scene(name, frame)) for name in names]
     for one in written:
@@ -91,8 +89,8 @@ def _export(arguments: argparse.Namespace) -> None:
             show(line)
 
 
-def _list(arguments: argparse.Namespace) -> None:
-    found = {name: requirements(entry.build()) for name, entry in CATALOGUE.items()}
+def _list(arguments: argparse.Namespace, names: list[str]) -> None:
+    found = {name: requirements(find_scene(name)) for name in names}
     if arguments.json:
         scenes = [
             {

@@ -12,6 +12,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
+import trimesh
 from numpy.testing import assert_allclose, assert_array_equal
 
 from restir_gi.reference.cli.main import main
@@ -385,13 +386,27 @@ def test_names_come_back_whatever_they_are(tmp_path):
 # ---------------------------------------------------------------- glTF itself
 
 
+@pytest.mark.parametrize("name", [n for n, form in CARRIED if form == "glTF"])
+def test_another_reader_has_the_same_triangles(name, tmp_path):
+    scene = built_in_scene(name, 0)
+    written(scene, tmp_path)
+    read = trimesh.load_scene(tmp_path / f"{name}.gltf", process=False)
+    assert len(read.geometry) == len(scene.meshes)
+    for mesh in scene.meshes:
+        matrix, key = read.graph.get(mesh.name)
+        assert_array_equal(matrix, np.eye(4))
+        other = read.geometry[key]
+        corners = other.vertices[other.faces]
+        assert_allclose(corners, world_corners(mesh), rtol=HALF_STEP, atol=1e-15)
+
+
 def test_a_glTF_file_says_what_validators_ask_for(tmp_path):
     scene = built_in_scene("sunlight-turns", 0)
     written(scene, tmp_path)
     tree = json.loads((tmp_path / "sunlight-turns.gltf").read_text())
     size = (tmp_path / "sunlight-turns.bin").stat().st_size
     assert tree["buffers"] == [{"uri": "sunlight-turns.bin", "byteLength": size}]
-    used = {name for m in tree["materials"] for name in m["extensions"]}
+    used = {name for m in tree["materials"] for name in m.get("extensions", ())}
     assert set(tree["extensionsUsed"]) == used | {"KHR_lights_punctual"}
     for mesh in tree["meshes"]:
         (primitive,) = mesh["primitives"]
@@ -456,8 +471,8 @@ def test_the_command_writes_the_frame_that_is_asked_for(tmp_path):
         (("--export",), "expected one argument"),
         (("--export", ""), "--export is empty"),
         (("--export", "DIR", "--frame", "-1"), "--frame"),
-        (("cornell-box",), "cornell-box goes with --export DIR"),
-        (("--frame", "3"), "--frame goes with --export DIR"),
+        (("cornel-box",), "did you mean cornell-box?"),
+        (("--frame", "3"), "--frame says what --export DIR is to write"),
     ],
 )
 def test_a_wrong_request_is_one_line_and_writes_nothing(words, told, tmp_path, capsys):
@@ -469,6 +484,12 @@ def test_a_wrong_request_is_one_line_and_writes_nothing(words, told, tmp_path, c
     assert told in err
     assert len(err.splitlines()) == 1
     assert not (tmp_path / "dir").exists()
+
+
+def test_names_without_a_folder_list_these_scenes(capsys):
+    assert run("--json", "shaft", "checker", "shaft") == 0
+    listed = json.loads(capsys.readouterr().out)["scenes"]
+    assert [scene["name"] for scene in listed] == ["shaft", "checker"]
 
 
 def test_what_is_in_the_way_is_told_and_stays(tmp_path, capsys):

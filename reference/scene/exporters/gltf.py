@@ -146,15 +146,18 @@ class _Writer:
         """Number of a material; meshes that look the same share one."""
         # Who emits from one side says so by being single-sided.
         both = mesh.two_sided_emission or not emits(mesh)
-        entry: Json = {"doubleSided": both, **_scattering(mesh.material, size)}
+        pbr, extensions = _scattering(mesh.material, size)
+        entry: Json = {"doubleSided": both, "pbrMetallicRoughness": pbr}
         if emits(mesh):
             assert not isinstance(mesh.emission, Pattern)
             factor, strength = _parted(mesh.emission)
             entry["emissiveFactor"] = factor
             if strength != 1:
                 name = "KHR_materials_emissive_strength"
-                entry["extensions"][name] = {"emissiveStrength": strength}
-        self.extensions.update(entry["extensions"])
+                extensions[name] = {"emissiveStrength": strength}
+        if extensions:
+            entry["extensions"] = extensions
+        self.extensions.update(extensions)
         key = json.dumps(entry, sort_keys=True)
         if key not in self.materials:
             self.materials[key] = self.add("materials", {"name": mesh.name, **entry})
@@ -205,7 +208,7 @@ class _Writer:
         return {f"{name}.bin": bytes(self.data), f"{name}.gltf": text.encode()}
 
 
-def _scattering(material: Material, size: Scalars) -> Json:
+def _scattering(material: Material, size: Scalars) -> tuple[Json, Json]:
     extensions: Json = {}
     reflectance: Any = WHITE
     metallic, alpha = 0.0, 1.0
@@ -229,7 +232,7 @@ def _scattering(material: Material, size: Scalars) -> Json:
         "metallicFactor": metallic,
         "roughnessFactor": alpha**0.5,
     }
-    return {"pbrMetallicRoughness": pbr, "extensions": extensions}
+    return pbr, extensions
 
 
 def _parted(color: Color) -> tuple[list[float], float]:
