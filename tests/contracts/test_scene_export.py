@@ -16,6 +16,7 @@ import trimesh
 from numpy.testing import assert_allclose, assert_array_equal
 
 from restir_gi.reference.cli.main import main
+from restir_gi.reference.numerics.arrays import normalize
 from restir_gi.reference.scene.camera import camera_rays, pixel_centers
 from restir_gi.reference.scene.catalogue.registry import CATALOGUE
 from restir_gi.reference.scene.exporters.export import (
@@ -109,6 +110,8 @@ def assert_same_mesh(mesh, other):
         assert (table is None) == (read is None), name
         if table is not None:
             at = table[mesh.faces]
+            if name == "normals":
+                at = normalize(at @ np.linalg.inv(mesh.pose[:3, :3]))
             # Normals are normalized again; glTF's v is subtracted from 1, twice.
             assert_allclose(read[other.faces], at, rtol=0, atol=4 * HALF_STEP)
 
@@ -280,6 +283,9 @@ SQUARES = Checker(PAINT, (0.1, 0.1, 0.1), (3, 2))
 BALL = {"name": "ball", "center": (0.1, 0.2, 0.3), "radius": 0.25}
 SPOT = SpotLight((0.0, 1.5, 0.0), (0.0, -1.0, 0.0), PAINT, cutoff=30.0, beam=20.0)
 TILTED = np.array([[0.1, 1.0, 0.0]] * 4) / np.hypot(0.1, 1.0)
+STRETCHED = np.diag([1.0, 3.0, 0.5, 1.0])
+STRETCHED[:3, 3] = 0.2, 0.1, -0.3
+MIRRORED = np.diag([-1.0, 1.0, 1.0, 1.0])
 BOTH, MITSUBA, GLTF, NONE = ("glTF", "Mitsuba XML"), ("Mitsuba XML",), ("glTF",), ()
 
 OTHERS = {
@@ -331,6 +337,10 @@ OTHERS = {
     "vertex colours": (with_floor(colors=np.full((4, 3), 0.5)), NONE),
     "a mask": (with_floor(opacity=PICTURE), NONE),
     "smooth shading": (with_floor(normals=TILTED), BOTH),
+    "smooth shading of the back": (with_floor(normals=-TILTED), NONE),
+    "a stretched pose": (with_floor(normals=TILTED, pose=STRETCHED), BOTH),
+    "a mirrored pose": (with_floor(pose=MIRRORED, emission=PAINT), BOTH),
+    "a mirrored pose of normals": (with_floor(normals=TILTED, pose=MIRRORED), NONE),
     "no texture coordinates": (with_floor(uv=None), BOTH),
     "a wide picture": (with_camera(width=320, height=200), BOTH),
     "an angle along the diagonal": (
@@ -400,14 +410,16 @@ def test_another_reader_has_the_same_triangles(name, tmp_path):
         assert_allclose(corners, world_corners(mesh), rtol=HALF_STEP, atol=1e-15)
 
 
-def test_a_glTF_file_says_what_validators_ask_for(tmp_path):
-    scene = built_in_scene("sunlight-turns", 0)
+@pytest.mark.parametrize("name", ["cornell-box", "sunlight-turns", "specular-floor"])
+def test_a_glTF_file_says_what_validators_ask_for(name, tmp_path):
+    scene = built_in_scene(name, 0)
     written(scene, tmp_path)
-    tree = json.loads((tmp_path / "sunlight-turns.gltf").read_text())
-    size = (tmp_path / "sunlight-turns.bin").stat().st_size
-    assert tree["buffers"] == [{"uri": "sunlight-turns.bin", "byteLength": size}]
-    used = {name for m in tree["materials"] for name in m.get("extensions", ())}
-    assert set(tree["extensionsUsed"]) == used | {"KHR_lights_punctual"}
+    tree = json.loads((tmp_path / f"{name}.gltf").read_text())
+    size = (tmp_path / f"{name}.bin").stat().st_size
+    assert tree["buffers"] == [{"uri": f"{name}.bin", "byteLength": size}]
+    elements = [*tree["materials"], *tree["nodes"]]
+    used = {word for element in elements for word in element.get("extensions", ())}
+    assert set(tree["extensionsUsed"]) == used
     for mesh in tree["meshes"]:
         (primitive,) = mesh["primitives"]
         entry = tree["accessors"][primitive["attributes"]["POSITION"]]
@@ -415,10 +427,31 @@ def test_a_glTF_file_says_what_validators_ask_for(tmp_path):
     for view in tree["bufferViews"]:
         assert view["byteOffset"] % 4 == 0
         assert view["byteOffset"] + view["byteLength"] <= size
+    lights = tree.get("extensions", {}).get("KHR_lights_punctual", {})
+    factors = [light["color"] for light in lights.get("lights", ())]
     for material in tree["materials"]:
-        factors = material["pbrMetallicRoughness"]["baseColorFactor"]
-        factors += material.get("emissiveFactor", [])
-        assert all(0 <= factor <= 1 for factor in factors)
+        factors.append(material["pbrMetallicRoughness"]["baseColorFactor"])
+        factors.append(material.get("emissiveFactor", []))
+    assert all(0 <= factor <= 1 for color in factors for factor in color)
+
+
+# ---------------------------------------------------------------- Mitsuba itself
+
+
+@pytest.mark.parametrize(
+    ("name", "plugin"),
+    [
+        ("glossy-floor", "roughplastic"),
+        ("specular-floor", "plastic"),
+        ("mirror-floor", "conductor"),
+        ("glass-floor", "dielectric"),
+    ],
+)
+def test_what_is_smooth_is_smooth_to_mitsuba(name, plugin):
+    """Its rough plugins take a width of 0 for a small one."""
+    contents = exported(built_in_scene(name, 0)).files[f"{name}.xml"].decode()
+    assert f'type="{plugin}"' in contents
+    assert contents.count("rough") == plugin.count("rough")
 
 
 # ---------------------------------------------------------------- the command

@@ -13,7 +13,7 @@ import numpy as np
 
 from restir_gi.reference.numerics.arrays import Scalars
 from restir_gi.reference.scene.camera import Camera
-from restir_gi.reference.scene.exporters.triangles import world_triangles
+from restir_gi.reference.scene.exporters.triangles import in_world
 from restir_gi.reference.scene.exporters.unsaid import unsaid_in_both
 from restir_gi.reference.scene.lights import DirectionalLight, PointLight
 from restir_gi.reference.scene.materials.kinds import (
@@ -121,22 +121,22 @@ class _Writer:
         return self.add("accessors", entry | more)
 
     def mesh(self, mesh: Mesh) -> None:
-        triangles = world_triangles(mesh)
-        corners = triangles.vertices
+        mesh = in_world(mesh)
+        corners = mesh.vertices.astype(np.float32)
         low, high = (bound.tolist() for bound in (corners.min(0), corners.max(0)))
         attributes = {
             "POSITION": self.accessor(corners, FLOAT, VERTICES, min=low, max=high)
         }
-        if triangles.normals is not None:
-            attributes["NORMAL"] = self.accessor(triangles.normals, FLOAT, VERTICES)
-        if triangles.uv is not None:
+        if mesh.normals is not None:
+            attributes["NORMAL"] = self.accessor(mesh.normals, FLOAT, VERTICES)
+        if mesh.uv is not None:
             # glTF counts v from the top of a picture, we from its bottom.
-            u, v = triangles.uv.T
+            u, v = mesh.uv.T
             uv = np.stack([u, 1 - v], axis=-1)
             attributes["TEXCOORD_0"] = self.accessor(uv, FLOAT, VERTICES)
         primitive = {
             "attributes": attributes,
-            "indices": self.accessor(triangles.faces.ravel(), UINT, INDICES),
+            "indices": self.accessor(mesh.faces.ravel(), UINT, INDICES),
             "material": self.material(mesh, np.ptp(corners, axis=0)),
         }
         entry = {"name": mesh.name, "primitives": [primitive]}

@@ -9,10 +9,7 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from restir_gi.reference.scene.camera import Camera
-from restir_gi.reference.scene.exporters.triangles import (
-    WorldTriangles,
-    world_triangles,
-)
+from restir_gi.reference.scene.exporters.triangles import in_world
 from restir_gi.reference.scene.exporters.unsaid import unsaid_in_both
 from restir_gi.reference.scene.lights import ConstantEnvironment
 from restir_gi.reference.scene.materials.kinds import (
@@ -66,7 +63,7 @@ def mitsuba_files(scene: Scene) -> dict[str, bytes]:
     _lights(root, scene)
     for number, mesh in enumerate(scene.meshes):
         name = f"{scene.name}/{number:02}-{_plain(mesh.name)}.ply"
-        files[name] = _ply(world_triangles(mesh))
+        files[name] = _ply(in_world(mesh))
         shape = SubElement(root, "shape", type="ply", id=mesh.name)
         _value(shape, "string", "filename", name)
         if mesh.normals is None:
@@ -185,22 +182,22 @@ def _plain(name: str) -> str:
     return re.sub(r"[^A-Za-z0-9]+", "-", name).strip("-")
 
 
-def _ply(triangles: WorldTriangles) -> bytes:
+def _ply(mesh: Mesh) -> bytes:
     """Binary PLY: vertices with what they have, then faces."""
-    columns: list[Any] = [triangles.vertices]
+    columns: list[Any] = [mesh.vertices]
     names = ["x", "y", "z"]
-    if triangles.normals is not None:
-        columns.append(triangles.normals)
+    if mesh.normals is not None:
+        columns.append(mesh.normals)
         names += ["nx", "ny", "nz"]
-    if triangles.uv is not None:
-        columns.append(triangles.uv)
+    if mesh.uv is not None:
+        columns.append(mesh.uv)
         names += ["u", "v"]
     head = ["ply", "format binary_little_endian 1.0"]
-    head.append(f"element vertex {len(triangles.vertices)}")
+    head.append(f"element vertex {len(mesh.vertices)}")
     head += [f"property float {name}" for name in names]
-    head.append(f"element face {len(triangles.faces)}")
+    head.append(f"element face {len(mesh.faces)}")
     head += ["property list uchar int vertex_indices", "end_header", ""]
-    faces = np.empty(len(triangles.faces), [("count", "u1"), ("corners", "<i4", 3)])
-    faces["count"], faces["corners"] = 3, triangles.faces
+    faces = np.empty(len(mesh.faces), [("count", "u1"), ("corners", "<i4", 3)])
+    faces["count"], faces["corners"] = 3, mesh.faces
     vertices = np.concatenate(columns, axis=1).astype("<f4")
     return "\n".join(head).encode() + vertices.tobytes() + faces.tobytes()

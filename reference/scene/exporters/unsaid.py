@@ -2,6 +2,10 @@
 
 from collections.abc import Iterator
 
+from restir_gi.reference.scene.exporters.triangles import (
+    faces_against_normals,
+    in_world,
+)
 from restir_gi.reference.scene.lights import LatLongEnvironment
 from restir_gi.reference.scene.materials.kinds import Dielectric
 from restir_gi.reference.scene.scene import Scene
@@ -25,6 +29,8 @@ def unsaid_in_both(scene: Scene) -> Iterator[str]:
             yield f"{where} has vertex colours, which are not exported"
         if mesh.opacity is not None:
             yield f"{where} has a mask, which is not exported"
+        if faces_against_normals(in_world(mesh)):
+            yield f"{where} has vertex normals on the back of a face, which files turn"
         yield from _pictures(mesh, where)
     for sphere in scene.spheres:
         yield from _pictures(sphere, f'"{sphere.name}"')
