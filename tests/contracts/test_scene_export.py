@@ -41,6 +41,7 @@ from restir_gi.reference.scene.shapes import Sphere, emits
 from restir_gi.reference.scene.textures import Bitmap, Checker
 from restir_gi.reference.scene.validation import validate
 from tests.analytic.rendering import path_traced, what_is_seen, world_of
+from tests.contracts.documented import ROOT
 
 pytest.importorskip("mitsuba", reason="Mitsuba parses the exported XML")
 
@@ -203,6 +204,19 @@ def test_what_is_refused_is_refused_with_a_reason(name):
         assert REFUSED[name, form] in line
         assert line.startswith(f"{name} cannot be said in {form}: ")
         assert "\n" not in line
+
+
+def test_the_how_to_has_a_row_for_each_scene_that_is_refused():
+    text = (ROOT / "docs/howto/index.md").read_text(encoding="utf-8")
+    rows = [line.split(" | ") for line in text.splitlines() if line.startswith("| `")]
+    cells = {row[0].strip("| `"): row[1:] for row in rows if len(row) == 3}
+    told = {
+        (name, form)
+        for name, (gltf, xml) in cells.items()
+        for form, cell in (("glTF", gltf), ("Mitsuba XML", xml))
+        if name in CATALOGUE and cell.startswith("no: ")
+    }
+    assert told == set(REFUSED)
 
 
 @pytest.mark.parametrize("form", SUFFIX)
