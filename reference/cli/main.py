@@ -35,7 +35,7 @@ BAD_USAGE, FAULT, INTERRUPTED, TERMINATED, BROKEN_PIPE = 2, 70, 130, 143, 141
 TRACEBACK = "RESTIR_TRACEBACK"
 
 COMMANDS = {
-    "scenes": "list the built-in scenes and what each requires.",
+    "scenes": "the built-in scenes and what each requires; or export them.",
     "render": "make a picture with one method.",
     "reference": "accumulate the path-traced truth and its standard error.",
     "compare": "judge a picture against another one, the truth.",

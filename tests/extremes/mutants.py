@@ -48,9 +48,9 @@ USUAL = {
     "X.exr": "x.exr", "A.exr": "../good/ours.exr", "B.exr": "../good/ours.exr",
     "RUN.exr": "../good/restir.exr", "PAGE.html": "p.html", "DIR": "out",
     "SCENE": "../good/scene.json", "M": "path", "BACKEND": "float32",
-    "NAME": "bias",
+    "NAME": "bias", "scenes": "cornell-box",
 }  # fmt: skip
-"""Good values, by what the help calls them; for all others the parser is asked."""
+"""Good values, by what program or help call them; else the parser is asked."""
 
 SMALL = {
     "--size": ("4x4", "8", "16", "8x8"), "--spp": ("1", "2"),
@@ -212,9 +212,13 @@ def _needed(parser: argparse.ArgumentParser) -> list[argparse.Action]:
 def usual(action: argparse.Action) -> str:
     """A good value of an argument, and a small one."""
     flag = action.option_strings[-1] if action.option_strings else ""
-    candidates = (*SMALL.get(flag, ()), USUAL.get(str(action.metavar), "x"))
+    candidates = (*SMALL.get(flag, ()), _named(action))
     candidates += tuple(map(str, action.choices or ()))
     return next((v for v in candidates if not _is_refused(action, v)), candidates[0])
+
+
+def _named(action: argparse.Action) -> str:
+    return USUAL.get(action.dest) or USUAL.get(str(action.metavar), "x")
 
 
 @cache
