@@ -99,6 +99,7 @@ def test_a_limit_may_be_drawn_at_random(tmp_path):
     assert [bias.names for bias in found.biases] == [("forgotten-at-age-1-3",)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ages", [[2, 3], [1, 2], 2])
 def test_control_limits_that_are_not_drawn_fail(tmp_path, ages):
     found = verdict(tmp_path, declared(ages, ["forgotten-at-age"]), Drawn)

@@ -53,6 +53,7 @@ def test_what_is_declared_and_accepted_passes_and_is_told(tmp_path):
     assert not told.startswith("emptied 0 ")
 
 
+@pytest.mark.slow
 def test_what_is_not_accepted_fails_for_that_alone(tmp_path):
     found = verdict(Boiling(32), tmp_path, choices={"boiling": True})
     assert found.status == "FAIL"

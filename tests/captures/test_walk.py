@@ -143,6 +143,7 @@ def test_control_a_wrong_integration_is_named(tmp_path, monkeypatch, capsys):
     assert "temporal reservoirs of the last frame" in text
 
 
+@pytest.mark.slow
 def test_no_surface_is_seen_where_the_depth_says_so(tmp_path, monkeypatch, capsys):
     """Whatever bits of a normal stand there."""
     monkeypatch.chdir(tmp_path)
