@@ -32,6 +32,7 @@ class ShowFile(argparse.Action):
     """An option that shows a file of the package, its ``const``, and exits."""
 
     def __call__(self, parser: argparse.ArgumentParser, *rest: Any) -> None:
+        """Show it."""
         assert isinstance(self.const, Path)
         show(self.const.read_text(encoding="utf-8").rstrip())
         parser.exit()

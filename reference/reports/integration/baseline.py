@@ -16,7 +16,12 @@ from typing import Any
 from scipy.stats import hypergeom, norm
 
 from restir_gi.reference.oracle.statistics.intervals import student_deviations
-from restir_gi.reference.reports.integration.faults import Fault, Plain, faults
+from restir_gi.reference.reports.integration.faults import (
+    Fault,
+    Plain,
+    faults,
+    stable_title,
+)
 from restir_gi.reference.reports.verdict.schema import VERSION, fault_of_form
 from restir_gi.reference.system.errors import UsageError
 from restir_gi.reference.system.files import read_file
@@ -43,7 +48,7 @@ OF_THE_SAME = (
 
 
 @dataclass(slots=True)
-class Comparison:
+class SinceBaseline:
     """A verdict beside its baseline.
 
     Attributes
@@ -80,21 +85,20 @@ def read_baseline(path: Path) -> dict[str, Any]:
     try:
         found = json.loads(read_file(path, MOST_BYTES))
     except (ValueError, RecursionError) as error:
-        raise _refused(
-            path, f"it is no JSON: {' '.join(str(error).split())}"
-        ) from error
+        why = f"it is no JSON: {' '.join(str(error).split())}"
+        raise UsageError(_refusal(path, why)) from error
     version = found.get("schema") if isinstance(found, dict) else None
     if version != VERSION:
         has = f"its schema is {version!r}" if version else "it has no key schema"
-        raise _refused(path, f"{has}, and this version reads {VERSION!r}")
+        raise UsageError(_refusal(path, f"{has}, and this version reads {VERSION!r}"))
     if fault := fault_of_form(found):
-        raise _refused(path, fault)
+        raise UsageError(_refusal(path, fault))
     verdict: dict[str, Any] = found
     return verdict
 
 
-def _refused(path: Path, why: str) -> UsageError:
-    return UsageError(
+def _refusal(path: Path, why: str) -> str:
+    return (
         f"--baseline {path} is no verdict: {why}; make it by restir check --out, or"
         " --json"
     )
@@ -107,10 +111,11 @@ def refuse_other(
 
     Raises UsageError: another backend, or other options that decide what is asked.
     """
+    now_asked: Plain = {"kind": kind, "backend": backend, "asked": asked}
     about = "what is judged", "BACKEND", *OF_THE_SAME
     there, here = (
         (one["kind"], one["backend"], *map(one["asked"].get, OF_THE_SAME))
-        for one in (baseline, {"kind": kind, "backend": backend, "asked": asked})
+        for one in (baseline, now_asked)
     )
     for name, was, now in zip(about, there, here, strict=True):
         if was != now:
@@ -120,14 +125,14 @@ def refuse_other(
             )
 
 
-def compared(verdict: Plain, baseline: Plain) -> Comparison:
+def compared(verdict: Plain, baseline: Plain) -> SinceBaseline:
     """What of a verdict is new.
 
     Parameters
     ----------
     baseline : Plain; of the same backend, as `refuse_other` has it
     """
-    found = Comparison(unknown=_is_incomplete(verdict))
+    found = SinceBaseline(unknown=_is_incomplete(verdict))
     now, before = faults(verdict), {f.key: f for f in faults(baseline)}
     for fault in now:
         was = before.get(fault.key)
@@ -142,7 +147,7 @@ def compared(verdict: Plain, baseline: Plain) -> Comparison:
     return found
 
 
-def as_plain(path: Path, found: Comparison, verdict: Plain) -> dict[str, Any]:
+def as_plain(path: Path, found: SinceBaseline, verdict: Plain) -> dict[str, Any]:
     """A comparison for programs: the key ``baseline`` of a verdict."""
     return {
         "file": str(path),
@@ -168,7 +173,7 @@ def lines(told: Plain) -> Iterator[str]:
     yield f"{told['status']} beside the baseline {told['file']}: {let}"
 
 
-def _compare(found: Comparison, fault: Fault, was: Fault | None) -> None:
+def _compare(found: SinceBaseline, fault: Fault, was: Fault | None) -> None:
     if was is None:
         found.new.append(fault.first)
         return
@@ -284,7 +289,7 @@ def _is_gone(was: Fault, verdict: Plain) -> bool:
         return one is not None and one["status"] not in ("not judged", "wrong")
     if was.kind == "together":
         taken = [s for s in verdict["steps"] if s["asked"] > s["unanswered"]]
-        return any(was.key.startswith(f"{s['rung']} ") for s in taken) and not (
+        return any(was.key.startswith(f"{stable_title(s)}: ") for s in taken) and not (
             verdict["left"] or verdict["not_asked"]
         )
     return not verdict.get("not_asked")

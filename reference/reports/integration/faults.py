@@ -53,7 +53,12 @@ def faults(verdict: Plain) -> list[Fault]:
 
 def stable_title(step: Plain) -> str:
     """A step's level and title, without how many runs it had time for."""
-    return f"{step['rung']} {re.sub(r' of [0-9,]+ runs$', '', step['title'])}"
+    return f"{level_of(step)} {re.sub(r' of [0-9,]+ runs$', '', step['title'])}"
+
+
+def level_of(step: Plain) -> str:
+    """Level of the ladder that a step belongs to."""
+    return str(step["rung"])
 
 
 def named_in(reason: Plain) -> list[str]:

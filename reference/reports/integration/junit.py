@@ -15,6 +15,7 @@ from restir_gi.reference.reports.integration.faults import (
     Plain,
     diagnosis_of,
     faults,
+    level_of,
     stable_title,
     together,
 )
@@ -52,7 +53,7 @@ def _suites(verdict: Plain, known: set[str]) -> Iterator[Xml.Element]:
     else:
         yield _passes(verdict, found, known)
         titles = [*verdict["left"], *verdict["not_asked"]]
-        levels = {step["rung"] for step in verdict["steps"]}
+        levels = set(map(level_of, verdict["steps"]))
         for level in sorted(levels | {title.split()[0] for title in titles}):
             yield _level(verdict, level, known)
         yield _further(found, known)
@@ -103,7 +104,7 @@ def _level(verdict: Plain, level: str, known: set[str]) -> Xml.Element:
     """Steps of a level that test several passes at once, or that had no time."""
     suite = _suite(level)
     for step in verdict["steps"]:
-        if step["rung"] != level:
+        if level_of(step) != level:
             continue
         case = _case(suite, stable_title(step), step["seconds"])
         text = "\n".join(step["together"])
