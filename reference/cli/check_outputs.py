@@ -13,7 +13,6 @@ from restir_gi.reference.cli.targets import new_file
 from restir_gi.reference.reports.integration.baseline import (
     as_plain,
     compared,
-    lines,
     read_baseline,
     refuse_other,
 )
@@ -107,7 +106,7 @@ def conclude(
         emit(plain)
     else:
         show(table(plain))
-        for line in lines(plain["baseline"]) if baseline is not None else ():
+        for line in plain["baseline"]["told"] if baseline is not None else ():
             show(line)
         if more:
             show(more)

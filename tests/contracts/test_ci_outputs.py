@@ -72,6 +72,7 @@ class Backend:
 BACKEND = Backend()
 """
 
+DOCS = Path(__file__).parents[2] / "docs"
 QUICK = ("check", "mine.py", "--quick")
 MADE: dict[str, str] = {}
 """Verdicts as JSON, by how the backend was written."""
@@ -420,6 +421,8 @@ def test_what_is_known_is_let_through_by_name(write, check):
     assert check(*QUICK, "--out", "old")[0] == 1
     code, said = check(
         *QUICK,
+        "--out",
+        "new",
         "--baseline",
         "old/verdict.json",
         "--junit",
@@ -430,6 +433,9 @@ def test_what_is_known_is_let_through_by_name(write, check):
     assert code == 0
     assert "1 known fault is let through: jacobian (jacobian-inverted)" in said.out
     assert "FAIL: mine.py" in said.out
+    page = Path("new/index.html").read_text()
+    assert "1 known fault is let through" in page
+    assert "Not asked, by <code>--quick</code>: L2" in page
     found = suites(Path("a.xml").read_text())
     assert result_of(found["restir.passes"]["jacobian"])[0] == "skipped"
     (result,) = json.loads(Path("a.sarif").read_text())["runs"][0]["results"]
@@ -589,6 +595,7 @@ def test_nothing_judged_is_never_let_through(verdict):
     assert beside(found, found)[1] == "QUICK"  # others were judged
     for one in found["passes"]:
         one["status"] = "not judged"
+    assert beside(found, found)[1] == "UNDECIDED"
     found["missing"], found["near"] = [], ["jacobain is no pass of the contract"]
     assert beside(found, found)[1] == "FAIL"
 
@@ -690,6 +697,21 @@ def test_quick_asks_every_pass():
     assert "L4 whole runs" in verdict.not_asked
 
 
+IMPORTED = """
+import sys
+from restir_gi.reference.cli.main import main
+main(["check", "float32", "--quick", "--only", "jacobian", "--json"])
+sys.exit("scipy.stats" in sys.modules)
+"""
+
+
+def test_quick_imports_nothing_that_takes_as_long_as_it_does():
+    """``scipy.stats`` takes a second, a fourth of the whole."""
+    about = os.environ | {"PYTHONPATH": str(DOCS.parent)}
+    line = [sys.executable, "-c", IMPORTED]
+    assert subprocess.run(line, env=about, capture_output=True).returncode == 0
+
+
 OF_SPATIAL = (
     "Z asks for light, not for the horizon",
     "the distances are upside down",
@@ -772,7 +794,6 @@ def test_old_files_stay_where_the_new_ones_cannot_be_made(write, check):
 
 # ---------------------------------------------------------------- documentation
 
-DOCS = Path(__file__).parents[2] / "docs"
 HOWTO = DOCS / "howto" / "index.md"
 
 

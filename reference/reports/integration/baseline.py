@@ -13,7 +13,7 @@ from math import hypot
 from pathlib import Path
 from typing import Any
 
-from scipy.stats import hypergeom, norm
+from scipy.special import ndtri
 
 from restir_gi.reference.oracle.statistics.intervals import student_deviations
 from restir_gi.reference.reports.integration.faults import (
@@ -149,7 +149,7 @@ def compared(verdict: Plain, baseline: Plain) -> SinceBaseline:
 
 def as_plain(path: Path, found: SinceBaseline, verdict: Plain) -> dict[str, Any]:
     """A comparison for programs: the key ``baseline`` of a verdict."""
-    return {
+    told = {
         "file": str(path),
         "status": found.status(verdict),
         "known": found.known,
@@ -158,10 +158,11 @@ def as_plain(path: Path, found: SinceBaseline, verdict: Plain) -> dict[str, Any]
         "changed": found.changed,
         "unjudged": found.unjudged,
     }
+    return told | {"told": list(_lines(told))}
 
 
-def lines(told: Plain) -> Iterator[str]:
-    """A comparison for people, a line each."""
+def _lines(told: Plain) -> Iterator[str]:
+    """A comparison for people, a line each; the last says what the exit code says."""
     yield from (f"new since the baseline: {text}" for text in told["new"])
     yield from (f"fixed since the baseline: {name}" for name in told["fixed"])
     for name in told["unjudged"]:
@@ -243,6 +244,8 @@ def _grown_excess(now: Mapping[str, Any], before: Mapping[str, Any]) -> Iterator
 
 def _more_rows(now: Plain, before: Plain) -> bool:
     """Whether the share of wrong rows has grown by more than chance, Fisher's test."""
+    from scipy.stats import hypergeom  # which takes a second
+
     wrong, rows = now["wrong_rows"], now["rows"]
     every, bad = rows + before["rows"], wrong + before["wrong_rows"]
     return bool(wrong and hypergeom.sf(wrong - 1, every, bad, rows) <= ALPHA)
@@ -266,15 +269,17 @@ def _grown_mean(verdict: Plain, baseline: Plain) -> Iterator[str]:
             yield f"the bias of the mean is {now['told']}; it was: {before['told']}"
         return
     relative, error, was, error_was = numbers
-    allowed = -norm.ppf(ALPHA / 2) * hypot(error, error_was)
+    allowed = -ndtri(ALPHA / 2) * hypot(error, error_was)
     if abs(relative - was) > allowed and abs(relative) > abs(was):
         yield f"the bias of the mean has grown: {now['told']}; it was: {before['told']}"
 
 
 def _is_incomplete(verdict: Plain) -> bool:
-    """Whether steps had no time, or want more, beside what is wrong."""
+    """Whether nothing was judged, or steps had no time, or want more."""
     if verdict["kind"] == "pictures":
         return False
+    if all(one["status"] == "not judged" for one in verdict["passes"]):
+        return True
     steps = verdict["steps"]
     wanting = any(s["unasked"] or (s["binds"] and s["more"]) for s in steps)
     return bool(verdict["left"]) or wanting
@@ -312,7 +317,7 @@ def _pictures_differ(fault: Fault, was: Fault) -> Iterator[str]:
     if len(pairs) < len(now["means"]) or not pairs:
         yield "the baseline has no such means"
         return
-    deviations = -norm.ppf(ALPHA / 2 / len(pairs))
+    deviations = float(-ndtri(ALPHA / 2 / len(pairs)))
     least = max(2, min(now["pictures"], before["pictures"]))
     deviations = student_deviations(deviations, least)
     for mean, mean_was in pairs:

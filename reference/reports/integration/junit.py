@@ -143,7 +143,9 @@ def _whole(verdict: Plain) -> Xml.Element:
     case = _case(suite, "verdict")
     beside = verdict.get("baseline")
     status = beside["status"] if beside else verdict["status"]
-    text = f"{status}: {verdict['headline']}"
+    text = f"{verdict['status']}: {verdict['headline']}"
+    if beside:
+        text = f"{beside['told'][-1]}; the verdict: {text}"
     if status == "UNDECIDED":
         error = Xml.SubElement(case, "error", message=_clean(text), type=status)
         error.text = _clean("\n".join([text, *verdict.get("left", ())]))
