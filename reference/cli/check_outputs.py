@@ -84,7 +84,7 @@ def conclude(
     plain: Plain,
     baseline: Plain | None,
     table: Callable[[Plain], RenderableType],
-    write: Callable[[Path], None],
+    write: Callable[[Path], None] | None,
     more: str = "",
 ) -> int:
     """Tell a verdict and write what is asked for.
@@ -95,7 +95,7 @@ def conclude(
 
     Parameters
     ----------
-    write : callable; writes the report into a folder
+    write : callable, optional; writes the report into a folder; None: there is none
     more : str; a further line for people
     """
     if baseline is not None:
@@ -127,10 +127,10 @@ REPORT = "the report"
 
 
 def _outputs(
-    arguments: argparse.Namespace, plain: Plain, write: Callable[[Path], None]
+    arguments: argparse.Namespace, plain: Plain, write: Callable[[Path], None] | None
 ) -> Iterator[tuple[str, Callable[[], None]]]:
     """What is written, and what writes it."""
-    if arguments.out is not None:
+    if arguments.out is not None and write is not None:
         yield REPORT, partial(write, arguments.out)
     if arguments.junit is not None:
         yield "--junit", lambda: write_text(arguments.junit, junit_text(plain))

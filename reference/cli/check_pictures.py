@@ -5,7 +5,6 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack
 from itertools import count
-from pathlib import Path
 from typing import Any
 
 from restir_gi.reference.cli.check_outputs import baseline_of, conclude
@@ -167,16 +166,12 @@ def judge_renderer(arguments: argparse.Namespace) -> int:
         except UnaskedError:
             late = "there was no time to trace the truth; give a longer --budget"
             plain = head("UNDECIDED", name, late, judged.asked)
-            return conclude(arguments, plain, baseline, one_line, _write_nothing)
+            return conclude(arguments, plain, baseline, one_line, None)
     plain = as_plain(verdict, name, judged.seconds, judged.asked)
     plain["left_running"] = judged.left_running
     return conclude(
         arguments, plain, baseline, table, lambda out: write_page(out, verdict, plain)
     )
-
-
-def _write_nothing(out: Path) -> None:
-    """No report: nothing is known that it could show."""
 
 
 def _pixel(arguments: argparse.Namespace) -> Pixel:

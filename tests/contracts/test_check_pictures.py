@@ -88,6 +88,12 @@ def test_without_time_for_the_truth_junit_has_an_error(pictures, capsys, tmp_pat
     late = ("--budget", "0.001", "--bounces", "8", "--junit", str(xml))
     assert checked(capsys, template, *late)[0] == 3
     assert "<error" in xml.read_text()
+    # Nothing is known that a report could show, and none is told of.
+    folder = tmp_path / "report"
+    size = ["--size", str(SIZE), "--out", str(folder)]
+    assert main(["check", template, *size, *late]) == 3
+    assert "index.html" not in capsys.readouterr().out
+    assert not folder.exists()
 
 
 def test_a_list_makes_several(pictures, capsys, tmp_path):
