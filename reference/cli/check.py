@@ -7,17 +7,21 @@ from concurrent.futures import Executor
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 from restir_gi.reference.cli.arguments import add_json, add_reading, add_scheduler
 from restir_gi.reference.cli.check_captures import is_capture, judge_capture
+from restir_gi.reference.cli.check_outputs import (
+    ShowFile,
+    add_output_arguments,
+    baseline_of,
+    conclude,
+)
 from restir_gi.reference.cli.check_pictures import (
-    EXIT,
     add_picture_arguments,
     judge_renderer,
-    write_report,
 )
-from restir_gi.reference.cli.console import emit, progress, remark, show
+from restir_gi.reference.cli.console import progress, remark
 from restir_gi.reference.cli.targets import new_folder
 from restir_gi.reference.cli.values import (
     MOST_SEED,
@@ -103,8 +107,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--declaration-schema",
-        action=_Schema,
+        action=ShowFile,
         nargs=0,
+        const=PUBLISHED,
         help="show the JSON schema of such a file, and exit",
     )
     parser.add_argument(
@@ -135,6 +140,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         f" (default {BUDGET:g})",
     )
     parser.add_argument(
+        "--quick",
+        action="store_true",
+        help="the cheapest steps alone, as before a commit: FAIL is known as ever, and"
+        " what is not wrong is QUICK, exit code 0, and no verdict of the whole",
+    )
+    parser.add_argument(
         "--limit",
         type=limit,
         default=Limits().seconds,
@@ -158,23 +169,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_scheduler(parser)
     add_json(parser)
+    add_output_arguments(parser)
     add_picture_arguments(parser)
     add_reading(parser)
-
-
-class _Schema(argparse.Action):
-    """``--declaration-schema``: of the form of a declaration."""
-
-    def __call__(self, parser: argparse.ArgumentParser, *rest: Any) -> NoReturn:
-        show(PUBLISHED.read_text(encoding="utf-8").rstrip())
-        parser.exit()
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Judge, and tell the verdict.
 
     Exit code: 0 pass, 1 fail, 3 undecided; 1 also if the backend is wrong and the
-    report or the failing cases cannot be written.
+    report or the failing cases cannot be written; 0 also if it is wrong in nothing but
+    what the baseline knows, or if nothing is wrong in the quick steps.
 
     Raises UsageError: there is no such backend, folder, pass or case, or the report of
     a backend that is not known to be wrong cannot be written.
@@ -182,15 +187,58 @@ def run(arguments: argparse.Namespace) -> int:
     if "{out}" in arguments.backend or "{list}" in arguments.backend:
         return judge_renderer(arguments)
     captured = is_capture(arguments.backend)
+    _refuse_slow(arguments)
+    kind, asked = ("capture" if captured else "passes"), _asked(arguments, captured)
+    baseline = baseline_of(arguments, kind, asked)
     verdict = judge_capture(arguments) if captured else _judge(arguments)
     kept = _keep(arguments, verdict)
     again = "" if captured else _again(arguments, kept)
-    plain = as_plain(verdict, arguments.backend, whole_contract(), again)
-    emit(plain) if arguments.json else show(table(plain))
-    if kept and not arguments.json:
-        show(f"{arguments.keep} holds the {len(kept)} cases that are wrong")
-    write_report(arguments, verdict.status, lambda out: write_page(out, verdict, plain))
-    return EXIT[verdict.status]
+    contract = whole_contract()
+    plain = as_plain(verdict, arguments.backend, contract, again, kind, asked)
+    many = f"{arguments.keep} holds the {len(kept)} cases that are wrong"
+    return conclude(
+        arguments,
+        plain,
+        baseline,
+        table,
+        lambda out: write_page(out, verdict, plain),
+        many if kept else "",
+    )
+
+
+def _refuse_slow(arguments: argparse.Namespace) -> None:
+    """Raise where ``--quick`` stands beside what is chosen otherwise.
+
+    Raises UsageError.
+    """
+    for option in ("against", "case", "scheduler"):
+        if arguments.quick and getattr(arguments, option) is not None:
+            raise UsageError(
+                f"--quick chooses what is asked, and so does --{option}; leave one out"
+            )
+    if arguments.quick and os.path.isdir(arguments.backend):
+        raise UsageError(
+            "--quick chooses what is asked, and the cases of a folder are as they are;"
+            " leave it out"
+        )
+
+
+def _asked(arguments: argparse.Namespace, captured: bool) -> dict[str, Any]:
+    """Options that decide what is asked, for programs."""
+    if captured:
+        return {"extremes": arguments.extremes}
+    against = arguments.against
+    return {
+        "seed": arguments.seed,
+        "precision": arguments.precision,
+        "extremes": arguments.extremes,
+        "quick": arguments.quick,
+        "only": sorted(arguments.only),
+        "skip": sorted(arguments.skip),
+        "case": arguments.case,
+        "require": sorted(arguments.require),
+        "against": None if against is None else str(against),
+    }
 
 
 def _keep(arguments: argparse.Namespace, verdict: Verdict) -> list[str]:
@@ -263,6 +311,7 @@ def _judge(arguments: argparse.Namespace) -> Verdict:
             declared=arguments.declare,
             declaration=arguments.declaration,
             accept=arguments.accept,
+            quick=arguments.quick,
         )
 
 

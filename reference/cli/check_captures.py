@@ -27,6 +27,7 @@ OF_CALLS: Mapping[str, Any] = {
     "skip": frozenset(),
     "require": frozenset(),
     "keep": None,
+    "quick": False,
     "scheduler": None,
     "seed": SEED,
     "limit": Limits().seconds,

@@ -2,13 +2,13 @@
 
 import argparse
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack
 from itertools import count
-from pathlib import Path
 from typing import Any
 
-from restir_gi.reference.cli.console import Tick, emit, progress, remark, show
+from restir_gi.reference.cli.check_outputs import baseline_of, conclude
+from restir_gi.reference.cli.console import Tick, progress, remark
 from restir_gi.reference.cli.opening import size_in_shape
 from restir_gi.reference.cli.values import (
     MOST_SAMPLES,
@@ -30,8 +30,8 @@ from restir_gi.reference.oracle.blackbox.tiles import TILES
 from restir_gi.reference.oracle.cases import UnaskedError
 from restir_gi.reference.oracle.declaration.read import read_declaration
 from restir_gi.reference.reports.pictures.page import write_page
-from restir_gi.reference.reports.pictures.plain import as_plain
-from restir_gi.reference.reports.pictures.table import table
+from restir_gi.reference.reports.pictures.plain import as_plain, head
+from restir_gi.reference.reports.pictures.table import one_line, table
 from restir_gi.reference.scene.named import Named, find_scene_or_file, frames_of
 from restir_gi.reference.system.errors import UsageError
 from restir_gi.reference.system.workers import ahead, workers
@@ -52,9 +52,9 @@ OF_PASSES = (
     "extremes",
     "declare",
     "accept",
+    "quick",
 )
 """Options that say nothing to a renderer, of which pictures alone are known."""
-EXIT = {"PASS": 0, "FAIL": 1, "UNDECIDED": 3}
 
 
 def add_picture_arguments(parser: argparse.ArgumentParser) -> None:
@@ -160,18 +160,18 @@ def judge_renderer(arguments: argparse.Namespace) -> int:
             )
     with progress("check") as tick:
         judged = _Judging(arguments, tick)
+        baseline = baseline_of(arguments, "pictures", judged.asked)
         try:
             verdict = judged.verdict()
         except UnaskedError:
             late = "there was no time to trace the truth; give a longer --budget"
-            plain = {"status": "UNDECIDED", "backend": name, "headline": late}
-            emit(plain) if arguments.json else show(f"UNDECIDED: {name}: {late}")
-            return EXIT["UNDECIDED"]
-    plain = as_plain(verdict, name, judged.seconds)
+            plain = head("UNDECIDED", name, late, judged.asked)
+            return conclude(arguments, plain, baseline, one_line, None)
+    plain = as_plain(verdict, name, judged.seconds, judged.asked)
     plain["left_running"] = judged.left_running
-    emit(plain) if arguments.json else show(table(plain))
-    write_report(arguments, verdict.status, lambda out: write_page(out, verdict, plain))
-    return EXIT[verdict.status]
+    return conclude(
+        arguments, plain, baseline, table, lambda out: write_page(out, verdict, plain)
+    )
 
 
 def _pixel(arguments: argparse.Namespace) -> Pixel:
@@ -193,26 +193,6 @@ def _pixel(arguments: argparse.Namespace) -> Pixel:
     return said.pixel
 
 
-def write_report(
-    arguments: argparse.Namespace, status: str, write: Callable[[Path], None]
-) -> None:
-    """Write the report of a verdict, if one is asked for.
-
-    Raises UsageError: it cannot be written, of what is not known to be wrong.
-    """
-    if arguments.out is None:
-        return
-    try:
-        write(arguments.out)
-    except UsageError as error:
-        if status != "FAIL":
-            raise
-        remark(f"the report is not written: {error}")
-    else:
-        if not arguments.json:
-            show(f"{arguments.out / 'index.html'} shows where and why")
-
-
 class _Judging:
     """One renderer, and the clock."""
 
@@ -232,6 +212,17 @@ class _Judging:
         )
         pixel = _pixel(arguments)
         self._convention = Convention(arguments.light, arguments.bounces, pixel)
+        self.asked = {
+            "scene": arguments.scene,
+            "frame": arguments.frame,
+            "frames": arguments.frames,
+            "size": list(size),
+            "light": arguments.light,
+            "bounces": arguments.bounces,
+            "pixel": pixel,
+            "layer": arguments.layer,
+            "bound": arguments.bound,
+        }
         self._tolerance = Tolerance(arguments.tolerance, arguments.tile_tolerance)
         self._truths = PictureTruths(
             scene=frames_of(named, scene)(0),

@@ -3,8 +3,9 @@
 Exit codes:
 
 ==== ====================================================================
-0    Done; of ``restir check`` PASS.  Also help: ``restir`` alone is a
-     question, not a mistake.
+0    Done; of ``restir check`` PASS, QUICK, or nothing wrong that the
+     baseline does not know.  Also help: ``restir`` alone is a question, not
+     a mistake.
 1    A verdict, and nothing else: FAIL of ``restir check``, or a picture
      beyond ``restir compare --tolerance``.
 2    A wrong request, unreadable input, or trouble with this machine's

@@ -21,7 +21,7 @@ MADE_BY = b'<meta name="generator" content="restir-gi-oracle">'
 """In the head of each of our pages."""
 
 
-def new_file(suffix: str = ".exr") -> Callable[[str], Path]:
+def new_file(suffix: str = ".exr", option: str = "--out") -> Callable[[str], Path]:
     """Make a converter from text to the path of a file that can be written.
 
     See `check_file`.
@@ -29,7 +29,7 @@ def new_file(suffix: str = ".exr") -> Callable[[str], Path]:
 
     def convert(text: str) -> Path:
         path = Path(text)
-        check_file(path, suffix)
+        check_file(path, suffix, option)
         return path
 
     return convert
@@ -64,20 +64,26 @@ def new_folder(text: str, option: str = "--out") -> Path:
     return path
 
 
-def check_file(path: Path, suffix: str = ".exr") -> None:
+def check_file(path: Path, suffix: str = ".exr", option: str = "--out") -> None:
     """Raise unless a file can be written.
 
     Raises UsageError: another suffix, no such folder, or one that may not be written.
+
+    Parameters
+    ----------
+    option : str; that names it, for messages
     """
     if path.suffix.lower() != suffix:
-        raise UsageError(f"--out {path}: name a file that ends in {suffix}")
-    _refuse_bad_names(path)
+        raise UsageError(f"{option} {path}: name a file that ends in {suffix}")
+    _refuse_bad_names(path, option)
     if os.path.lexists(path) and not os.path.isfile(path):
-        raise UsageError(f"--out {path} is not a regular file; name a file")
+        raise UsageError(f"{option} {path} is not a regular file; name a file")
     folder = path.resolve().parent
     if not os.path.isdir(folder):
-        raise UsageError(f"--out {path}: there is no folder {path.parent}; create it")
-    _refuse_closed(path, folder)
+        raise UsageError(
+            f"{option} {path}: there is no folder {path.parent}; create it"
+        )
+    _refuse_closed(path, folder, option)
 
 
 def _refuse_bad_names(path: Path, option: str = "--out") -> None:

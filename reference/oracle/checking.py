@@ -27,6 +27,7 @@ from restir_gi.reference.oracle.golden import read_golden
 from restir_gi.reference.oracle.ladder import (
     golden_levels,
     ladder,
+    quick_levels,
     statistical_levels,
 )
 from restir_gi.reference.oracle.levels.probe import Probe
@@ -56,6 +57,7 @@ def judge(
     declared: Collection[str] = (),
     declaration: Path | str | Mapping[str, Any] | None = None,
     accept: Collection[str] = (),
+    quick: bool = False,
 ) -> Verdict:
     """Judge a backend, whatever it does.
 
@@ -89,6 +91,9 @@ def judge(
         ``declaration`` of an object.
     accept : collection of str
         Names of declared choices whose bias does not fail.
+    quick : bool
+        Ask the cheapest steps alone.  Where nothing is wrong in them the status is
+        QUICK: that is no verdict of the whole.
     """
     start = time.monotonic()
 
@@ -99,6 +104,7 @@ def judge(
     _refuse_unknown(passes, selection, require)
     said = None if declaration is None else read_declaration(declaration)
     with_names(said or NOTHING_DECLARED, declared, ())
+    not_asked: list[str] = []
     golden = read_golden(against) if against is not None else None
     given = golden[0] if golden else precision
     names = tuple(passes)
@@ -123,8 +129,10 @@ def judge(
         if golden:
             levels = golden_levels(passes, opened, _chosen(golden[1], selection))
         else:
-            levels = ladder(passes, opened, seed)
-            if statistics and executor:
+            levels = ladder(passes, opened, seed, frames=not quick)
+            if quick:
+                levels = quick_levels(levels, not_asked)
+            elif statistics and executor:
                 away = Reached(backend, limits or Limits(), given, selection)
                 runs = distributed_levels(away, opened, executor, remaining)
                 levels = chain(levels, runs)
@@ -139,7 +147,11 @@ def judge(
     except BaseException:
         opened.close()
         raise
-    verdict = replace(verdict, left_running=opened.close())
+    verdict = replace(verdict, left_running=opened.close(), not_asked=not_asked)
+    if quick:
+        not_asked.append("L4 whole runs")
+        if verdict.status == "PASS":
+            verdict = replace(verdict, status="QUICK")
     if selection.case is not None:
         verdict = _of_one_case(verdict, selection.case)
     return _with_missing(_with_offer(verdict, passes, opened), require)

@@ -90,12 +90,42 @@ FRAME = (
 """Passes that are asked about frames of scenes."""
 
 
-def ladder(passes: Passes, backend: Backend, seed: int = SEED) -> Iterator[Level]:
+QUICK = frozenset(
+    {
+        "designed rows",
+        "declared settings",
+        "declared surfaces",
+        "declared weights",
+        "targets as data",
+    }
+)
+"""Steps of level L3 that are quick: rows without a scene."""
+
+
+def quick_levels(levels: Iterator[Level], left_out: list[str]) -> Iterator[Level]:
+    """Those that are quick: single calls of kernels, lattices and designed rows.
+
+    Parameters
+    ----------
+    left_out : list of str; the titles of the others are put into it
+    """
+    titles = QUICK | {part.title for part in parts()}
+    for level, title, take in levels:
+        if level in ("L0", "L1") or (level == "L3" and title in titles):
+            yield level, title, take
+        else:
+            left_out.append(f"{level} {title}")
+
+
+def ladder(
+    passes: Passes, backend: Backend, seed: int = SEED, frames: bool = True
+) -> Iterator[Level]:
     """Levels of a backend that can be asked.
 
     Parameters
     ----------
     seed : int; of all rows that are random
+    frames : bool; whether parts make frames of scenes, which takes long
 
     Yields
     ------
@@ -125,7 +155,7 @@ def ladder(passes: Passes, backend: Backend, seed: int = SEED) -> Iterator[Level
         for part, probes in questions:
             chosen = [probe for probe in probes if probe.level == level]
             if chosen:
-                more = part.frames if level == "L3" else no_frames
+                more = part.frames if frames and level == "L3" else no_frames
                 about = level, part.title, chosen, more, seed
                 take = partial(_asked_of_part, passes, backend, *about)
                 yield level, part.title, take

@@ -34,7 +34,7 @@ from restir_gi.reference.oracle.diagnosis.terms import (
 from restir_gi.reference.oracle.levels.probe import Answer, Finding
 from restir_gi.reference.oracle.steps import Level, LevelStep, MeasuredBias
 
-Status = Literal["PASS", "FAIL", "UNDECIDED"]
+Status = Literal["PASS", "FAIL", "UNDECIDED", "QUICK"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,7 +57,9 @@ class Verdict:
 
     Attributes
     ----------
-    status : 'PASS', 'FAIL' or 'UNDECIDED'; right to rounding; wrong; or out of time
+    status : 'PASS', 'FAIL', 'UNDECIDED' or 'QUICK'
+        Right to rounding; wrong; out of time; or right in the quick steps, which are
+        the only ones that were wanted.
     steps : list of Timed; as far as the ladder was run
     left : list of str; titles of steps for which there was no time
     diagnoses : list of Diagnosis; of passes that are not the contract's, in its order
@@ -71,6 +73,7 @@ class Verdict:
     declaration : Declaration; what the backend says of itself
     followed : list of Followed; what each judged pass does of that
     biases : list of BiasByDesign; what is biased because it is declared so
+    not_asked : list of str; titles of steps that were not wanted
     """
 
     status: Status
@@ -86,6 +89,7 @@ class Verdict:
     declaration: Declaration = NOTHING_DECLARED
     followed: list[Followed] = field(default_factory=list)
     biases: list[BiasByDesign] = field(default_factory=list)
+    not_asked: list[str] = field(default_factory=list)
 
     @property
     def judged(self) -> frozenset[str]:

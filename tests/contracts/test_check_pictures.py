@@ -60,6 +60,42 @@ def test_a_wrong_renderer_fails(pictures, capsys, jobs):
     assert any("times 2" in text for text in told["likenesses"])
 
 
+def test_the_same_bias_is_known_and_files_for_machines_are_written(
+    pictures, capsys, tmp_path
+):
+    """Beside a baseline of its own; of another renderer it is refused."""
+    template = f"cp {pictures}/bright{{seed}}.exr {{out}}"
+    first, xml = tmp_path / "first", tmp_path / "a.xml"
+    checked(capsys, template, "--out", str(first), "--junit", str(xml))
+    assert "<failure" in xml.read_text()
+    baseline, sarif = str(first / "verdict.json"), str(tmp_path / "a.sarif")
+    more = ("--junit", str(xml), "--sarif", sarif)
+    code, told = checked(capsys, template, "--baseline", baseline, *more)
+    assert (code, told["status"], len(told["baseline"]["known"])) == (0, "FAIL", 1)
+    assert "<failure" not in xml.read_text()
+    (result,) = json.loads((tmp_path / "a.sarif").read_text())["runs"][0]["results"]
+    assert (result["ruleId"], result["baselineState"]) == ("pictures", "unchanged")
+    other = template.replace("bright", "right")
+    size = ["--size", str(SIZE), "--baseline", baseline]
+    assert main(["check", other, *size]) == 2
+    assert "BACKEND is" in capsys.readouterr().err
+    assert main(["check", template, *size, "--light", "full"]) == 2
+    assert "light is indirect there, and full here" in capsys.readouterr().err
+
+
+def test_without_time_for_the_truth_junit_has_an_error(pictures, capsys, tmp_path):
+    template, xml = f"cp {pictures}/right{{seed}}.exr {{out}}", tmp_path / "a.xml"
+    late = ("--budget", "0.001", "--bounces", "8", "--junit", str(xml))
+    assert checked(capsys, template, *late)[0] == 3
+    assert "<error" in xml.read_text()
+    # Nothing is known that a report could show, and none is told of.
+    folder = tmp_path / "report"
+    size = ["--size", str(SIZE), "--out", str(folder)]
+    assert main(["check", template, *size, *late]) == 3
+    assert "index.html" not in capsys.readouterr().out
+    assert not folder.exists()
+
+
 def test_a_list_makes_several(pictures, capsys, tmp_path):
     script = tmp_path / "several.sh"
     lines = (

@@ -36,6 +36,7 @@ from restir_gi.reference.oracle.verdict import Timed, Verdict, run_ladder
 from restir_gi.reference.reports.verdict.maps import error_maps, signed_map
 from restir_gi.reference.reports.verdict.page import write_page
 from restir_gi.reference.reports.verdict.plain import as_plain
+from restir_gi.reference.reports.verdict.schema import fault_of_form
 from restir_gi.reference.reports.verdict.sentences import what_is_wrong
 from restir_gi.reference.reports.verdict.table import pieces, table, was_asked
 from restir_gi.reference.reports.verdict.worst import (
@@ -45,6 +46,7 @@ from restir_gi.reference.reports.verdict.worst import (
 )
 from restir_gi.reference.scene.catalogue.registry import find_scene
 from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.json_text import json_text
 from tests.contracts.elements import Page
 
 CONTRACT = whole_contract()
@@ -153,6 +155,12 @@ def printed(plain, width=120):
 
 
 # ---------------------------------------------------------------- for programs
+
+
+@pytest.mark.parametrize("which", ["wrong", "fine"])
+def test_the_verdict_has_the_published_form(which, request):
+    _, plain = request.getfixturevalue(which)
+    assert fault_of_form(json.loads(json_text(plain))) == ""
 
 
 @pytest.mark.parametrize("which", ["wrong", "fine"])

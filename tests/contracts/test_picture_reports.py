@@ -27,6 +27,8 @@ from restir_gi.reference.reports.pictures.maps import (
 from restir_gi.reference.reports.pictures.page import write_page
 from restir_gi.reference.reports.pictures.plain import as_plain
 from restir_gi.reference.reports.pictures.table import table
+from restir_gi.reference.reports.verdict.schema import fault_of_form
+from restir_gi.reference.system.json_text import json_text
 from tests.contracts.elements import Page
 from tests.contracts.synthetic_pictures import HEIGHT, WIDTH, judged, light, pictures_of
 
@@ -95,6 +97,11 @@ def lines(plain):
 
 
 # ---------------------------------------------------------------- for programs
+
+
+@every_kind
+def test_the_verdict_has_the_published_form(kind):
+    assert fault_of_form(json.loads(json_text(plain_of(kind)))) == ""
 
 
 @every_kind

@@ -30,6 +30,7 @@ ALLOWED = {
         "extensions/oracle/shifts/scenes.py": SCENE_OF_A_CASE,
     },
     "rung": {
+        "reference/reports/integration/faults.py": "a JSON key of the report",
         "reference/reports/verdict/plain.py": "a JSON key of the report",
         "reference/reports/verdict/table.py": "a JSON key of the report",
         "reference/reports/verdict/templates/verdict.html": "a JSON key of the report",

@@ -15,7 +15,11 @@ from restir_gi.reference.oracle.cases import Case
 from restir_gi.reference.oracle.levels.patches import NEAR, eye, patch_reservoirs
 from restir_gi.reference.oracle.replay.bounded import Bounded, exact, rounding_of
 from restir_gi.reference.oracle.replay.formulas import preference
-from restir_gi.reference.oracle.replay.judgement import BUDGET_ALARM, Decisions
+from restir_gi.reference.oracle.replay.judgement import (
+    BUDGET_ALARM,
+    Decisions,
+    poisson_quantile,
+)
 from restir_gi.reference.oracle.replay.judges import JUDGES
 from restir_gi.reference.oracle.replay.rules import CONTRACT_RULES
 from restir_gi.reference.oracle.replay.stream import (
@@ -175,3 +179,10 @@ def test_a_first_weight_that_may_be_0_need_not_be_kept(weight, free):
     # Neither choice is counted against a budget of which it is no part.
     assert (by_chance(slots) == (not free)).all()
     assert left_open(slots, sums) == 0
+
+
+def test_the_quantile_is_that_of_the_poisson_distribution():
+    for mean in (0.0, 1e-300, *np.geomspace(1e-9, 1e6, 200)):
+        for probability in (0.5, 1 - 1e-6):
+            expected = poisson.ppf(probability, mean)
+            assert poisson_quantile(probability, mean) == expected

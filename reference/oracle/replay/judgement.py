@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import poisson
+from scipy.special import pdtr, pdtrik
 
 from restir_gi.reference.numerics.arrays import Masks, Scalars
 from restir_gi.reference.oracle.replay.bounded import Bounded
@@ -65,7 +65,20 @@ class Decisions:
     @property
     def budget(self) -> int:
         """Differing choices that a right backend exceeds at rate `BUDGET_ALARM`."""
-        return int(poisson.ppf(1 - BUDGET_ALARM, self.expected))
+        return poisson_quantile(1 - BUDGET_ALARM, self.expected)
+
+
+def poisson_quantile(probability: float, mean: float) -> int:
+    """Least k with P(X ≤ k) ≥ p, of a Poisson distribution.
+
+    By its own functions: all of ``scipy.stats`` takes as long to import as a quick
+    check to run.
+    """
+    if mean == 0:
+        return 0
+    above = int(np.ceil(pdtrik(probability, mean)))
+    below = max(above - 1, 0)
+    return below if pdtr(below, mean) >= probability else above
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,7 +7,6 @@ integers: so are the sums, and their distribution is counted, not approximated.
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import rankdata
 
 Integers = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -26,6 +25,8 @@ def rank_scores(values: Floats) -> Integers:
     -------
     (N, columns) int64; from 2 to 2 N; N + 1 in the middle
     """
+    from scipy.stats import rankdata  # which takes a second
+
     ranks: Floats = rankdata(values, axis=0)
     doubled: Integers = np.rint(2 * ranks).astype(np.int64)
     return doubled

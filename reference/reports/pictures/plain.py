@@ -1,5 +1,6 @@
 """A verdict on pictures for programs: text, numbers, lists and dicts alone."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from restir_gi.reference.oracle.blackbox.judge import (
 )
 from restir_gi.reference.oracle.blackbox.tiles import PLACES, TILES, name_of
 from restir_gi.reference.reports.verdict.rows import as_number
+from restir_gi.reference.reports.verdict.schema import VERSION
 
 NEGATIVE = (
     "pixels of these pictures are negative: what rests on light that is never negative"
@@ -26,7 +28,12 @@ NEGATIVE = (
 )
 
 
-def as_plain(verdict: PicturesVerdict, name: str, seconds: float) -> dict[str, Any]:
+def as_plain(
+    verdict: PicturesVerdict,
+    name: str,
+    seconds: float,
+    asked_for: Mapping[str, Any] | None = None,
+) -> dict[str, Any]:
     """A verdict on pictures for programs.
 
     JSON can hold it; numbers that are not finite are ``None``.
@@ -35,14 +42,13 @@ def as_plain(verdict: PicturesVerdict, name: str, seconds: float) -> dict[str, A
     ----------
     name : str; command line of the renderer
     seconds : float; that it took to come to the verdict
+    asked_for : mapping, optional; options of the check that decide what is asked
     """
     asked, truth = verdict.convention, verdict.truth
     columns = _worst_first(verdict)
     pixels = verdict.pixels
     return {
-        "status": verdict.status,
-        "backend": name,
-        "headline": _headline(verdict),
+        **head(verdict.status, name, _headline(verdict), asked_for),
         "seconds": as_number(seconds),
         "pictures": 0 if pixels is None else pixels.count,
         "size": list(truth.size),
@@ -72,6 +78,20 @@ def as_plain(verdict: PicturesVerdict, name: str, seconds: float) -> dict[str, A
             _look(number, look, columns, verdict.alpha)
             for number, look in enumerate(verdict.looks, 1)
         ],
+    }
+
+
+def head(
+    status: str, name: str, headline: str, asked_for: Mapping[str, Any] | None
+) -> dict[str, Any]:
+    """What every verdict on pictures says, also one without a picture."""
+    return {
+        "schema": VERSION,
+        "kind": "pictures",
+        "status": status,
+        "backend": name,
+        "headline": headline,
+        "asked": dict(asked_for or {}),
     }
 
 

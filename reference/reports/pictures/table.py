@@ -19,8 +19,12 @@ def table(plain: Mapping[str, Any]) -> Group:
     """
     parts: list[Table | Text] = [_means(plain["means"][:2])] if plain["means"] else []
     parts += [_text(line) for line in _notes(plain) if line not in plain["headline"]]
-    parts.append(_text(f"{plain['status']}: {plain['backend']}: {plain['headline']}"))
-    return Group(*parts)
+    return Group(*parts, one_line(plain))
+
+
+def one_line(plain: Mapping[str, Any]) -> Text:
+    """The verdict in a line."""
+    return _text(f"{plain['status']}: {plain['backend']}: {plain['headline']}")
 
 
 def share(of: Mapping[str, Any]) -> str:

@@ -4,6 +4,7 @@ from typing import Any
 
 from restir_gi.reference.oracle.declaration.followed import BiasByDesign
 from restir_gi.reference.oracle.verdict import Verdict
+from restir_gi.reference.reports.verdict.rows import as_number
 
 
 def declaration_of(verdict: Verdict) -> dict[str, Any] | None:
@@ -11,7 +12,6 @@ def declaration_of(verdict: Verdict) -> dict[str, Any] | None:
     said = verdict.declaration
     if not said.says_anything:
         return None
-    measured = verdict.measured
     return {
         "has": dict(said.has),
         "choices": {h.name: list(h.passes) for h in said.hypotheses},
@@ -29,15 +29,21 @@ def declaration_of(verdict: Verdict) -> dict[str, Any] | None:
             for one in verdict.followed
         ],
         "biases": [_bias(one) for one in verdict.biases],
-        "measured": None
-        if measured is None
-        else {
-            "relative": measured.relative,
-            "error": measured.error,
-            "runs": measured.runs,
-            "told": measured.text,
-        },
+        "measured": measured_of(verdict),
         "to_accept": verdict.to_accept or None,
+    }
+
+
+def measured_of(verdict: Verdict) -> dict[str, Any] | None:
+    """Bias of the mean of whole runs for programs; ``None`` where none were made."""
+    measured = verdict.measured
+    if measured is None:
+        return None
+    return {
+        "relative": as_number(measured.relative),
+        "error": as_number(measured.error),
+        "runs": measured.runs,
+        "told": measured.text,
     }
 
 

@@ -1,5 +1,7 @@
 """A verdict for programs: text, numbers, lists and dicts alone."""
 
+import re
+from collections.abc import Mapping
 from typing import Any
 
 from restir_gi.reference.oracle.cases import Case
@@ -19,8 +21,10 @@ from restir_gi.reference.oracle.verdict import (
 from restir_gi.reference.reports.verdict.declared import (
     biased_by_design,
     declaration_of,
+    measured_of,
 )
 from restir_gi.reference.reports.verdict.rows import as_number, command, failing_case
+from restir_gi.reference.reports.verdict.schema import VERSION
 from restir_gi.reference.reports.verdict.sentences import (
     cause,
     conclusion,
@@ -38,6 +42,8 @@ def as_plain(
     name: str,
     passes: Passes,
     again: str = "",
+    kind: str = "passes",
+    asked: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
     """A verdict for programs.
 
@@ -47,16 +53,23 @@ def as_plain(
     ----------
     verdict : Verdict; as far as the ladder was run
     again : str; command of the check, to which ``--case NAME`` is added
+    kind : 'passes' or 'capture'; what was judged
+    asked : mapping, optional; options of the check that decide what is asked
     """
     told = [_pass(verdict, one, again) for one in passes]
     wrong = [p["name"] for p in told if p["status"] == "wrong"]
     return {
+        "schema": VERSION,
+        "kind": kind,
         "status": verdict.status,
         "backend": name,
         "headline": _headline(verdict, told),
+        "asked": dict(asked or {}),
         "steps": [_step(timed, verdict) for timed in verdict.steps],
         "certified": as_number(verdict.certified),
+        "measured": measured_of(verdict),
         "left": list(verdict.left),
+        "not_asked": list(verdict.not_asked),
         "absent": list(verdict.absent),
         "missing": list(verdict.missing),
         "near": list(verdict.near),
@@ -75,7 +88,7 @@ def _headline(verdict: Verdict, told: list[dict[str, Any]]) -> str:
 
     right, departed, designed = of("right"), of("departs"), of("by design")
     wrong = [p for p in told if p["status"] == "wrong"]
-    if verdict.status == "PASS":
+    if verdict.status in ("PASS", "QUICK"):
         text = f"all that was asked is right to rounding, in {_count(right)}"
         if designed and not right:
             text = "all rows are those of what is declared, to rounding"
@@ -84,6 +97,8 @@ def _headline(verdict: Verdict, told: list[dict[str, Any]]) -> str:
             text += f"; no bias comes of {others}{', '.join(departed)}"
         if verdict.biases:
             text += f"; {biased_by_design(verdict)}, which is accepted"
+        if verdict.status == "QUICK":
+            return f"{text}; the quick steps alone, no verdict of the whole"
         bound = verdict.certified
         return text if bound is None else f"{text}; bias of the mean ≤ {bound:.2%}"
     if wrong:
@@ -139,6 +154,7 @@ def _step(timed: Timed, verdict: Verdict) -> dict[str, Any]:
         "asked": len(step.answers) + len(step.findings),
         "unanswered": sum(a.finding is None for a in step.answers),
         "failed": len(step.faults),
+        "together": [f.text for f in step.findings if binds and _is_of_several(f)],
         "wrong_passes": list(dict.fromkeys(names)),
         "faults": step.faults,
         "binds": binds,
@@ -152,6 +168,11 @@ def _step(timed: Timed, verdict: Verdict) -> dict[str, Any]:
 def _is_of_one_pass(finding: Finding) -> bool:
     """Whether a test of several calls has failed, all of one pass of the backend."""
     return not finding.passed and len(finding.asked) == 1
+
+
+def _is_of_several(finding: Finding) -> bool:
+    """Whether a test has failed that is not of one pass alone."""
+    return not finding.passed and len(finding.asked) != 1
 
 
 def _pass(verdict: Verdict, pass_name: str, again: str) -> dict[str, Any]:
@@ -177,6 +198,7 @@ def _pass(verdict: Verdict, pass_name: str, again: str) -> dict[str, Any]:
         "sentence": _sentence(pass_name, status, what, why) if faults else None,
         "fault": _shown_fault(wrong, faults) if faults else None,
         "faults": faults,
+        "reason": _reason(diagnosis, wrong, related) if faults else None,
         "cases": len(answers),
         "wrong_rows": sum(len(wrong_rows(*pair)) for pair in failed),
         "rows": rows,
@@ -194,6 +216,45 @@ def _pass(verdict: Verdict, pass_name: str, again: str) -> dict[str, Any]:
         else None,
         "diagnosis": [h.name for h in _hypotheses(diagnosis)],
     }
+
+
+def _reason(
+    diagnosis: Diagnosis | None, wrong: list[Answer], related: list[str]
+) -> dict[str, Any]:
+    """Why a pass is wrong, without what hangs on how many rows were asked.
+
+    Two verdicts with the same reason are of the same fault.
+    """
+    largest = _largest(_judged(wrong))
+    closest = diagnosis.closest if diagnosis else None
+    return {
+        "named": sorted(
+            sorted({h.name for h in one.hypotheses}) for one in _explanations(diagnosis)
+        ),
+        "term": without_counts(diagnosis.fit) if diagnosis and diagnosis.fit else None,
+        "nearest": sorted({h.name for h in closest.hypotheses}) if closest else [],
+        "outputs": sorted(n for n, e in largest.items() if e is None or e > 1),
+        "cases": sorted({_name_of(a) for a in wrong}),
+        "failed": sorted({_failure_of(a) for a in wrong if not explicable(a)}),
+        "tests": sorted({text.partition(":")[0] for text in related}),
+    }
+
+
+def _failure_of(answer: Answer) -> str:
+    """A case without numbers to replay, and why, without numbers of rows and places."""
+    assert answer.finding is not None
+    why = answer.finding.text.removeprefix(f"{answer.probe.case.name}: ")
+    return f"{_name_of(answer)}: {re.sub('0x[0-9a-f]+|[0-9][0-9,.]*', '#', why)}"
+
+
+def _name_of(answer: Answer) -> str:
+    """Of a case, without the number of a captured frame."""
+    return re.sub(r"-frame-\d+$", "", answer.probe.case.name)
+
+
+def without_counts(text: str) -> str:
+    """A sentence without how many rows it is about."""
+    return re.sub(r",? in (all )?[\d,]+ (of [\d,]+ )?(wrong )?rows", "", text)
 
 
 def _judged(answers: list[Answer]) -> list[tuple[Case, Judgement]]:

@@ -53,6 +53,8 @@ def table(plain: Mapping[str, Any]) -> Group:
             parts.append(_text(f"{where}: nothing is known of {_some(lines)}"))
     if plain["left"]:
         parts.append(_text(f"no time for: {', '.join(plain['left'])}"))
+    if plain["not_asked"]:
+        parts.append(_text(f"not asked, by --quick: {', '.join(plain['not_asked'])}"))
     if plain["absent"]:
         parts.append(_text(f"the backend does not have: {', '.join(plain['absent'])}"))
     if plain["left_running"]:

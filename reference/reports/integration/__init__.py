@@ -1,0 +1,1 @@
+"""What continuous integration reads of a verdict: JUnit, SARIF, what is new in it."""
