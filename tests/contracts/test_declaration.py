@@ -643,3 +643,8 @@ def test_names_after_declare_have_to_be_known(capsys):
 
 def test_every_pass_with_choices_of_its_own_is_a_pass():
     assert set(OF_PASSES) <= set(CONTRACT)
+
+
+@pytest.mark.parametrize("ages", [[30, 15], [15, 15]])
+def test_ages_in_the_wrong_order_are_refused(ages):
+    assert "max_age is" in refusal({"choices": {"max_age": ages}})

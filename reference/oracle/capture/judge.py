@@ -87,17 +87,14 @@ def _with_filter(verdict: Verdict, recorded: RecordedFrames) -> Verdict:
     if not recorded.boiling or not count:
         return verdict
     accepted = verdict.declaration.accepts(BOILING.name)
-    told = f"emptied {count:,} of {rows:,} reservoirs, which are not looked at"
+    told = f"emptied are {count:,} of {rows:,} reservoirs, which are not looked at"
     biases = [
-        BiasByDesign(name, (BOILING.name,), None, accepted)
+        BiasByDesign(name, (BOILING.name,), None, accepted, told)
         for name in ("moved", "fused")
         if name in verdict.judged
     ]
-    steps = [*verdict.steps, Timed(LevelStep("L3", BOILING.name, more=told), 0.0)]
     status = "FAIL" if biases and not accepted else verdict.status
-    return replace(
-        verdict, steps=steps, biases=[*verdict.biases, *biases], status=status
-    )
+    return replace(verdict, biases=[*verdict.biases, *biases], status=status)
 
 
 def _with_storage(declaration: Declaration, storage: str) -> Declaration:

@@ -116,18 +116,22 @@ class BiasByDesign:
     names : tuple of str; choices that bring it
     size : BiasOfLight or None; calculated; ``None`` of a pass that reuses nothing
     accepted : bool; whether the declaration accepts all of them
+    more : str; what else is to be told of it
     """
 
     pass_name: str
     names: Names
     size: BiasOfLight | None
     accepted: bool
+    more: str = ""
 
     @property
     def text(self) -> str:
         """In words."""
         size = f", {self.size.text} (summed exactly)" if self.size else ""
-        return f"{self.pass_name} is biased by design in {', '.join(self.names)}{size}"
+        more = f"; {self.more}" if self.more else ""
+        where = f"{self.pass_name} is biased by design in {', '.join(self.names)}"
+        return f"{where}{size}{more}"
 
 
 def biases_by_design(

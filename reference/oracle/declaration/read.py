@@ -157,16 +157,21 @@ def _flat(table: Table) -> dict[str, Any]:
 BY_NAME: Mapping[str, Key] = {key.name: key for key in KEYS}
 
 
+JACOBIANS = ("refused", "refused_both_ways", "clamped")
+PAIRS = (*(f"jacobian.{key}" for key in JACOBIANS), "max_age")
+"""Keys that have two numbers, or may have."""
+
+
 def _wrong_values(choices: Table) -> Iterator[str]:
     """Values that no form can refuse, and those that cannot go together."""
     for where, table in [("", choices), *((p, choices.get(p, {})) for p in OF_PASSES)]:
         place = f"choices.{where}." if where else "choices."
         flat = _flat(table)
-        for key in ("refused", "refused_both_ways", "clamped"):
-            limits = flat.get(f"jacobian.{key}")
-            if limits and not number(limits[0]) < number(limits[1]):
+        for key in PAIRS:
+            limits = flat.get(key)
+            if isinstance(limits, list) and not number(limits[0]) < number(limits[1]):
                 told = "and should be the least and then the most"
-                yield f"{place}jacobian.{key} is {shown(limits)}, {told}"
+                yield f"{place}{key} is {shown(limits)}, {told}"
         known = catalogue()
         for name in flat.get("names", ()):
             if name not in known:
