@@ -47,6 +47,7 @@ ELSEWHERE = {
     "pre-commit install": "needs a package that is no dependency",
     "python -m tests.benchmarks": "hours; test_benchmarks.py parses what it starts",
     "python -m tests.extremes": "thousands; its tests run some of them",
+    "python docs/examples/slang": "test_foreign_shaders.py compiles each pass",
     "g++": "test_foreign_cpp.py compiles and runs it",
     "pip install": "an environment: the tests' own has it",
 }
@@ -168,6 +169,8 @@ def test_commands_of_our_own_on_other_pages_run_in_other_tests():
         " --out report",
         "restir check docs/examples/wgsl/backend.py",
         "restir check docs/examples/wgsl/backend.py --out report",
+        "restir check docs/examples/slang/backend.py",
+        "restir check docs/examples/slang/backend.py --out report",
         "restir capture-template --layout rtxdi --size 640x360 --out capture",
         "restir check capture --out report",
     }

@@ -122,7 +122,7 @@ class WgslBackend:
             raise ValueError(f"no plant {plant}; see --list-plants")
         self._plant = 1 + PLANTS.index(plant) if plant else 0
         self._pipelines = {}
-        self._device = None
+        self._device = self._module = None
 
     def __getattr__(self, name):
         if name not in PASSES:
@@ -138,15 +138,21 @@ class WgslBackend:
         device = adapter.request_device_sync(
             required_limits={name: adapter.limits[name] for name in large}
         )
-        source = (Path(__file__).parent / "restir.wgsl").read_text(encoding="utf-8")
         self._wgpu, self._device = wgpu, device
-        self._module = device.create_shader_module(code=source)
+
+    def _module_of(self, name):
+        """The compiled shader that has the entry point of a pass."""
+        if self._module is None:
+            source = (Path(__file__).parent / "restir.wgsl").read_text(encoding="utf-8")
+            self._module = self._device.create_shader_module(code=source)
+        return self._module
 
     def _pipeline(self, name):
         if self._device is None:
             self._open()
         if name not in self._pipelines:
-            stage = {"module": self._module, "entry_point": f"pass_{name}"}
+            module = self._module_of(name)
+            stage = {"module": module, "entry_point": f"pass_{name}"}
             visible = self._wgpu.ShaderStage.COMPUTE
             kinds = ["read-only-storage"] * 3 + ["storage"] * 2
             # Not every pass uses every buffer; one layout serves all.

@@ -1,4 +1,4 @@
-"""The WGSL backend of the documentation: right on this device, wrong in 24 ways."""
+"""The shaders of the documentation, WGSL and HLSL: right here, and wrong in 25 ways."""
 
 import importlib.util
 import os
@@ -15,17 +15,25 @@ from tests.contracts.foreign import NAMED, all_probes, assert_named, short_ladde
 
 CONTRACT = whole_contract()
 
-BACKEND = Path(__file__).parents[2] / "docs" / "examples" / "wgsl" / "backend.py"
+EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
+NUMBERED = {
+    "wgsl": ("restir.wgsl", "const {} = {}u;"),
+    "slang": ("restir.hlsl", "static const uint {} = {};"),
+}
+"""Shader of each example, and how it gives a mistake its number."""
 
 
-@pytest.fixture(scope="module")
-def example():
-    """The example as a module; skipped without a device, unless all must be there."""
-    found = importlib.util.spec_from_file_location("wgsl_example", BACKEND)
+@pytest.fixture(scope="module", params=NUMBERED)
+def example(request):
+    """An example as a module; skipped without a device, unless all must be there."""
+    path = EXAMPLES / request.param / "backend.py"
+    found = importlib.util.spec_from_file_location(f"{request.param}_example", path)
     module = importlib.util.module_from_spec(found)
     found.loader.exec_module(module)
     try:
         module.best_adapter()
+        if request.param == "slang":
+            module.compiler()
     except (ImportError, RuntimeError) as error:
         if os.environ.get("RESTIR_NO_SKIP"):
             raise
@@ -39,7 +47,7 @@ def probes():
 
 
 def test_it_passes(example):
-    backend = PythonBackend(str(BACKEND), Limits())
+    backend = PythonBackend(example.__file__, Limits())
     levels = ladder(CONTRACT, backend)
     try:
         found = run_ladder(
@@ -58,15 +66,26 @@ def test_its_list_of_mistakes_is_complete(example):
 
 
 def test_the_shader_numbers_them_in_that_order(example):
-    source = BACKEND.with_name("restir.wgsl").read_text(encoding="utf-8")
+    path = Path(example.__file__)
+    shader, line = NUMBERED[path.parent.name]
+    source = path.with_name(shader).read_text(encoding="utf-8")
     for number, plant in enumerate(example.PLANTS, start=1):
         constant = plant.upper().replace("-", "_")
-        assert f"const {constant} = {number}u;" in source
+        assert line.format(constant, number) in source
+
+
+def test_what_slang_refuses_is_told_with_its_line(example, tmp_path):
+    if not hasattr(example, "as_wgsl"):
+        pytest.skip("the WGSL example compiles nothing")
+    path = tmp_path / "wrong.hlsl"
+    path.write_text("[numthreads(1, 1, 1)]\nvoid pass_target() { missing = 1; }\n")
+    with pytest.raises(ValueError, match=r"wrong\.hlsl.*:?2"):
+        example.as_wgsl(path, "pass_target")
 
 
 @pytest.mark.parametrize("plant", NAMED)
-@pytest.mark.few(3)
+@pytest.mark.few(6)
 def test_a_planted_mistake_is_told_by_its_name(example, probes, monkeypatch, plant):
     monkeypatch.setenv("RESTIR_PLANT", plant)
-    verdict = short_ladder(PythonBackend(str(BACKEND), Limits()), probes)
+    verdict = short_ladder(PythonBackend(example.__file__, Limits()), probes)
     assert_named(verdict, plant)
