@@ -8,8 +8,9 @@ import pytest
 
 from restir_gi.reference.oracle.backends.process import PythonBackend
 from restir_gi.reference.oracle.backends.running import Limits
-from restir_gi.reference.oracle.parts import parts
 from tests.contracts.foreign import (
+    EXAMPLES,
+    FURTHER,
     NAMED,
     all_probes,
     assert_named,
@@ -17,7 +18,6 @@ from tests.contracts.foreign import (
     short_ladder,
 )
 
-EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 NUMBERED = {
     "wgsl": ("restir.wgsl", "const {} = {}u;"),
     "slang": ("restir.hlsl", "static const uint {} = {};"),
@@ -50,8 +50,7 @@ def probes():
 
 def test_it_passes(example):
     absent = passed_the_whole_ladder(PythonBackend(example.__file__, Limits()))
-    further = [one.name for part in parts() for one in part.passes]
-    assert absent == ["fused", *further]
+    assert absent == FURTHER
 
 
 def test_its_list_of_mistakes_is_complete(example):
