@@ -248,7 +248,9 @@ def _distinct_cells(
     If they are shared, some checksums are the same in several buckets.
     """
     cells = len(bucket)
-    hash_ = bucket + buckets * rng.integers(0, WORD // buckets - 1, cells)
+    # Some cells of a bucket have the same hash, whose checksums differ all the same.
+    above = rng.integers(0, WORD // buckets - 1, 3)
+    hash_ = bucket + buckets * above[rng.integers(0, 3, cells)]
     checksum = rng.integers(1, WORD, cells)
     if shared:
         few = rng.choice(checksum, 24, replace=False)
@@ -335,6 +337,7 @@ def _visits(rng: Generator) -> Iterator[Parts]:
     for most in (1, 3, 4, 8):
         rows = len(SIZES) * ASKED + NOWHERE
         cell = np.sort(rng.choice(rows - 1, len(SIZES), replace=False))
+        cell[0] = 0
         sizes = rng.permutation(SIZES)
         counter = np.zeros(rows, np.int64)
         counter[cell] = sizes

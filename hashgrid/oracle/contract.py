@@ -90,8 +90,9 @@ CELL_KEY = Pass(
     name="cell_key",
     summary="The cell that a point lies in: a cube, and a part of the normal's sphere",
     formula=(
-        "edge = 0.001 · 2^level; (x, y, z) = ⌊position / edge⌋, component by component;\n"
-        "p = facings, (a, b, c) = min(max(⌊(normal + 1) · p / 2⌋, 0), p − 1);\n"
+        "edge = 0.001 · 2^level; (x, y, z) = ⌊position / edge⌋, each rounded down;\n"
+        "p = facings; "
+        "(a, b, c) = min(max(⌊(normal + 1) · p / 2⌋, 0), p − 1);\n"
         "facing = a + p (b + p c)"
     ),
     inputs=(
@@ -121,8 +122,8 @@ CELL_HASH = Pass(
     name="cell_hash",
     summary="Hash of the bucket, and checksum, of a cell",
     formula=(
-        "words are the lower 32 bits of the fields, two's complement; all arithmetic is "
-        "modulo 2³²;\n"
+        "words are the lower 32 bits of the fields, two's complement; "
+        "all arithmetic is modulo 2³²;\n"
         "bucket_hash = h₁(level + h₁(x + h₁(y + h₁(z + h₁(facing)))));\n"
         "checksum = max(h₂(level + h₂(x + h₂(y + h₂(z + h₂(facing))))), 1);\n"
         "h₁(v), PCG: s = v · 747796405 + 2891336453; "

@@ -8,7 +8,7 @@ import numpy as np
 
 from restir_gi.extensions.oracle.reuse.replay import judge_path_reuse
 from restir_gi.extensions.oracle.reuse.weights import of_kept
-from restir_gi.hashgrid.oracle.rules import LightRules, gridded
+from restir_gi.hashgrid.oracle.rules import LightRules, gridded, whole_setting
 from restir_gi.reference.numerics.arrays import Indices, Masks
 from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.oracle.contract.fields import Precision
@@ -286,7 +286,7 @@ def judge_suffix_reach(
     """Judge pass ``suffix_reach``."""
     part, inputs = gridded(rules).suffix, case.inputs
     v = inputs["v"].astype(np.int64) if part.from_v else 1
-    most = int(case.settings["bounces"]) + 2 - v
+    most = whole_setting(case, "bounces", 2**20) + 2 - v
     end = inputs["end"].astype(np.int64)
     everyone = np.ones(case.rows, bool)
     fits = {"at most": end <= most, "below": end < most, "any": everyone}[part.reach]

@@ -17,6 +17,7 @@ from restir_gi.hashgrid.oracle.rules import (
     HashRules,
     TableRules,
     gridded,
+    whole_setting,
 )
 from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
 from restir_gi.reference.oracle.cases import Buffers, Case
@@ -42,6 +43,8 @@ from restir_gi.reference.oracle.replay.verbs import square_root
 
 Words = NDArray[np.uint64]
 NOBODY = -1
+MOST_BUCKETS = 2**16
+"""That anybody asks for here."""
 
 # ---------------------------------------------------------------- the cell of a point
 
@@ -219,7 +222,7 @@ def _facing(
     case: Case, found: Indices, part: CellRules, rounding: Rounding
 ) -> Compared:
     """Part of the normal's sphere, digit by digit."""
-    parts = int(case.settings["facings"]) if part.parts else 1
+    parts = whole_setting(case, "facings", 16) if part.parts else 1
     normal = exact(case.inputs["normal"], rounding)
     half = constant(parts / 2, normal)
     t = (normal + constant(1.0, normal)) * half
@@ -300,7 +303,7 @@ def judge_cell_insert(
     A row is wrong whose vertex is not with its cell, or with another, or beyond a slot
     that is free, or lost where there was room.
     """
-    part, buckets = gridded(rules).table, int(case.settings["buckets"])
+    part, buckets = gridded(rules).table, whole_setting(case, "buckets", MOST_BUCKETS)
     slot = outputs["slot"].astype(np.int64)
     bucket = case.inputs["bucket_hash"].astype(np.int64) % buckets
     active = (case.inputs["active"] == 1) | part.inactive_too
@@ -478,8 +481,9 @@ def judge_cell_scatter(
         "slots": slot[vertex],
     }[part.numbers]
     storage, filled = np.zeros(case.rows), np.zeros(case.rows, bool)
-    at = start[slot[vertex]] + place[vertex]
-    storage[at], filled[at] = number, True
+    at = start[np.minimum(slot[vertex], case.rows - 1)] + place[vertex]
+    inside = (at >= 0) & (at < case.rows)
+    storage[at[inside]], filled[at[inside]] = number[inside], True
     return Judgement(
         (in_rows(filled, exactly("storage", outputs["storage"], storage)),)
     )
@@ -492,9 +496,10 @@ def judge_cell_find(
     case: Case, outputs: Buffers, rules: Rules, precision: Precision
 ) -> Judgement:
     """Judge pass ``cell_find``."""
-    part, buckets = gridded(rules).table, int(case.settings["buckets"])
+    part, buckets = gridded(rules).table, whole_setting(case, "buckets", MOST_BUCKETS)
     table = case.inputs["table"].astype(np.int64)[: buckets * SLOTS]
-    held = table.reshape(buckets, SLOTS)
+    beyond = np.zeros(buckets * SLOTS - len(table), np.int64)
+    held = np.concatenate([table, beyond]).reshape(buckets, SLOTS)
     checksum = case.inputs["checksum"].astype(np.int64)
     bucket = case.inputs["bucket_hash"].astype(np.int64) % buckets
     slot = np.full(case.rows, NOBODY)
@@ -523,10 +528,10 @@ def judge_cell_visit(
     case: Case, outputs: Buffers, rules: Rules, precision: Precision
 ) -> Judgement:
     """Judge pass ``cell_visit``: any walk that takes no vertex twice, and is even."""
-    part, most = gridded(rules).table, int(case.settings["most"])
+    part, most = gridded(rules).table, whole_setting(case, "most", COLUMNS)
     slot = case.inputs["slot"].astype(np.int64)
     has = slot != NOBODY
-    cell = np.where(has, slot, 0)
+    cell = np.where(has, np.clip(slot, 0, case.rows - 1), 0)
     first = case.inputs["start"].astype(np.int64)[cell]
     n = np.where(has, case.inputs["counter"].astype(np.int64)[cell], 0)
     found = outputs["vertex"].astype(np.int64)
@@ -534,9 +539,10 @@ def judge_cell_visit(
         rounding = rounding_of(precision)
         return _one_walk(case, found, first, n, part.walk, rounding)
     storage = case.inputs["storage"].astype(np.int64)
-    where = np.full(int(max(storage.max(initial=0), found.max(initial=0))) + 1, -1)
+    where = np.full(int(storage.max(initial=0)) + 1, -1)
     where[storage] = np.arange(case.rows)
-    place = np.where(found >= 0, where[np.maximum(found, 0)] - first[:, None], -1)
+    stored = (found >= 0) & (found < len(where))
+    place = np.where(stored, where[np.where(stored, found, 0)], -1) - first[:, None]
     taken = np.minimum(n, most)
     column = np.arange(COLUMNS)
     asked = column < taken[:, None]
@@ -594,7 +600,7 @@ def _one_walk(
     rounding: Rounding,
 ) -> Judgement:
     """A known walk, which is not right, from either place that rounding leaves open."""
-    most, k = int(case.settings["most"]), np.arange(COLUMNS)
+    most, k = whole_setting(case, "most", COLUMNS), np.arange(COLUMNS)
     storage = case.inputs["storage"].astype(np.int64)
     u = case.inputs["u"].astype(float) * n
     expected = np.full(found.shape, NOBODY)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from restir_gi.extensions.oracle.reuse.rules import ReuseRules
+from restir_gi.reference.oracle.cases import Case
 from restir_gi.reference.oracle.replay.rules import Rules
 
 SLOTS = 16
@@ -193,6 +194,14 @@ class GridRules:
 
 
 CONTRACT_GRID = GridRules()
+
+
+def whole_setting(case: Case, name: str, most: int) -> int:
+    """A setting that is a whole number from 1 on, as far as anybody takes it.
+
+    The diagnosis asks what would be right if it were 0, or without limit.
+    """
+    return int(min(max(float(case.settings[name]), 1.0), most))
 
 
 def gridded(rules: Rules) -> GridRules:
