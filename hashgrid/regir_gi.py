@@ -423,7 +423,12 @@ class CellNeighbor(PathNeighbor):
 
 
 def only_where(fits: Masks, shifted: Shifted) -> Shifted:
-    """What a shift gives, and 0 for paths that are too long for the receiver."""
+    """What a shift gives; 0 for paths that are too long for the receiver.
+
+    Parameters
+    ----------
+    fits : (A,) bool; whose paths are not
+    """
     value, jacobian = shifted
     return np.where(fits[:, None], value, 0.0), np.where(fits, jacobian, 0.0)
 

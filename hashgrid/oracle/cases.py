@@ -422,25 +422,25 @@ def _light_tables(rng: Generator, slots: int) -> dict[str, NDArray[Any]]:
     """What the vertex itself drew, in slot 0, and what vertices of its cells kept."""
     shape = (ROWS, slots)
 
-    def worth(*more: int) -> Scalars:
+    def targets(*more: int) -> Scalars:
         found: Scalars = 10.0 ** rng.normal(0, 0.6, (*shape, *more))
         return found
 
     own = np.arange(slots) == 0
     there = (rng.random(shape) > 0.15) | own
     full = there & (rng.random(shape) > 0.25)
-    base = np.where(full, worth(), 0.0)
-    here = np.where(full & (rng.random(shape) > 0.2), worth(), 0.0)
+    base = np.where(full, targets(), 0.0)
+    here = np.where(full & (rng.random(shape) > 0.2), targets(), 0.0)
     here[:, 0] = base[:, 0]
     usable = here > 0
     known = rng.random((*shape, slots)) > 0.3
     return {
-        "W": np.where(full, worth(), 0.0),
+        "W": np.where(full, targets(), 0.0),
         "M": np.where(own, 8.0, rng.integers(1, 21, shape)),
         "there": there.astype(np.uint32),
         "target_base": base,
         "target_here": here,
-        "target_at": np.where(known & usable[:, :, None], worth(slots), 0.0),
+        "target_at": np.where(known & usable[:, :, None], targets(slots), 0.0),
         "u": ends_of_u(rng, ROWS * slots).reshape(shape),
     }
 

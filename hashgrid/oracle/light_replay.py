@@ -224,11 +224,11 @@ def judge_bounce_reservoir(
         longer = given["weight"] * longer
     values = [given["value_end"], longer]
     p_hat = [luminance(value) for value in values]
-    worth = luminance(given["value_suffix"]) if part.target_of_suffix else p_hat[1]
+    target = luminance(given["value_suffix"]) if part.target_of_suffix else p_hat[1]
     W_suffix = given["W_suffix"]
-    w_longer = worth * W_suffix
+    w_longer = target * W_suffix
     if not part.suffix_weight:
-        w_longer = choose(W_suffix.value > 0, worth, nothing(worth))
+        w_longer = choose(W_suffix.value > 0, target, nothing(target))
     w_end = given["w_end"] if part.ends_compete else nothing(given["w_end"])
     u = given["u"]
     stream: list[Weighted] = [_Drawn(w_end, u), _Drawn(w_longer, u)]

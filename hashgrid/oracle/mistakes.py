@@ -379,7 +379,7 @@ TABLE = (
     *(
         _known(
             "cell_scan",
-            f"cell-scan-anew-every-{rows}",
+            f"cell-scan-restarts-every-{rows}",
             f"the sums of blocks of {rows} rows are not added",
             f"start_c = sum from row {rows} · ⌊c / {rows}⌋ on",
             "start_c = sum from row 0 on",

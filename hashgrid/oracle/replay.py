@@ -309,12 +309,12 @@ def judge_cell_insert(
     active = (case.inputs["active"] == 1) | part.inactive_too
     cell = _cells_of(case, bucket, active, part)
     there = active & (slot != NOBODY)
-    place, home = slot % SLOTS, slot // SLOTS
+    place, of_slot = slot % SLOTS, slot // SLOTS
     inside = (slot >= 0) & (slot < buckets * SLOTS)
     known = there & inside
     # Slots in use, and cells that want them, bucket by bucket.
     used = np.zeros((buckets, SLOTS), bool)
-    used[home[known], place[known]] = True
+    used[of_slot[known], place[known]] = True
     full = used.sum(axis=1)
     wanted = np.bincount(bucket[_firsts(cell, active)], minlength=buckets)
     everyone = np.zeros(case.rows)
@@ -325,11 +325,14 @@ def judge_cell_insert(
             -1 + everyone,
         ),
         in_rows(there, exactly("below the last slot", known, np.ones(case.rows))),
-        in_rows(known, _at_home(case, home, bucket, full, part)),
+        in_rows(known, _in_its_bucket(case, of_slot, bucket, full, part)),
         in_rows(
             known,
             between(
-                "without a hole", place, everyone, full[np.where(known, home, 0)] - 1.0
+                "without a hole",
+                place,
+                everyone,
+                full[np.where(known, of_slot, 0)] - 1.0,
             ),
         ),
         in_rows(known, _alone(cell, slot, known, place, part)),
@@ -370,15 +373,15 @@ def _first_row(group: Indices, of: Masks) -> Indices:
     return np.where(of, first[np.where(of, group, 0)], 0)
 
 
-def _at_home(
-    case: Case, home: Indices, bucket: Indices, full: Indices, part: TableRules
+def _in_its_bucket(
+    case: Case, of_slot: Indices, bucket: Indices, full: Indices, part: TableRules
 ) -> Compared:
     """Whether the bucket is that of the hash, or one that full ones lead to."""
     if part.overflow != "next bucket":
-        return exactly("bucket", home, bucket)
+        return exactly("bucket", of_slot, bucket)
     buckets = len(full)
     gaps = np.concatenate([[0], np.cumsum(np.tile(full < SLOTS, 2))])
-    steps = (home - bucket) % buckets
+    steps = (of_slot - bucket) % buckets
     between_them = gaps[bucket + steps] - gaps[bucket]
     return exactly("free slots on the way", between_them, np.zeros(case.rows))
 

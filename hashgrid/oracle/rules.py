@@ -18,7 +18,7 @@ class CellRules:
     ----------
     eye_of_now : bool; a look-up has the eye and the base of this frame
     eye_forgotten : bool; distances are those from the origin
-    rounding : 'down', 'up' or 'nearest'; of the level
+    rounding : 'down', 'up' or 'nearest'; how log2 becomes a level
     smallest : float, m; edge of the cells of level 0, in the level and in the edge
     least_level : bool; no level is below 0
     reach : float; in edges, how far a point is moved along a tangent
@@ -80,8 +80,8 @@ class TableRules:
     winners_alone : bool; of a cell one vertex has the slot, and the others are lost
     inactive_too : bool; all vertices are inserted
     cleared : bool; counters begin at 0
-    first_place : int; of a cell
-    restarts : int; rows after which the prefix sum begins anew; 0: it goes on
+    first_place : int; what the counter gives who comes first
+    restarts : int; rows after which the prefix sum is 0 again; 0: never
     inclusive : bool; the counter of the cell itself is in its base
     numbers : 'rows', 'appended' or 'slots'; what is stored of a vertex
     looked_at : int; slots of a bucket, by a look-up
@@ -117,7 +117,9 @@ class LightRules:
     Attributes
     ----------
     similar : 'fourth power', 'cosine', 'square', 'both sides' or 'inverted'
+        What is held against 1/2.
     surface_cosine, light_cosine : 'above 0', 'absolute' or 'left out'
+        How the target has each, and whether it is 0 behind.
     distances : int; power of the distance that is divided by
     pi, albedo, area : bool; whether it is in the target
     choice, density : bool; whether a candidate's weight is divided by it

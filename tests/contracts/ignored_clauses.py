@@ -940,7 +940,7 @@ WAYS: dict[str, dict[str, tuple[Way, ...]]] = {
     "cell_scan": {
         "the cell itself is left out": known("cell-scan-inclusive"),
         "the sum goes on over all rows": known(
-            *(f"cell-scan-anew-every-{rows}" for rows in (64, 128, 256, 512, 1024))
+            *(f"cell-scan-restarts-every-{rows}" for rows in (64, 128, 256, 512, 1024))
         ),
     },
     "cell_scatter": {

@@ -23,7 +23,7 @@ from restir_gi.reference.oracle.levels.probe import examined
 from restir_gi.reference.oracle.parts import judge_of, parts
 from restir_gi.reference.oracle.replay.rules import CONTRACT_RULES
 from restir_gi.reference.scene.camera import Camera
-from tests.mutants.hash_grid_by_hand import ByHand
+from tests.mutants.hash_grid_by_hand import HashGridByHand
 
 PASSES = {p.name: p for p in PART.passes}
 both_precisions = pytest.mark.parametrize("precision", ["float32", "float64"])
@@ -76,7 +76,7 @@ def test_the_project_itself_passes(precision, name, seed):
 @pytest.mark.parametrize("seed", [1, 3])
 def test_another_backend_passes(precision, name, seed):
     """Another order of atomics, another frame: written from the contract."""
-    assert not any(found_in(precision, ByHand(precision), name, seed))
+    assert not any(found_in(precision, HashGridByHand(precision), name, seed))
 
 
 def test_every_known_mistake_changes_the_rules():

@@ -349,11 +349,11 @@ TABLES = [
     _mutant(GRID, "the sum begins with 1", SUM, SUM.replace("[[0]", "[[1]")),
     _mutant(
         GRID,
-        "the sum starts anew every 256",
+        "the sum restarts every 256",
         SUM,
         "c = np.append(0, np.cumsum(counters)); k = np.arange(len(c)) // 256 * 256;"
         " return c - c[k]",
-        "cell-scan-anew-every-256",
+        "cell-scan-restarts-every-256",
     ),
     _mutant(
         GRID,

@@ -16,7 +16,7 @@ REAL = {"float32": np.float32, "float64": np.float64}
 
 
 @dataclass(frozen=True)
-class ByHand:
+class HashGridByHand:
     """A backend of the hash grid.
 
     ``mistake`` is the name of a hypothesis, or nothing.
@@ -38,7 +38,7 @@ class ByHand:
 
 def answer_by_hand(mistake):
     """What a plant answers in single precision."""
-    return lambda case: ByHand("float32", mistake)(
+    return lambda case: HashGridByHand("float32", mistake)(
         case.pass_name, **case.inputs, **case.settings
     )
 
@@ -231,7 +231,7 @@ def cell_count(real, mistake, slot, left):
 
 def cell_scan(real, mistake, counter):
     """In blocks, and then their sums."""
-    rows = int(mistake.rpartition("-")[2]) if "anew" in mistake else 200
+    rows = int(mistake.rpartition("-")[2]) if "restarts" in mistake else 200
     start, base = [], 0
     for first in range(0, len(counter), rows):
         block = counter[first : first + rows].tolist()
@@ -239,7 +239,7 @@ def cell_scan(real, mistake, counter):
         if mistake == "cell-scan-inclusive":
             sums = [s + n for s, n in zip(sums, block, strict=True)]
         start += [base + s for s in sums]
-        base += 0 if "anew" in mistake else sum(block)
+        base += 0 if "restarts" in mistake else sum(block)
     return {"start": start}
 
 
