@@ -3,7 +3,7 @@
 from dataclasses import replace
 from typing import Any, cast
 
-from restir_gi.extensions.oracle.reuse.rules import ReuseRules
+from restir_gi.extensions.oracle.reuse.mistakes import REUSE_MISTAKES
 from restir_gi.hashgrid.oracle.rules import (
     CONTRACT_GRID,
     CellRules,
@@ -29,7 +29,6 @@ WALK = "min(n, most) of the n vertices from start on, each with the same chance"
 TARGET = "value = albedo / π · radiance · cos θ · cos φ / d² · area"
 DRAWN = "w_k = p_hat_k / (choice_k · density_k)"
 KEPT = "slot k is kept where u_k · (w_0 + ⋯ + w_k) < w_k"
-REUSED = "w_k = m_k · target_here_k · W_k"
 LONGER = "w_longer = Y(weight · value_suffix) · W_suffix"
 
 
@@ -65,12 +64,22 @@ def _light(**changes: Any) -> GridRules:
     return replace(CONTRACT_GRID, light=LightRules(**changes))
 
 
-def _reuse(**changes: Any) -> GridRules:
-    return _light(reuse=ReuseRules(**changes))
-
-
 def _suffix(**changes: Any) -> GridRules:
     return replace(CONTRACT_GRID, suffix=SuffixRules(**changes))
+
+
+OF_JACOBIANS = {
+    "reuse-jacobian-left-out",
+    "reuse-jacobian-divides",
+    "reuse-jacobian-twice",
+    "reuse-made-without-jacobian",
+    "reuse-made-times-jacobian",
+}
+"""Mistakes of pass path_reuse that no point on a light shows: its Jacobian is 1."""
+
+
+def _without_jacobian(formula: str) -> str:
+    return formula.replace(" · jacobian_k", "").replace(" / jacobian_s", "")
 
 
 CELLS = (
@@ -674,95 +683,16 @@ LIGHTS = (
     *(
         _known(
             "light_reuse",
-            f"light-reuse-{name}",
-            what,
-            wrong,
-            right,
-            departure=departure,
-            part=_reuse(**changes),
+            f"light-{h.name}",
+            h.mistake,
+            _without_jacobian(h.wrong),
+            _without_jacobian(h.right),
+            *h.seen,
+            departure=h.departure,
+            part=_light(reuse=h.rules.part),
         )
-        for name, what, wrong, right, departure, changes in (
-            (
-                "one-over-m",
-                "1/M in place of unbiased weights: too dark where targets are 0",
-                "Z = ΣM_k",
-                "Z = Σ M_k of those with p_k(s) > 0",
-                "",
-                {"replaced": ("1/Z", "balance"), "normalization": "1/M"},
-            ),
-            (
-                "z-for-balance",
-                "1/Z in place of the balance heuristic",
-                "Z = Σ M_k of those with p_k(s) > 0",
-                "Z = Σ M_k p_k(s) / p_s(s)",
-                "",
-                {"replaced": ("balance",), "normalization": "1/Z"},
-            ),
-            (
-                "z-of-everybody",
-                "Z counts vertices that could not have kept the sample",
-                "Z = ΣM_k",
-                "Z = Σ M_k of those with p_k(s) > 0",
-                "",
-                {"every_domain": True},
-            ),
-            (
-                "maker-not-in-z",
-                "who kept the sample does not count in Z",
-                "Z = Σ M_k of the others with p_k(s) > 0",
-                "Z = Σ M_k of those with p_k(s) > 0",
-                "",
-                {"maker_counts": False},
-            ),
-            (
-                "target-of-the-donor",
-                "the target where a sample was kept takes the place of that here",
-                "w_k = m_k · target_base_k · W_k",
-                REUSED,
-                "",
-                {"target_base": True},
-            ),
-            (
-                "without-nulls",
-                "vertices that kept no light do not count",
-                "M_k = 0 where W_k = 0",
-                "M_k counts where W_k = 0 too",
-                "",
-                {"nulls_count": False},
-            ),
-            (
-                "empty-counted",
-                "look-ups that found nobody count",
-                "ΣM_k over all slots",
-                "M_k = 0 where there_k = 0",
-                "",
-                {"empty_count": True},
-            ),
-            (
-                "canonical-forgotten",
-                "the vertex's own reservoir does not compete",
-                "m_0 = 0 where weights are in pairs",
-                "m_0 is the rest of the weights in pairs",
-                "",
-                {"canonical_share": "none"},
-            ),
-            (
-                "capped-beforehand",
-                "reservoirs are capped as they are read, and not what is kept of them",
-                "M_k = min(M_k, cap), M = ΣM_k",
-                "M = min(ΣM_k, cap)",
-                "confidence",
-                {"capped": "before"},
-            ),
-            (
-                "never-capped",
-                "confidence grows without limit",
-                "M = ΣM_k",
-                "M = min(ΣM_k, cap)",
-                "confidence",
-                {"capped": "never"},
-            ),
-        )
+        for h in REUSE_MISTAKES
+        if h.name not in OF_JACOBIANS
     ),
 )
 

@@ -24,6 +24,7 @@ from restir_gi.reference.reports.tradeoff.knobs import (
     usable,
 )
 from restir_gi.reference.reports.tradeoff.page import write_results
+from restir_gi.reference.methods.method import preset_values
 from restir_gi.reference.reports.tradeoff.points import Design, settings_of
 from restir_gi.reference.reports.tradeoff.report import as_plain, table
 from restir_gi.reference.reports.tradeoff.results import Results
@@ -71,6 +72,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="M",
         help=f"whose knobs are turned (default {METHOD})",
     )
+    options.add_preset(parser)
     options.add_set(parser, "a setting of the base, from which all begins")
     parser.add_argument(
         "--sweep",
@@ -136,8 +138,10 @@ def run(arguments: argparse.Namespace) -> None:
 
     Raises UsageError: bad input, all of it found before the first ray but a full disk.
     """
-    base = Design(arguments.method, tuple(arguments.set))
-    if method_named(base.method).frames is None:
+    method = method_named(arguments.method)
+    preset = preset_values(method, arguments.preset)
+    base = Design(arguments.method, (*preset, *arguments.set))
+    if method.frames is None:
         raise UsageError(
             f"method {base.method!r} does not make frames one by one; name another"
         )

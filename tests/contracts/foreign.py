@@ -1,6 +1,6 @@
 """What the tests of foreign backends share."""
 
-from restir_gi.reference.oracle.ladder import scene_probes
+from restir_gi.reference.oracle.ladder import ladder, scene_probes
 from restir_gi.reference.oracle.levels.kernels import kernel_probes
 from restir_gi.reference.oracle.levels.lattice import lattice_probes
 from restir_gi.reference.oracle.parts import whole_contract
@@ -37,6 +37,24 @@ NAMED = {
     "cap-before-weight": "capped-before-weight",
 }
 """Planted mistakes, and what diagnosis calls them."""
+
+
+def passed_the_whole_ladder(backend):
+    """Names of the passes that it does not have; all others are right."""
+    try:
+        found = run_ladder(
+            CONTRACT,
+            "float32",
+            ladder(CONTRACT, backend),
+            60,
+            lambda: 0.0,
+            lambda title: None,
+        )
+    finally:
+        backend.close()
+    assert [text for timed in found.steps for text in timed.step.faults] == []
+    assert found.status == "PASS"
+    return found.absent
 
 
 def short_ladder(backend, probes):

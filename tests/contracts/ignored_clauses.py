@@ -1020,8 +1020,10 @@ WAYS: dict[str, dict[str, tuple[Way, ...]]] = {
         "the target is that at the vertex that looks up": known(
             "light-reuse-target-of-the-donor"
         ),
-        "nulls count": known("light-reuse-without-nulls"),
-        "look-ups that found nobody do not count": known("light-reuse-empty-counted"),
+        "nulls count": known("light-reuse-nulls-not-counted"),
+        "look-ups that found nobody do not count": known(
+            "light-reuse-empty-slots-counted"
+        ),
         "the sum is divided as it is asked for": known(
             "light-reuse-one-over-m",
             "light-reuse-z-for-balance",

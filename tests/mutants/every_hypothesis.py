@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from restir_gi.hashgrid.oracle.mistakes import HASH_GRID_MISTAKES
+from restir_gi.hashgrid.oracle.mistakes import HASH_GRID_MISTAKES, OF_JACOBIANS
 from restir_gi.reference.oracle.builtin.backend import FLOAT32
 from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.resampling.packing.paper import RESERVOIR as RECORD
@@ -1337,9 +1337,20 @@ GRID = [
         by_hand=dict.fromkeys(h.passes, answer_by_hand(h.name)),
     )
     for h in HASH_GRID_MISTAKES
+    if h.passes != ("light_reuse",)
 ]
+LIGHT_REUSE = [
+    Plant(f"{plant.name}, of light", (f"light-{name}",), plant.edits)
+    for plant in (*REUSE_MUTANTS, *REUSE)
+    for name in plant.expected
+    if name not in OF_JACOBIANS
+]
+"""The engine is the same, and so are its mistakes."""
 
-HERE = (*CORE, *VIEWS, *PACKED, *LAYOUTS, *REUSE, *SHIFTS, *FUSED, *CHOICES, *GRID)
+HERE = (
+    *(*CORE, *VIEWS, *PACKED, *LAYOUTS, *REUSE, *SHIFTS, *FUSED, *CHOICES),
+    *(*GRID, *LIGHT_REUSE),
+)
 
 
 def of_mutant(mutant: Mutant) -> Plant:

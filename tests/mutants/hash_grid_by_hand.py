@@ -10,6 +10,7 @@ from math import pi, sqrt
 import numpy as np
 
 from restir_gi.reference.oracle.contract.fields import dtype_of
+from tests.contracts.test_oracle_reuse import row_by_row
 
 WORD = 2**32
 REAL = {"float32": np.float32, "float64": np.float64}
@@ -396,80 +397,10 @@ def light_candidates(real, mistake, p_hat, choice, density, u):
 
 
 def light_reuse(real, mistake, mis, cap, **tables):
-    """One row at a time, in Python's own numbers."""
-    rows = [
-        _reused_row(
-            {n: a[i].tolist() for n, a in tables.items()}, mistake[12:], mis, cap
-        )
-        for i in range(len(tables["W"]))
-    ]
-    slot, p_hat, W, M = (np.array(column) for column in zip(*rows, strict=True))
-    return {"slot": slot, "p_hat": p_hat, "W": W, "M": M}
-
-
-def _reused_row(t, mistake, mis, cap):
-    slots = range(len(t["W"]))
-    there = [bool(t["there"][k]) for k in slots]
-    M = [t["M"][k] if there[k] or mistake == "empty-counted" else 0.0 for k in slots]
-    if mistake == "without-nulls":
-        M = [m if t["W"][k] > 0 else 0.0 for k, m in enumerate(M)]
-    if mistake == "capped-beforehand":
-        M = [min(m, cap) for m in M]
-    base = t["target_base"]
-    here = base if mistake == "target-of-the-donor" else t["target_here"]
-    m = M
-    if mis in ("pairwise", "defensive"):
-        m = _pairs(t, here, M, mis == "defensive", mistake)
-    total, kept = 0.0, 0
-    for k in slots:
-        w = m[k] * here[k] * t["W"][k] if there[k] else 0.0
-        if w > 0 and (total == 0 or t["u"][k] * (total + w) < w):
-            kept = k
-        total += w
-    trust = sum(M)
-    out = trust if mistake in ("never-capped", "capped-beforehand") else min(trust, cap)
-    if total == 0:
-        return kept, 0.0, 0.0, out
-    p = [t["target_at"][kept][k] for k in slots]
-    p[0], p[kept] = here[kept], here[kept] if kept == 0 else base[kept]
-    of_domain = [
-        M[k] * (p[k] > 0 or mistake == "z-of-everybody")
-        for k in slots
-        if not (mistake == "maker-not-in-z" and k == kept)
-    ]
-    Z = {
-        "1/M": trust,
-        "1/Z": sum(of_domain),
-        "balance": sum(M[k] * p[k] for k in slots) / p[kept],
-    }.get(mis, 1.0)
-    if mistake == "one-over-m" and mis in ("1/Z", "balance"):
-        Z = trust
-    if mistake == "z-for-balance" and mis == "balance":
-        Z = sum(of_domain)
-    W = total / Z / here[kept] if Z > 0 else 0.0
-    return kept, t["target_here"][kept], W, out
-
-
-def _pairs(t, here, M, defensive, mistake):
-    """Weights in pairs with the vertex's own sample."""
-    others = range(1, len(M))
-    S = sum(M[1:])
-    T = S + M[0] * defensive
-    if S == 0:
-        alone = 0.0 if mistake == "canonical-forgotten" else 1.0
-        return [alone] + [0.0] * (len(M) - 1)
-
-    def share(a, b):
-        return a / (a + b) if a > 0 else 0.0
-
-    m = [0.0] * len(M)
-    for k in others:
-        m[k] = M[k] / T * share(S * t["target_base"][k], M[0] * here[k])
-        m[0] += M[k] / T * share(M[0] * here[0], S * t["target_at"][0][k])
-    m[0] += M[0] / T * defensive
-    if mistake == "canonical-forgotten":
-        m[0] = 0.0
-    return m
+    """As reuse of paths by hand, with Jacobians of 1."""
+    ones = np.ones_like(tables["W"])
+    precision = "float32" if real is np.float32 else "float64"
+    return row_by_row(precision, mis, 0, cap, jacobian=ones, **tables)
 
 
 # ---------------------------------------------------------------- suffixes of paths
