@@ -44,8 +44,11 @@ FURTHER = {
     "normal-code-unsigned": {"unpack-without-sign"},
     "reuse-jacobian-omitted": {"reuse-jacobian-left-out"},
     "reuse-maker-without-jacobian": {"reuse-made-without-jacobian"},
-    "reuse-pairs-exchanged": {"reuse-pairs-exchanged"},
-    "reuse-empty-slots-counted": {"reuse-empty-slots-counted"},
+    "reuse-pairs-exchanged": {"reuse-pairs-exchanged", "light-reuse-pairs-exchanged"},
+    "reuse-empty-slots-counted": {
+        "reuse-empty-slots-counted",
+        "light-reuse-empty-slots-counted",
+    },
     "alpha-for-roughness": {"alpha-for-roughness"},
     "path-jacobian-inverted": {"path-jacobian-inverted"},
     "path-jacobian-of-solid-angles": {"path-jacobian-densities-omitted"},
@@ -53,6 +56,10 @@ FURTHER = {
     "hidden-joint-accepted": {"hidden-joint-accepted"},
     "base-throughput": {"bases-throughput"},
     "base-distance": {"distance-from-the-base"},
+    "insertion-lost": {"cell-insert-of-winners-alone"},
+    "checksum-missing": {"cell-insert-without-checksum", "cell-find-without-checksum"},
+    "scan-inclusive": {"cell-scan-inclusive"},
+    "eye-of-now": {"cell-level-by-this-eye"},
 }
 """Mistakes in the passes that the shader does not have, and what they are called."""
 
@@ -75,7 +82,7 @@ def program(request, tmp_path_factory):
         pytest.skip("this processor has no fused multiply-add")
     path = tmp_path_factory.mktemp(request.param) / "restir_backend"
     warnings = ["-Wall", "-Wextra", "-pedantic", "-Werror"]
-    options = ["-O2", "-std=c++17", *warnings, *ROUNDINGS[request.param]]
+    options = ["-O2", "-std=c++17", "-pthread", *warnings, *ROUNDINGS[request.param]]
     subprocess.run([compiler, *options, "-o", path, SOURCE], check=True)
     return path
 

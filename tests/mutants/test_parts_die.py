@@ -8,8 +8,9 @@ import pytest
 
 from restir_gi.extensions.oracle.reuse.part import PART as REUSE
 from restir_gi.extensions.oracle.shifts.part import PART as SHIFTS
+from restir_gi.hashgrid.oracle.part import PART as HASH_GRID
 from restir_gi.reference.oracle.parts import Part
-from tests.mutants import reuse
+from tests.mutants import hash_grid, reuse
 from tests.mutants.catalogue import BY_NAME
 from tests.mutants.further import FURTHER_MUTANTS
 from tests.mutants.harness import kill
@@ -63,6 +64,13 @@ PLANTINGS = (
                 "a source's paths are shifted to the source",
             }
         ),
+    ),
+    Planting(
+        HASH_GRID,
+        ("L0", "L1"),
+        hash_grid.HASH_GRID_MUTANTS,
+        hash_grid.EQUIVALENT,
+        frozenset(m.name for m in hash_grid.HASH_GRID_MUTANTS),
     ),
 )
 
@@ -144,12 +152,12 @@ def test_what_is_equivalent_passes(planting, mutant):
 @pytest.mark.slow
 def test_the_lattice_alone_sees_most_mistakes_in_reuse():
     """Whatever the weights are divided by: what comes out must be the measure."""
-    planting, _ = PLANTINGS
+    planting, *_ = PLANTINGS
     seen = [m for m in planting.biases if judged(planting, m).seen["L1"]]
     assert len(seen) >= 0.7 * len(planting.biases)
 
 
 def test_seven_in_ten_mistakes_in_shifts_have_a_name():
-    _, planting = PLANTINGS
+    _, planting, _ = PLANTINGS
     named = [m for m in planting.biases if m.expected]
     assert len(named) >= 0.7 * len(planting.biases)

@@ -33,4 +33,6 @@ inline const char* const PLANTS[] = {
     // joinable, path_jacobian, shift
     "alpha-for-roughness", "path-jacobian-inverted", "path-jacobian-of-solid-angles",
     "earlier-joint-accepted", "hidden-joint-accepted", "base-throughput",
-    "base-distance"};
+    "base-distance",
+    // cell_insert, cell_find, cell_scan, cell_level
+    "insertion-lost", "checksum-missing", "scan-inclusive", "eye-of-now"};

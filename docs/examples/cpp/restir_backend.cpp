@@ -1,6 +1,6 @@
 // A backend in plain C++17: scalar loops, single precision, one function a pass.
 //
-//     g++ -O2 -std=c++17 -o restir_backend restir_backend.cpp
+//     g++ -O2 -std=c++17 -pthread -o restir_backend restir_backend.cpp
 //     restir check './restir_backend {directory}'
 //
 // It is written from the contract alone (docs/reference/contract.md).  With
@@ -14,7 +14,9 @@
 #include "case_files.h"
 #include "mistakes.h"
 #include "passes/camera.h"
+#include "passes/cell_contents.h"
 #include "passes/filters.h"
+#include "passes/hash_grid.h"
 #include "passes/kernels.h"
 #include "passes/neighbors.h"
 #include "passes/packing.h"
@@ -31,7 +33,7 @@ static PassTable all_passes() {
     for (const PassTable& table :
          {RANDOM_PASSES, KERNEL_PASSES, NEIGHBOR_PASSES, RESAMPLING_PASSES, SHADING_PASSES,
           CAMERA_PASSES, FILTER_PASSES, SPARING_PASSES, PACKING_PASSES, PATH_REUSE_PASSES,
-          PATH_SHIFT_PASSES})
+          PATH_SHIFT_PASSES, HASH_GRID_PASSES, CELL_CONTENT_PASSES})
         all.insert(table.begin(), table.end());
     return all;
 }
