@@ -7,6 +7,7 @@ from restir_gi.gradient_domain.oracle.edges import (
     judge_pair_motion,
     judge_pair_search,
 )
+from restir_gi.gradient_domain.oracle.exact import exact_probes
 from restir_gi.gradient_domain.oracle.images import (
     judge_differences,
     judge_pair_differences,
@@ -33,7 +34,8 @@ from restir_gi.reference.oracle.parts import SEED, Part
 
 
 def _probes(precision: Precision, seed: int = SEED) -> list[Probe]:
-    return [replayed("L0", case) for case in pair_cases(precision, seed)]
+    tables = [replayed("L0", case) for case in pair_cases(precision, seed)]
+    return [*tables, *exact_probes(precision)]
 
 
 PART = Part(
