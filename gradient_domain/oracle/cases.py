@@ -285,7 +285,7 @@ def _pixels(rng: Generator, size: int) -> Tables:
 def _of_pixels(rng: Generator) -> Iterator[Asked]:
     yield "edge-pair", "edge_pair", {}, _neighbors(rng), False
     yield "edge-pair-thresholds", "edge_pair", {}, _thresholds(rng), False
-    for width, height, radius, tries in ((24, 15, 2, 12), (9, 31, 4, 20), (40, 1, 3, 8)):
+    for width, height, radius, tries in ((32, 24, 2, 12), (13, 37, 4, 20), (60, 1, 3, 8)):
         name, settings = f"pair-search-{width}x{height}", {"width": width, "radius": radius}
         yield name, "pair_search", {**settings}, _walls(rng, width, height, tries), False
     for width, height in ((16, 20), (9, 40), (320, 1), (1, 320)):
@@ -307,8 +307,10 @@ def _neighbors(rng: Generator) -> Tables:
     color = np.clip(a["albedo"] + rng.uniform(-0.3, 0.3, a["albedo"].shape), 0.02, 1.0)
     alone = rng.random(a["albedo"].shape) < 0.4
     b["albedo"] = np.where((turn == 0)[:, None] & alone, color, a["albedo"])
-    cosine = rng.uniform(-1, 1, ROWS * 2)
-    cosine = np.where(rng.random(ROWS * 2) < 0.5, rng.uniform(0.8, 1, ROWS * 2), cosine)
+    anywhere, ahead, behind = (
+        rng.uniform(least, most, ROWS * 2) for least, most in ((-1, 1), (0.8, 1), (-1, -0.9))
+    )
+    cosine = np.choose(rng.integers(0, 3, ROWS * 2), [anywhere, ahead, behind])
     tilted = about(rng, a["normal"], np.where(np.abs(cosine - 0.9) < 1e-3, 1.0, cosine))
     b["normal"] = np.where((turn == 1)[:, None], tilted, a["normal"])
     # Where quotients of depths by either one, or metres, would decide otherwise.
@@ -341,21 +343,40 @@ def _thresholds(rng: Generator) -> Tables:
     return _sides(a, b)
 
 
+LOOKS = (
+    # Greys, of which neighbours in the list look alike, and others do not.
+    ((0.20, 0.20, 0.20), (0, 0, 1), 2.0),
+    ((0.29, 0.29, 0.29), (0, 0, 1), 2.0),
+    ((0.38, 0.38, 0.38), (0, 0, 1), 2.0),
+    # Of the first one's luminance, nearly.
+    ((0.20, 0.20, 0.60), (0, 0, 1), 2.0),
+    # Turned, and seen from behind.
+    ((0.20, 0.20, 0.20), (0, 1, 0), 2.0),
+    ((0.20, 0.20, 0.20), (0, 0, -1), 2.0),
+    # Farther away: by less than a tenth of it, by less of the larger depth, by more.
+    ((0.20, 0.20, 0.20), (0, 0, 1), 2.15),
+    ((0.20, 0.20, 0.20), (0, 0, 1), 2.21),
+    ((0.20, 0.20, 0.20), (0, 0, 1), 2.6),
+)
+"""Albedo, normal and depth of what pixels of the search see."""
+
+
 def _walls(rng: Generator, width: int, height: int, tries: int) -> Tables:
     """Patches of walls, some of them nothing, and tries at both ends of the square."""
-    x, y = np.arange(width * height) % width, np.arange(width * height) // width
-    patch = (x // 3 + (width // 3 + 1) * (y // 4)).astype(int)
-    look = rng.integers(0, 5, patch.max() + 1)[patch]
-    albedo = np.array([[0.2, 0.2, 0.2], [0.8, 0.2, 0.2], [0.2, 0.2, 0.2],
-                       [0.2, 0.2, 0.2], [0.5, 0.5, 0.9]])  # fmt: skip
-    normal = np.array([[0, 0, 1], [0, 0, 1], [0, 1, 0], [0, 0, 1], [0, 0, 1]])
-    depth = np.array([2.0, 2.0, 2.0, 2.6, 2.0])
-    u = rng.integers(0, 2**24, (width * height, 2, tries)) * 2.0**-24
+    pixels = width * height
+    x, y = np.arange(pixels) % width, np.arange(pixels) // width
+    patch = x // 2 + (width // 2 + 1) * (y // 3)
+    often = np.where(np.arange(len(LOOKS)) < 3, 2.0, 1.0)
+    look = rng.choice(len(LOOKS), patch.max() + 1, p=often / often.sum())[patch]
+    albedo, normal, depth = (
+        np.array(column, float)[look] for column in zip(*LOOKS, strict=True)
+    )
+    u = rng.integers(0, 2**24, (pixels, 2, tries)) * 2.0**-24
     u[::7, :, 0], u[3::21, :, 0] = 0.0, 1 - 2.0**-24
     return {
-        "albedo": albedo[look] + rng.uniform(0, 0.04, (width * height, 3)),
-        "normal": about(rng, normal[look].astype(float), 0.999),
-        "depth": depth[look] * (1 + 0.02 * rng.random(width * height)),
+        "albedo": albedo + rng.uniform(0, 0.004, (pixels, 3)),
+        "normal": about(rng, normal, 0.9999),
+        "depth": depth * (1 + 1e-3 * rng.random(pixels)),
         "hit": (rng.random(patch.max() + 1)[patch] > 0.06).astype(np.uint32),
         "u": u,
     }
@@ -414,7 +435,12 @@ def _of_colors(rng: Generator) -> Iterator[Asked]:
 def image_rows(
     rng: Generator, width: int, height: int, noise: float
 ) -> dict[str, NDArray[Any]]:
-    """A picture of patches with its differences, both with noise and rare fireflies."""
+    """A picture of patches with its differences, both with noise and rare fireflies.
+
+    Parameters
+    ----------
+    noise : float; standard deviation of what is added to differences
+    """
     x, y = np.arange(width * height) % width, np.arange(width * height) // width
     patch = x // 4 + 8 * (y // 3)
     truth = rng.uniform(0.05, 2.0, (patch.max() + 1, 3))[patch]
@@ -423,12 +449,12 @@ def image_rows(
     image = truth.reshape(height, width, 3)
     right.reshape(height, width, 3)[:, :-1] = image[:, 1:] - image[:, :-1]
     below.reshape(height, width, 3)[:-1] = image[1:] - image[:-1]
-    P = truth * rng.gamma(1 / noise, noise, truth.shape)
+    P = truth * rng.gamma(2.0, 0.5, truth.shape)
     P[rng.random(len(P)) < 0.02] *= 10.0
     dx, dy = (d * rng.gamma(4.0, 0.25, d.shape) for d in (right, below))
-    wild = rng.random((2, len(P))) < 0.03
-    dx += (wild[0] * rng.normal(0, 2, len(P)))[:, None] * (x < width - 1)[:, None]
-    dy += (wild[1] * rng.normal(0, 2, len(P)))[:, None] * (y < height - 1)[:, None]
+    wild = np.where(rng.random((2, len(P), 1)) < 0.03, 2.0, noise)
+    dx += wild[0] * rng.normal(size=P.shape) * (x < width - 1)[:, None]
+    dy += wild[1] * rng.normal(size=P.shape) * (y < height - 1)[:, None]
     return {"primal": P, "dx": dx, "dy": dy}
 
 
@@ -440,9 +466,9 @@ def _of_solvers(rng: Generator) -> Iterator[Asked]:
             "alpha": alpha,
             "residual": residual,
         }
-        rows = image_rows(rng, width, height, 0.5)
+        rows = image_rows(rng, width, height, 0.0)
         yield f"poisson-l2-{width}x{height}", "poisson_l2", settings, rows, False
-    sums = ((14, 11, 0.2, 0.02), (8, 15, 0.5, 0.01))
+    sums = ((14, 11, 0.2, 0.01), (8, 15, 2.0, 0.005))
     for width, height, alpha, ratio in sums:
         settings = {"width": width, "alpha": alpha, "ratio": ratio}
         rows = image_rows(rng, width, height, 0.5)

@@ -15,6 +15,7 @@ from restir_gi.gradient_domain.oracle.images import (
     judge_poisson_l2,
     judge_primal,
 )
+from restir_gi.gradient_domain.oracle.mistakes import GRADIENT_MISTAKES
 from restir_gi.gradient_domain.oracle.own import OWN
 from restir_gi.gradient_domain.oracle.replay import (
     judge_after_estimate,
@@ -62,4 +63,5 @@ PART = Part(
     },
     own=OWN,
     probes=_probes,
+    hypotheses=GRADIENT_MISTAKES,
 )
