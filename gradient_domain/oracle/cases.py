@@ -350,6 +350,8 @@ LOOKS = (
     ((0.38, 0.38, 0.38), (0, 0, 1), 2.0),
     # Of the first one's luminance, nearly.
     ((0.20, 0.20, 0.60), (0, 0, 1), 2.0),
+    # Of another red, which is a fifth of the luminance.
+    ((0.70, 0.20, 0.20), (0, 0, 1), 2.0),
     # Turned, and seen from behind.
     ((0.20, 0.20, 0.20), (0, 1, 0), 2.0),
     ((0.20, 0.20, 0.20), (0, 0, -1), 2.0),

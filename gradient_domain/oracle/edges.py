@@ -112,6 +112,10 @@ def judge_edge_pair(
 
 # ------------------------------------------------ search
 
+FARTHEST = 2**15
+"""Columns and lines, beyond which nobody looks for a pair."""
+
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Image:
@@ -155,10 +159,11 @@ def judge_pair_search(
     """
     rounding, part = rounding_of(precision), pairing(rules)
     image = _image_of(case, part, rounding)
+    radius = int(min(float(case.settings["radius"]), FARTHEST))
     expected, unsure = [], []
     for axis in (0, 1):
         u = exact(case.inputs["u"][:, axis], rounding)
-        found, is_open = _searched(image, axis, u, int(case.settings["radius"]))
+        found, is_open = _searched(image, axis, u, radius)
         expected.append(found)
         unsure.append(is_open)
     allowed = np.where(np.stack(unsure, axis=1), np.inf, 0.0)

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array, eye_array, kron, lil_array, vstack
+from scipy.sparse import csc_array, csr_array, eye_array, vstack
 from scipy.sparse.linalg import splu
 
 from restir_gi.gradient_domain.oracle.rules import PairRules, pairing
-from restir_gi.reference.numerics.arrays import Scalars, Vec3s
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
 from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.oracle.contract.fields import Precision
 from restir_gi.reference.oracle.replay.bounded import Bounded, exact, rounding_of
@@ -38,18 +38,6 @@ def judge_primal(
     color = times(value, W) if part.weighted else value
     color = color + emission if part.emission else color
     return Judgement((beside("color", outputs["color"], color),))
-
-
-def _by_place(rows: Bounded, width: int) -> Bounded:
-    shape = (-1, width, rows.value.shape[1])
-    return Bounded(rows.value.reshape(shape), rows.error.reshape(shape), rows.rounding)
-
-
-def _by_row(image: Bounded) -> Bounded:
-    shape = (-1, image.value.shape[2])
-    return Bounded(
-        image.value.reshape(shape), image.error.reshape(shape), image.rounding
-    )
 
 
 def _told(outputs: Buffers, x: Bounded, y: Bounded) -> Judgement:
@@ -80,32 +68,43 @@ def judge_differences(
     """Judge pass ``differences``."""
     part, width = pairing(rules), int(case.settings["width"])
     color = exact(case.inputs["color"], rounding_of(precision))
-    image = _by_place(color, width)
-    x, y = (_by_row(_along(image, axis, part)) for axis in (1, 0))
-    return _told(outputs, *((y, x) if part.exchanged else (x, y)))
+    found = []
+    for down in (False, True):
+        before, after, exists = neighbors_in(case.rows, width, down, part)
+        d = color[after] - color[before]
+        d = -d if part.differences == "reversed" else d
+        found.append(choose(exists, d, d - d))
+    x, y = found[::-1] if part.exchanged else found
+    return _told(outputs, x, y)
 
 
-def _along(image: Bounded, axis: int, rules: PairRules) -> Bounded:
-    """Differences along an axis of an image, of its shape."""
+def neighbors_in(
+    size: int, width: int, down: bool, rules: PairRules
+) -> tuple[Indices, Indices, Masks]:
+    """Pixels between which the difference of each pixel lies, along an axis.
 
-    def moved(by: int) -> Bounded:
-        return Bounded(
-            np.roll(image.value, by, axis), np.roll(image.error, by, axis), image.rounding
-        )
+    Parameters
+    ----------
+    size : int; pixels
+    down : bool; along columns
 
-    place = np.arange(image.value.shape[axis]).reshape((-1, 1) if axis == 0 else (1, -1))
-    first, last = place == 0, place == image.value.shape[axis] - 1
-    none = exact(np.zeros_like(image.value), image.rounding)
-    forward, backward = moved(-1) - image, image - moved(1)
-    size = image.value.shape[:2]
-    ends = {
-        "forward": (forward, last),
-        "reversed": (-forward, last),
-        "backward": (backward, first),
-        "periodic": (forward, np.zeros_like(last)),
-    }
-    found, end = ends[rules.differences]
-    return choose(np.broadcast_to(end, size), none, found)
+    Returns
+    -------
+    before, after : (N,) int; any where there is none
+    exists : (N,) bool
+    """
+    row = np.arange(size)
+    x, step = row % width, width if down else 1
+    first, last = row < width, row >= size - width
+    if not down:
+        first, last = x == 0, (x == width - 1) | (row == size - 1)
+    if rules.differences == "backward":
+        return np.maximum(row - step, 0), row, ~first
+    after = np.minimum(row + step, size - 1)
+    if "periodic" in (rules.differences, rules.edges):
+        back = row % width if down else row - x
+        return row, np.where(last, back, after), np.ones(size, bool)
+    return row, after, ~last
 
 
 # ------------------------------------------------ what an image is solved from
@@ -125,47 +124,48 @@ class Problem:
     b: Vec3s
 
 
-def _step(size: int, rules: PairRules) -> csr_array:
-    """Differences of a line of pixels, (n, n); what leads out of it is 0."""
-    found = lil_array((size, size))
-    for place in range(size):
-        before, after = (
-            (place - 1, place) if rules.differences == "backward" else (place, place + 1)
-        )
-        if rules.edges == "periodic":
-            before, after = before % size, after % size
-        if before >= 0 and after < size:
-            found[place, before] -= 1.0
-            found[place, after] += 1.0
-    return csr_array(found)
+def _steps(case: Case, down: bool, rules: PairRules) -> csr_array:
+    """Differences of all pixels along an axis, (N, N); rows of 0 where there is none."""
+    width, size = int(case.settings["width"]), case.rows
+    before, after, exists = neighbors_in(size, width, down, rules)
+    row = np.flatnonzero(exists)
+    ones = np.ones(len(row))
+    place = np.concatenate([row, row]), np.concatenate([after[row], before[row]])
+    return csr_array((np.concatenate([ones, -ones]), place), shape=(size, size))
 
 
-def _ends(size: int) -> csr_array:
-    """The first and the last pixel of a line, each by itself."""
-    found = lil_array((2, size))
-    found[0, 0] = found[1, size - 1] = 1.0
-    return csr_array(found)
+def _borders(case: Case) -> csr_array:
+    """Pixels on each of the four borders, each by itself, (B, N)."""
+    width, size = int(case.settings["width"]), case.rows
+    row = np.arange(size)
+    x = row % width
+    sides = (x == 0, x == width - 1, row < width, row >= size - width)
+    found = np.concatenate([row[side] for side in sides])
+    place = np.arange(len(found)), found
+    return csr_array((np.ones(len(found)), place), shape=(len(found), size))
+
+
+LEAST_ALPHA, MOST_ALPHA = 1e-6, 1e6
+"""Beyond them nothing is left of pixels, or of differences."""
 
 
 def problem_of(case: Case, rules: PairRules) -> Problem:
     """What a case asks for."""
-    width, alpha = int(case.settings["width"]), float(case.settings["alpha"])
-    height, size = case.rows // width, case.rows
+    alpha = min(max(float(case.settings["alpha"]), LEAST_ALPHA), MOST_ALPHA)
     P, x, y = (case.inputs[n].astype(float) for n in ("primal", "dx", "dy"))
     if rules.exchanged:
         x, y = y, x
     if not rules.divergence:
         x, y = -x, -y
-    across, down = eye_array(width), eye_array(height)
-    D_x, D_y = kron(down, _step(width, rules)), kron(_step(height, rules), across)
+    D_x, D_y = (_steps(case, down, rules) for down in (False, True))
     weight = {"squared": alpha, "plain": np.sqrt(alpha), "twice": alpha**2, "one": 1.0}
     a = weight[rules.alpha]
     on_pixels, on_differences = (a, 1.0) if rules.alpha_on == "pixels" else (1.0, a)
-    rows = [eye_array(size) * on_pixels, D_x * on_differences, D_y * on_differences]
+    rows = [eye_array(case.rows) * on_pixels, D_x * on_differences, D_y * on_differences]
     b = np.concatenate([on_pixels * P, on_differences * x, on_differences * y])
     if rules.edges == "black":
-        rows += [kron(down, _ends(width)), kron(_ends(height), across)]
-        b = np.concatenate([b, np.zeros((2 * (width + height), b.shape[1]))])
+        rows.append(_borders(case))
+        b = np.concatenate([b, np.zeros((rows[-1].shape[0], b.shape[1]))])
     A = csr_array(vstack(rows))
     if rules.mixed:
         b = np.repeat((b @ np.array(LUMINANCE))[:, None], 3, axis=1)

@@ -124,7 +124,8 @@ SHARE_MISTAKES = (
         "both ways to draw two paths count fully: differences are doubled",
         "omega = 1",
         OMEGA,
-        SHARES,
+        # In weights of reservoirs it is another target, and is shown by the last one.
+        ("pair_weight", "pair_target", "after_estimate"),
         share="none",
     ),
     _known(
@@ -210,7 +211,8 @@ TARGET_MISTAKES = (
         "the reservoir of plus has the part of minus",
         "plus: −max(−H, 0), minus: max(H, 0)",
         PART,
-        SHOWN,
+        # In weights of reservoirs it is the difference of j less i.
+        ("pair_target", "pair_estimate"),
         part="other",
     ),
     _known(

@@ -253,7 +253,7 @@ def _inner_shift(
     base = cast(AreaPaths, _Row(np.arange(len(k)), x, y))
     pairs, ks = _pairs(first, second, dx, dy), k.astype(np.int8)
     offset, inner = inner_shift(cast(AreaShift, shift), base, ks, pairs)
-    ((pixel, x_to, y_to),) = shift.asked
+    pixel, x_to, y_to = shift.asked[0]
     return {
         "pixel": pixel.astype(dtype_of("index", precision)),
         "x_to": as_real(precision, x_to),
@@ -289,7 +289,7 @@ def _outer_shift(
         dy=none,
         sign=WHOLE,
     )
-    (pixel, *_), _ = shift.asked
+    pixel, *_ = shift.asked[0]
     return {
         "pixel": pixel.astype(dtype_of("index", precision)),
         "base": as_real(precision, value.base.value),

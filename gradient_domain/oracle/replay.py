@@ -343,7 +343,7 @@ def _tables(
         choose(j.value > 0, target_of(s, sign, part), none)
         for s, j in zip(at_here, J, strict=True)
     ]
-    c = int(case.settings["canonical"])
+    c = int(min(float(case.settings["canonical"]), size - 1))
     if part.outer == "times inner":
         J = [
             choose(s.inner.value > 0, j * s.inner, j)
@@ -394,24 +394,32 @@ def _at_others(
     rounding: Rounding,
 ) -> Bounded:
     """Target of the sample of each slot at each source, times the Jacobian, (N, K, K)."""
-    J = exact(case.inputs["jacobian_at"], rounding)
-    rows: list[list[Bounded]] = []
-    for s, sample in enumerate(at_here):
-        rows.append([])
-        for q in range(len(at_here)):
-            there = sample_in(case.inputs, rounding, (s, q), "_at")
-            there = replace(there, second=sample.second)
-            if part.carried_at_others:
-                there = replace(there, offset=sample.offset, inner=sample.inner)
-            p = target_of(there, sign if part.inverse_signed else 0, part)
-            exists = J.value[:, s, q] > 0
-            rows[-1].append(choose(exists, p * J[:, s, q], zero_like(p)))
-
-    def stacked(name: str) -> Any:
-        return np.stack(
-            [np.stack([getattr(p, name) for p in row], axis=1) for row in rows], axis=1
+    shape = case.inputs["jacobian_at"].shape
+    flat = {
+        name: case.inputs[name].reshape(-1, *case.inputs[name].shape[3:])
+        for name in ("base_at", "offset_at", "inner_at", "jacobian_at")
+    }
+    there = sample_in(flat, rounding, (), "_at")
+    second = np.stack([s.second for s in at_here], axis=1)
+    there = replace(there, second=np.repeat(second.ravel(), shape[2]))
+    if part.carried_at_others:
+        there = replace(
+            there,
+            offset=_repeated([s.offset for s in at_here], shape[2]),
+            inner=_repeated([s.inner for s in at_here], shape[2]),
         )
+    p = target_of(there, sign if part.inverse_signed else 0, part)
+    J = exact(flat["jacobian_at"], rounding)
+    found = choose(J.value > 0, p * J, zero_like(p))
+    return Bounded(found.value.reshape(shape), found.error.reshape(shape), rounding)
 
-    return Bounded(stacked("value"), stacked("error"), rounding)
 
+def _repeated(slots: list[Bounded], times: int) -> Bounded:
+    """Numbers of each slot, as often as there are sources, row after row."""
 
+    def flat(arrays: list[Any]) -> Any:
+        each = np.stack(arrays, axis=1)
+        return np.repeat(each.reshape(-1, *each.shape[2:]), times, axis=0)
+
+    value, error = flat([s.value for s in slots]), flat([s.error for s in slots])
+    return Bounded(value, error, slots[0].rounding)

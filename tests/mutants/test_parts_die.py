@@ -8,8 +8,9 @@ import pytest
 
 from restir_gi.extensions.oracle.reuse.part import PART as REUSE
 from restir_gi.extensions.oracle.shifts.part import PART as SHIFTS
+from restir_gi.gradient_domain.oracle.part import PART as GRADIENTS
 from restir_gi.reference.oracle.parts import Part
-from tests.mutants import reuse
+from tests.mutants import pairs, reuse
 from tests.mutants.catalogue import BY_NAME
 from tests.mutants.further import FURTHER_MUTANTS
 from tests.mutants.harness import kill
@@ -61,6 +62,22 @@ PLANTINGS = (
                 "a hidden joint is accepted",
                 "no throughput up to the joint",
                 "a source's paths are shifted to the source",
+            }
+        ),
+    ),
+    Planting(
+        GRADIENTS,
+        ("L0", "L1"),
+        pairs.PAIR_MUTANTS,
+        pairs.EQUIVALENT,
+        frozenset(
+            {
+                "samples without offset path say nothing",
+                "candidates count one half each",
+                "outer Jacobians have that of the offset path",
+                "pairs that are no edge are found",
+                "alpha weighs squares",
+                "nobody asks whether the pivot was anywhere",
             }
         ),
     ),
@@ -144,12 +161,12 @@ def test_what_is_equivalent_passes(planting, mutant):
 @pytest.mark.slow
 def test_the_lattice_alone_sees_most_mistakes_in_reuse():
     """Whatever the weights are divided by: what comes out must be the measure."""
-    planting, _ = PLANTINGS
+    planting, *_ = PLANTINGS
     seen = [m for m in planting.biases if judged(planting, m).seen["L1"]]
     assert len(seen) >= 0.7 * len(planting.biases)
 
 
 def test_seven_in_ten_mistakes_in_shifts_have_a_name():
-    _, planting = PLANTINGS
+    _, planting, _ = PLANTINGS
     named = [m for m in planting.biases if m.expected]
     assert len(named) >= 0.7 * len(planting.biases)
