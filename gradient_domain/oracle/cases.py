@@ -317,7 +317,8 @@ def _neighbors(rng: Generator) -> Tables:
     factor = rng.choice([0.5, 0.8, 0.895, 0.905, 1.06, 1.095, 1.105, 1.2], ROWS * 2)
     a["depth"] = 10.0 ** rng.uniform(-1, 2, ROWS * 2)
     b["depth"] = np.where(turn == 2, factor, 1.0) * a["depth"]
-    b["hit"] = (rng.random(ROWS * 2) > 0.1).astype(np.uint32)
+    for side in (a, b):
+        side["hit"] = (rng.random(ROWS * 2) > 0.25).astype(np.uint32)
     return _sides(a, b)
 
 

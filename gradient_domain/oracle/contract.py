@@ -561,7 +561,7 @@ POISSON_L1 = Pass(
         "alpha is on the pixels",
         "differences are to the right and down",
         "nothing leads out of the image",
-        "the image is not made from few steps",
+        "E is near its minimum",
     ),
 )
 

@@ -130,7 +130,7 @@ class _Image:
     def second(self, first: Indices, axis: int) -> Indices:
         """The other pixel; one of the image, whether there is one or not."""
         step = self.width if axis else 1
-        return np.minimum(first + step, self.width * self.height - 1)
+        return np.minimum(first + step, len(self.seen.hit) - 1)
 
     def has_pair(self, x: Indices, y: Indices, axis: int) -> Masks:
         """Whether a pair begins at a place."""
@@ -176,7 +176,7 @@ def _searched(
     image: _Image, axis: int, u: Bounded, radius: int
 ) -> tuple[Indices, Masks]:
     """First pixels of what pairs of an axis find, and whether rounding leaves it open."""
-    rules, size = image.rules, image.width * image.height
+    rules, size = image.rules, len(image.seen.hit)
     first = np.arange(size)
     x, y = first % image.width, first // image.width
     exists, edge = image.has_pair(x, y, axis), image.edges[axis]
@@ -263,10 +263,9 @@ def judge_pair_motion(
     width, height = (int(case.settings[name]) for name in ("width", "height"))
     x, y = before % width, before // width
     down = given["axis"] == 1
-    if part.exchanged:
-        down = ~down
+    along = ~down if part.stepped_across else down
     back = second if part.stepped else np.zeros_like(second)
-    x, y = x - (back & ~down), y - (back & down)
+    x, y = x - (back & ~along), y - (back & along)
     columns, lines = np.where(down, width, width - 1), np.where(down, height - 1, height)
     inside = (before >= 0) & (x >= 0) & (y >= 0)
     if part.border == "lost":

@@ -110,13 +110,16 @@ VALUE_MISTAKES = (
     ),
 )
 
+# Whatever ω is, the difference is right where it sums to 1 over both ways to draw a
+# pair of paths: with another density, or a Jacobian less, it does.
 SHARE_MISTAKES = (
     _known(
         "pair-weight-one-half",
-        "both ways to draw two paths count one half, whatever their densities",
+        "both ways to draw two paths count one half, whatever their densities: more noise",
         "omega = 1/2",
         OMEGA,
         SHARES,
+        departure="mis",
         share="half",
     ),
     _known(
@@ -134,6 +137,7 @@ SHARE_MISTAKES = (
         "omega = p_base / (p_base + p_offset)",
         OMEGA,
         BY_DENSITY,
+        departure="mis",
         share="without jacobian",
     ),
     _known(
@@ -142,6 +146,7 @@ SHARE_MISTAKES = (
         "omega = p_base / (p_base + p_offset / inner)",
         OMEGA,
         BY_DENSITY,
+        departure="mis",
         share="over jacobian",
     ),
     _known(
@@ -150,6 +155,7 @@ SHARE_MISTAKES = (
         "omega = p_offset · inner / (p_base + p_offset · inner)",
         OMEGA,
         SHARES,
+        departure="mis",
         share="other",
     ),
     _known(
@@ -166,6 +172,7 @@ SHARE_MISTAKES = (
         "ω = 1 / (1 + inner)",
         "ω = p / (p + q · inner), with the targets p of the base path, q of the offset",
         ("after_estimate",),
+        departure="mis",
         densities=True,
     ),
 )
@@ -237,12 +244,21 @@ TARGET_MISTAKES = (
             "a sample belongs to the sign of its luminance, with all channels",
             "plus: H where its luminance is above 0, else 0",
             PART,
-            SHOWN,
+            TARGETS,
             departure="target",
             part="of the luminance",
         ),
-        # A reservoir that holds one sign of luminance alone has to be shown whole.
-        needs=("pair_estimate", "pair-split-by-luminance"),
+        needs=("pair_estimate", "pair-shown-by-luminance"),
+    ),
+    _known(
+        "pair-shown-by-luminance",
+        "a sample is shown whole, by the reservoir that has the sign of its luminance",
+        "plus: H where its luminance is above 0, else 0",
+        PART,
+        ("pair_estimate",),
+        departure="target",
+        # What a reservoir by channels shows it has: the other way round it lacks some.
+        part="of the luminance",
     ),
 )
 
@@ -756,7 +772,7 @@ MOTION_MISTAKES = (
         "the pixel above before_second for axis 0",
         "the pixel to the left of before_second for axis 0",
         MOTION,
-        exchanged=True,
+        stepped_across=True,
     ),
     _known(
         "motion-out-of-the-image",

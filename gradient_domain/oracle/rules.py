@@ -64,6 +64,7 @@ class PairRules:
     other_axis : bool; the pair found is of the other axis
     pivot : 'nearer', 'farther', 'first' or 'depth alone'
     stepped : bool; the second pixel's place is brought to the first
+    stepped_across : bool; along the other axis
     emission : bool; emission is in what the image is made of
     weighted : bool; W is in the pixel's colour
     forward : bool; differences of pairs change their sign
@@ -125,6 +126,7 @@ class PairRules:
     other_axis: bool = False
     pivot: str = "nearer"
     stepped: bool = True
+    stepped_across: bool = False
     emission: bool = False
     weighted: bool = True
     forward: bool = True

@@ -81,7 +81,7 @@ def _adds(sample: tuple[Array, ...], sign: str, m: str) -> Array:
     if m == "pair-parts-exchanged":
         sign = {"plus": "minus", "minus": "plus"}.get(sign, sign)
     plus, minus = np.where(H > 0, H, 0 * H), np.where(H < 0, H, 0 * H)
-    if m == "pair-split-by-luminance":
+    if m in ("pair-split-by-luminance", "pair-shown-by-luminance"):
         bright = (_light(H) > 0)[..., None]
         dark = (_light(H) < 0)[..., None]
         plus, minus = np.where(bright, H, 0 * H), np.where(dark, H, 0 * H)
@@ -383,11 +383,12 @@ def _pair_search(i: Given, s: Given, m: str) -> dict[str, Array]:
     height, n = len(i["hit"]) // width, 2 * r + 1
     pixels = {name: i[name] for name in PIXEL}
 
-    def unlike(a: int, b: int) -> bool:
-        one, other = ({k: v[[p]] for k, v in pixels.items()} for p in (a, b))
-        return bool(_unlike(one, other, m)[0])
+    # Every pixel beside every other one.
+    one = {name: array[:, None] for name, array in pixels.items()}
+    every = _unlike(one, {name: array[None] for name, array in pixels.items()}, m)
 
-    edges: dict[tuple[int, int], bool] = {}
+    def unlike(a: int, b: int) -> bool:
+        return bool(every[a, b])
 
     def exists(x: int, y: int, axis: int) -> bool:
         return 0 <= x < width - (axis == 0) and 0 <= y < height - (axis == 1)
@@ -396,9 +397,7 @@ def _pair_search(i: Given, s: Given, m: str) -> dict[str, Array]:
         return first + (width if axis else 1)
 
     def is_edge(first: int, axis: int) -> bool:
-        if (first, axis) not in edges:
-            edges[first, axis] = unlike(first, second(first, axis))
-        return edges[first, axis]
+        return unlike(first, second(first, axis))
 
     def alike(a: int, b: int, axis: int, onto: int) -> bool:
         p, q = (a, second(a, axis)), (b, second(b, onto))
@@ -457,10 +456,11 @@ def _pair_motion(i: Given, s: Given, m: str) -> dict[str, Array]:
             "motion-second-where-alike": y <= z,
         }.get(m, y < z)
         before = int(i["before_second" if second else "before_first"][row])
-        down = bool(i["axis"][row]) != (m == "motion-axes-exchanged")
+        down = bool(i["axis"][row])
         px, py = before % width, before // width
         if second and m != "motion-not-stepped-back":
-            px, py = px - (not down), py - down
+            along = down != (m == "motion-axes-exchanged")
+            px, py = px - (not along), py - along
         inside = before >= 0 and px >= 0 and py >= 0
         if m != "motion-out-of-the-image":
             inside = inside and px < width - (not down) and py < height - down
@@ -625,7 +625,7 @@ def _poisson_l1(i: Given, s: Given, m: str) -> dict[str, Array]:
     if m == "poisson-squares-for-absolute-values":
         return _poisson_l2(i, {**s, "residual": 1e-6}, "")
     rows, image = _Rows(i, s, m), i["primal"]
-    for sweep in range(60):
+    for sweep in range(25):
         off = [a - b for a, b in zip(rows.apply(image), rows.right, strict=True)]
         mean = np.mean([np.sqrt((r * r).sum(axis=1)).mean() for r in off])
         least = max(mean * 0.5**sweep, 1e-6 * mean)
@@ -634,7 +634,7 @@ def _poisson_l1(i: Given, s: Given, m: str) -> dict[str, Array]:
         ]
         right = rows.adjoint([b * w for b, w in zip(rows.right, weights, strict=True)])
         image = _conjugate_gradients(
-            lambda I, w=weights: rows.normal(I, w), right, image, 100, 1e-7
+            lambda I, w=weights: rows.normal(I, w), right, image, 60, 1e-5
         )
     return {"color": image + i["primal"] if m == "poisson-primal-added" else image}
 
