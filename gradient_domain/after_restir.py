@@ -59,7 +59,8 @@ def estimate_after(both: Iterable[Reservoirs]) -> Vec3s:
     """
     # Eq. 12; G has the sign of the difference for k = 1, too.
     i, j = (one_sided(r.y.value) * r.W[:, None] for r in both)
-    return i + j
+    found: Vec3s = i + j
+    return found
 
 
 def one_sided(value: PairValue) -> Vec3s:

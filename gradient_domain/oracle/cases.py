@@ -113,17 +113,35 @@ def _samples(rng: Generator, shape: tuple[int, ...], scale: float) -> Tables:
 
 def _of_samples(rng: Generator) -> Iterator[Asked]:
     for word, scale in SCALES:
-        yield f"pair-value{word}", "pair_value", {}, _samples(rng, (ROWS,), scale), False
+        yield (
+            f"pair-value{word}",
+            "pair_value",
+            {},
+            _samples(rng, (ROWS,), scale),
+            False,
+        )
     yield "pair-weight", "pair_weight", {}, _densities(rng), False
     for sign in SIGNS:
         for word, scale in SCALES:
             tables = _samples(rng, (ROWS,), scale)
-            yield f"pair-target-{sign}{word}", "pair_target", {"sign": sign}, tables, False
+            yield (
+                f"pair-target-{sign}{word}",
+                "pair_target",
+                {"sign": sign},
+                tables,
+                False,
+            )
         name = f"pair-initial-{sign}"
         yield name, "pair_initial", {"sign": sign}, _candidates(rng, 1.0), True
     for word, scale in SCALES[1:]:
         settings: dict[str, Value] = {"sign": "plus"}
-        yield f"pair-initial{word}", "pair_initial", settings, _candidates(rng, scale), True
+        yield (
+            f"pair-initial{word}",
+            "pair_initial",
+            settings,
+            _candidates(rng, scale),
+            True,
+        )
 
 
 def _densities(rng: Generator) -> Tables:
@@ -168,7 +186,13 @@ def _of_shifts(rng: Generator) -> Iterator[Asked]:
     k = rng.integers(0, 2, ROWS).astype(np.uint32)
     value, jacobian = _shifted(rng, ALONE)
     places = {axis: rng.uniform(0, 40, ROWS) for axis in "xy"}
-    tables = {"k": k, **_ends(rng), **places, "value_at": value, "jacobian_at": jacobian}
+    tables = {
+        "k": k,
+        **_ends(rng),
+        **places,
+        "value_at": value,
+        "jacobian_at": jacobian,
+    }
     yield "inner-shift", "inner_shift", {}, tables, False
     value, jacobian = _shifted(rng, LOST)
     rebuilt, inner = _shifted(rng, ALONE)
@@ -212,7 +236,7 @@ def _has_part(s: Tables, sign: str) -> NDArray[np.bool_]:
     G = s["base"] - s["offset"] * s["inner"][..., None]
     G = np.where(s["k"][..., None] == 1, -G, G)
     G = {"plus": G, "minus": -G}.get(sign, np.abs(G))
-    found: NDArray[np.bool_] = (G > 1e-3 * s["base"]).any(axis=-1)
+    found: NDArray[np.bool_] = (1e-3 * s["base"] < G).any(axis=-1)
     return found
 
 
@@ -260,7 +284,13 @@ def _of_estimates(rng: Generator) -> Iterator[Asked]:
         for word, scale in SCALES[: 3 if count == "two" else 1]:
             tables = _kept(rng, _samples(rng, (ROWS, 2), scale))
             settings: dict[str, Value] = {"reservoirs": count}
-            yield f"pair-estimate-{count}{word}", "pair_estimate", settings, tables, False
+            yield (
+                f"pair-estimate-{count}{word}",
+                "pair_estimate",
+                settings,
+                tables,
+                False,
+            )
     for word, scale in SCALES:
         tables = _kept(rng, _values(rng, (ROWS, 2), scale))
         yield f"after-estimate{word}", "after_estimate", {}, tables, False
@@ -285,13 +315,32 @@ def _pixels(rng: Generator, size: int) -> Tables:
 def _of_pixels(rng: Generator) -> Iterator[Asked]:
     yield "edge-pair", "edge_pair", {}, _neighbors(rng), False
     yield "edge-pair-thresholds", "edge_pair", {}, _thresholds(rng), False
-    for width, height, radius, tries in ((32, 24, 2, 12), (13, 37, 4, 20), (60, 1, 3, 8)):
-        name, settings = f"pair-search-{width}x{height}", {"width": width, "radius": radius}
-        yield name, "pair_search", {**settings}, _walls(rng, width, height, tries), False
+    for width, height, radius, tries in (
+        (32, 24, 2, 12),
+        (13, 37, 4, 20),
+        (60, 1, 3, 8),
+    ):
+        name, settings = (
+            f"pair-search-{width}x{height}",
+            {"width": width, "radius": radius},
+        )
+        yield (
+            name,
+            "pair_search",
+            {**settings},
+            _walls(rng, width, height, tries),
+            False,
+        )
     for width, height in ((16, 20), (9, 40), (320, 1), (1, 320)):
         tables = _motions(rng, width, height)
         settings = {"width": width, "height": height}
-        yield f"pair-motion-{width}x{height}", "pair_motion", {**settings}, tables, False
+        yield (
+            f"pair-motion-{width}x{height}",
+            "pair_motion",
+            {**settings},
+            tables,
+            False,
+        )
 
 
 def _sides(a: Tables, b: Tables) -> Tables:
@@ -308,7 +357,8 @@ def _neighbors(rng: Generator) -> Tables:
     alone = rng.random(a["albedo"].shape) < 0.4
     b["albedo"] = np.where((turn == 0)[:, None] & alone, color, a["albedo"])
     anywhere, ahead, behind = (
-        rng.uniform(least, most, ROWS * 2) for least, most in ((-1, 1), (0.8, 1), (-1, -0.9))
+        rng.uniform(least, most, ROWS * 2)
+        for least, most in ((-1, 1), (0.8, 1), (-1, -0.9))
     )
     cosine = np.choose(rng.integers(0, 3, ROWS * 2), [anywhere, ahead, behind])
     tilted = about(rng, a["normal"], np.where(np.abs(cosine - 0.9) < 1e-3, 1.0, cosine))
@@ -386,7 +436,7 @@ def _walls(rng: Generator, width: int, height: int, tries: int) -> Tables:
 
 
 def _motions(rng: Generator, width: int, height: int) -> Tables:
-    """Pairs of an image that have moved, apart in a half of the rows, or were nowhere."""
+    """Pairs of an image that have moved, apart or together, or were nowhere."""
     size = 320
     pixels = width * height
     first = rng.integers(0, pixels, size)

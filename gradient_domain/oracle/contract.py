@@ -15,14 +15,18 @@ SIGN = Setting(
     "plus, minus or both",
     "part of ω G that the reservoir is for; both: all of it, by its magnitude",
 )
-WIDTH = Setting("width", "whole number", "pixels a row of the image; row = y · width + x")
+WIDTH = Setting(
+    "width", "whole number", "pixels a row of the image; row = y · width + x"
+)
 PAPER = "[Wang25, section 4.2]"
 NONE = "where the inner shift does not exist inner = 0 and offset = 0"
 
 BASE = "f of the base path in the pixel that k names, over its density"
 
 
-def _sample(*columns: int | str, suffix: str = "", where: str = "") -> tuple[Field, ...]:
+def _sample(
+    *columns: int | str, suffix: str = "", where: str = ""
+) -> tuple[Field, ...]:
     """What a sample (x, k) is made of."""
     return (
         bits(f"k{suffix}", "0: the base path is one of pixel i; 1: of j", *columns),
@@ -30,11 +34,15 @@ def _sample(*columns: int | str, suffix: str = "", where: str = "") -> tuple[Fie
     )
 
 
-def _values(*columns: int | str, suffix: str = "", where: str = "") -> tuple[Field, ...]:
+def _values(
+    *columns: int | str, suffix: str = "", where: str = ""
+) -> tuple[Field, ...]:
     return (
         real(f"base{suffix}", BASE + where, *columns, 3),
         real(f"offset{suffix}", "f of the offset path in the other pixel", *columns, 3),
-        real(f"inner{suffix}", "|∂T| of the inner shift; 0: it does not exist", *columns),
+        real(
+            f"inner{suffix}", "|∂T| of the inner shift; 0: it does not exist", *columns
+        ),
     )
 
 
@@ -60,12 +68,14 @@ PAIR_WEIGHT = Pass(
     name="pair_weight",
     summary="MIS weight of a base path beside its offset path",
     formula=(
-        "omega = p_base / (p_base + p_offset · inner); where inner = 0: 1 if p_base > 0, "
-        "else 0"
+        "omega = p_base / (p_base + p_offset · inner);\n"
+        "where inner = 0: 1 if p_base > 0, else 0"
     ),
     inputs=(
         real("p_base", "density of the base path in its pixel, or its target"),
-        real("p_offset", "density of the offset path in the other pixel, or its target"),
+        real(
+            "p_offset", "density of the offset path in the other pixel, or its target"
+        ),
         real("inner", "|∂T| of the inner shift; 0: it does not exist"),
     ),
     outputs=(real("omega", "0 to 1"),),
@@ -96,7 +106,7 @@ PAIR_TARGET = Pass(
     settings=(SIGN,),
     source=(
         "[Wang25, Eqs. 14, 16, 19 and 23 to 26]. Densities are those of primary sample "
-        "space, 1 each: in another measure inner is the Jacobian times p_offset / p_base"
+        "space, 1 each: elsewhere inner is the Jacobian times p_offset / p_base"
     ),
     clauses=(
         "H has the weight of the base path",
@@ -169,8 +179,8 @@ INNER_SHIFT = Pass(
         real("inner", "|∂T|, 0 without one"),
     ),
     source=(
-        "[Wang25, Eqs. 2 to 4]: T_ij where k = 0, T_ji where k = 1. The shift itself is "
-        "pass shift or path_jacobian; here its results are given"
+        "[Wang25, Eqs. 2 to 4]: T_ij where k = 0, T_ji where k = 1. The shift itself "
+        "is pass shift or path_jacobian; here its results are given"
     ),
     clauses=(
         "the offset path is in the other pixel",
@@ -224,7 +234,7 @@ OUTER_SHIFT = Pass(
 
 PAIR_REUSE = Pass(
     name="pair_reuse",
-    summary="Which of the samples that K pairs bring is kept for a sign, and its weight",
+    summary="Which of the samples that K pairs bring for a sign is kept, its weight",
     formula=(
         "pass path_reuse, with p̂ of pass pair_target for the sign:\n"
         "target_base_s of k_s, base_from_s, offset_from_s, inner_from_s;\n"
@@ -239,7 +249,13 @@ PAIR_REUSE = Pass(
         *_sample("K", suffix="_from", where="; where the sample was made"),
         *_values("K", where="; at the receiver, by pass outer_shift"),
         real("jacobian", "of the outer shift to the receiver; 0: no such path", "K"),
-        real("base_at", "row s, column q: base of the sample of s at source q", "K", "K", 3),
+        real(
+            "base_at",
+            "row s, column q: base of the sample of s at source q",
+            "K",
+            "K",
+            3,
+        ),
         real("offset_at", "likewise", "K", "K", 3),
         real("inner_at", "likewise", "K", "K"),
         real(
@@ -286,7 +302,7 @@ PAIR_ESTIMATE = Pass(
     name="pair_estimate",
     summary="Difference of a pair from its reservoirs",
     formula=(
-        "contribution_r of pass pair_target, for plus in column 0 and minus in column 1;\n"
+        "contribution of pass pair_target, for plus in column 0, minus in column 1;\n"
         "reservoirs = two: delta = contribution_0 · W_0 + contribution_1 · W_1;\n"
         "reservoirs = one: delta = H_0 · W_0, and column 1 is not read"
     ),
@@ -311,8 +327,8 @@ AFTER_ESTIMATE = Pass(
     summary="Difference of a pair from the paths that its pixels have kept",
     formula=(
         "column c is the path that pixel i (0) or j (1) has kept, with k = c;\n"
-        "p_c = luminance of base_c, q_c = luminance of offset_c; ω_c of pass pair_weight "
-        "with p_c, q_c and inner_c;\n"
+        "p_c = luminance of base_c, q_c = luminance of offset_c;\n"
+        "ω_c of pass pair_weight with p_c, q_c and inner_c;\n"
         "delta = Σ ω_c · G_c · W_c, with G_c of pass pair_value"
     ),
     inputs=(
@@ -328,6 +344,7 @@ AFTER_ESTIMATE = Pass(
         "each path has its own W",
     ),
 )
+
 
 def _pixel(which: str) -> tuple[Field, ...]:
     return (
@@ -371,11 +388,11 @@ PAIR_SEARCH = Pass(
         "rows are pixels; column 0 is the pair with the right neighbour, 1 with the "
         "lower one; edges by pass edge_pair;\n"
         "try t of an edge pair with first pixel (x, y): n = 2 radius + 1, q = "
-        "floor(u_t · n²), first pixel (x + q mod n − radius, y + floor(q / n) − radius) "
-        "of the same axis;\n"
-        "it is taken where both its pixels are in the image, it is not the pair itself, "
-        "is an edge pair, and its first pixel looks like the first, its second like the "
-        "second: pass edge_pair gives 0;\n"
+        "floor(u_t · n²), first pixel (x + q mod n − radius, y + floor(q / n) − "
+        "radius) of the same axis;\n"
+        "it is taken where both its pixels are in the image, it is not the pair "
+        "itself, is an edge pair, and its first pixel looks like the first, its second "
+        "like the second: pass edge_pair gives 0;\n"
         "neighbor = first pixel of the first try that is taken; −1 without one, for "
         "pairs that are no edge, and for pairs that lead out of the image"
     ),
@@ -405,11 +422,11 @@ PAIR_MOTION = Pass(
     name="pair_motion",
     summary="Which pair of the last frame a pair was",
     formula=(
-        "pivot = second where it sees a point and the first does not, or depth_second < "
-        "depth_first; else first;\n"
+        "pivot = second where it sees a point and the first does not, or both do and "
+        "depth_second < depth_first; else first;\n"
         "before = before_first or before_second, of the pivot;\n"
-        "row = before where the pivot is the first; where it is the second, the pixel to "
-        "the left of before (axis 0) or above it (axis 1);\n"
+        "row = before where the pivot is the first; where it is the second, the pixel "
+        "to the left of before (axis 0) or above it (axis 1);\n"
         "−1 where before is −1, and where row or its neighbour on the axis would be "
         "outside of the image"
     ),
@@ -464,8 +481,12 @@ PAIR_DIFFERENCES = Pass(
         "0 in the last column for dx, and in the last line for dy, whatever delta is"
     ),
     inputs=(
-        vector("delta_x", "Δ of the pixel and its right neighbour; not read without one"),
-        vector("delta_y", "Δ of the pixel and its lower neighbour; not read without one"),
+        vector(
+            "delta_x", "Δ of the pixel and its right neighbour; not read without one"
+        ),
+        vector(
+            "delta_y", "Δ of the pixel and its lower neighbour; not read without one"
+        ),
     ),
     outputs=(
         vector("dx", "right neighbour less pixel"),
@@ -473,7 +494,11 @@ PAIR_DIFFERENCES = Pass(
     ),
     settings=(WIDTH,),
     source="[Wang25, Eqs. 1 and 14], which have Δ with opposite signs",
-    clauses=("the sign turns", "axes are not exchanged", "0 at the last column and line"),
+    clauses=(
+        "the sign turns",
+        "axes are not exchanged",
+        "0 at the last column and line",
+    ),
 )
 
 DIFFERENCES = Pass(
@@ -521,9 +546,9 @@ POISSON_L2 = Pass(
         Setting("residual", "number", "of the normal equations that is left, at most"),
     ),
     source=(
-        "[Lehtinen13, section 3; Kettunen15]; alpha = 0.2 is usual. Any solver is right: "
-        "A has eigenvalues from alpha² to alpha² + 8. |·| is the square root of a sum "
-        "of squares over the pixels"
+        "[Lehtinen13, section 3; Kettunen15]; alpha = 0.2 is usual. Any solver is "
+        "right: A has eigenvalues from alpha² to alpha² + 8. |·| is the square root of "
+        "a sum of squares over the pixels"
     ),
     clauses=(
         "alpha is squared",
@@ -552,8 +577,8 @@ POISSON_L1 = Pass(
         Setting("ratio", "number", "by which E may exceed its minimum"),
     ),
     source=(
-        "[Lehtinen13, section 3; Kettunen15]. Any solver is right; the result is biased, "
-        "as it is not linear in what it is given"
+        "[Lehtinen13, section 3; Kettunen15]. Any solver is right; the result is "
+        "biased, as it is not linear in what it is given"
     ),
     clauses=(
         "absolute values, not squares",

@@ -26,7 +26,14 @@ ALBEDO, COSINE, DEPTH = 0.1, 0.9, 0.1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SeenPixels:
-    """What pixels see, N rows."""
+    """What pixels see, N rows.
+
+    Attributes
+    ----------
+    albedo, normal : (N, 3) Bounded
+    depth : (N,) Bounded
+    hit : (N,) bool; whether there is a point
+    """
 
     albedo: Bounded
     normal: Bounded
@@ -34,7 +41,12 @@ class SeenPixels:
     hit: Masks
 
     def at(self, rows: Indices) -> "SeenPixels":
-        """Some of them."""
+        """Some of them.
+
+        Parameters
+        ----------
+        rows : (K,) int
+        """
         return SeenPixels(
             self.albedo[rows], self.normal[rows], self.depth[rows], self.hit[rows]
         )
@@ -116,7 +128,6 @@ FARTHEST = 2**15
 """Columns and lines, beyond which nobody looks for a pair."""
 
 
-
 @dataclass(frozen=True, slots=True, eq=False)
 class _Image:
     """Pixels of an image, and which of its pairs are edges, by axis and first pixel."""
@@ -175,7 +186,7 @@ def judge_pair_search(
 def _searched(
     image: _Image, axis: int, u: Bounded, radius: int
 ) -> tuple[Indices, Masks]:
-    """First pixels of what pairs of an axis find, and whether rounding leaves it open."""
+    """First pixels of what pairs of an axis find, and where rounding leaves it open."""
     rules, size = image.rules, len(image.seen.hit)
     first = np.arange(size)
     x, y = first % image.width, first // image.width
@@ -220,9 +231,7 @@ def _place(
     return x + column - radius, y + line - radius, is_open
 
 
-def _alike(
-    image: _Image, first: Indices, to: Indices, axis: int, onto: int
-) -> Choice:
+def _alike(image: _Image, first: Indices, to: Indices, axis: int, onto: int) -> Choice:
     """Whether pairs look alike, pixel by pixel."""
     seen, rules = image.seen, image.rules
     own = [seen.at(first), seen.at(image.second(first, axis))]
@@ -234,10 +243,14 @@ def _alike(
         apart = apart[:1] if rules.compared == "first" else apart[1:]
     unlike = np.array([c.own for c in apart])
     certain = np.array([c.certain for c in apart])
+    everywhere: Masks = np.all(certain, axis=0)
     if rules.compared == "any":
-        return Choice(~unlike.all(axis=0), certain.all(axis=0))
-    sure_no = (certain & unlike).any(axis=0)
-    return Choice(~unlike.any(axis=0), certain.all(axis=0) | sure_no)
+        some: Masks = ~np.all(unlike, axis=0)
+        return Choice(some, everywhere)
+    refuted: Masks = certain & unlike
+    sure_no: Masks = np.any(refuted, axis=0)
+    both: Masks = ~np.any(unlike, axis=0)
+    return Choice(both, everywhere | sure_no)
 
 
 # ------------------------------------------------ motion
@@ -266,7 +279,10 @@ def judge_pair_motion(
     along = ~down if part.stepped_across else down
     back = second if part.stepped else np.zeros_like(second)
     x, y = x - (back & ~along), y - (back & along)
-    columns, lines = np.where(down, width, width - 1), np.where(down, height - 1, height)
+    columns, lines = (
+        np.where(down, width, width - 1),
+        np.where(down, height - 1, height),
+    )
     inside = (before >= 0) & (x >= 0) & (y >= 0)
     if part.border == "lost":
         inside &= (x < columns) & (y < lines)

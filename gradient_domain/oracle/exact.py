@@ -46,7 +46,7 @@ SIGNS = {"plus": 1, "minus": -1, "both": 0}
 
 ROUNDINGS = 256
 """Of one contribution, in units of half an eps: W and its parts have some 60
-operations, in any order, and the weakest difference is a sixth of what it is made of."""
+operations in any order, and no difference is below a sixth of what it is made of."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,7 +55,7 @@ class CellSamples:
 
     Attributes
     ----------
-    pair : int
+    pair : int; which of `PAIRS`
     k, cell : (N,) int; the cell of x, or `NOTHING`
     """
 
@@ -72,7 +72,8 @@ class CellSamples:
     @property
     def lit(self) -> Masks:
         """Whether there is a base path, (N,) bool."""
-        return (self.cell != NOTHING) & (self.measure > 0)
+        found: Masks = (self.cell != NOTHING) & (self.measure > 0)
+        return found
 
     @property
     def measure(self) -> Scalars:
@@ -106,7 +107,7 @@ class CellSamples:
         return found
 
     def at(self, pair: int) -> "CellSamples":
-        """The same cells as samples of another pair; nothing where it has no such one."""
+        """The same cells as samples of another pair; nothing where it has none."""
         there = CellSamples(pair, self.k, self.cell)
         cell = np.where(self.lit & there.lit, self.cell, NOTHING)
         return CellSamples(pair, self.k, cell)
@@ -118,7 +119,16 @@ def _padded(table: Scalars) -> Scalars:
 
 
 def ratio(above: Scalars, below: Scalars) -> Scalars:
-    """Quotient, and 0 over 0."""
+    """Quotient, and 0 where the divisor is.
+
+    Parameters
+    ----------
+    above, below : (N,) or (N, K)
+
+    Returns
+    -------
+    (N,) or (N, K)
+    """
     found: Scalars = np.divide(above, below, out=np.zeros(below.shape), where=below > 0)
     return found
 
@@ -131,7 +141,7 @@ def difference_of(pair: int) -> Vec3s:
 
 
 def exact_probes(precision: Precision) -> list[Probe]:
-    """Expectations of new samples, of reuse and of estimates; no right backend fails."""
+    """Expectations of new samples, of reuse and of estimates, of level L1."""
     found = [
         _initial(pair, sign, precision) for pair in (0, 1) for sign in ("plus", "minus")
     ]
@@ -237,7 +247,9 @@ def _estimate(pair: int, reservoirs: str, precision: Precision) -> Probe:
     drawn = _drawn(pair)
     signs = (1, -1) if reservoirs == "two" else (0, 0)
     size, probability = len(drawn.W), drawn.probability
-    line, kept, W = np.arange(size), [], []
+    line = np.arange(size)
+    kept: list[Indices] = []
+    W: list[Scalars] = []
     for sign in signs:
         w = np.stack([s.target(sign) for s in drawn.samples], axis=1) * drawn.W
         share = ratio(w, np.broadcast_to(w.sum(axis=1, keepdims=True), w.shape))
@@ -374,7 +386,10 @@ def _tables(made: list[CellSamples], W: Scalars, c: int) -> dict[str, Scalars]:
         "k_from": np.stack([s.k for s in made], axis=1).astype(np.uint32),
         "jacobian": _jacobians(made, here),
         "jacobian_at": np.stack(
-            [_jacobians([s] * len(made), of_s) for s, of_s in zip(here, at, strict=True)],
+            [
+                _jacobians([s] * len(made), of_s)
+                for s, of_s in zip(here, at, strict=True)
+            ],
             axis=1,
         ),
     }

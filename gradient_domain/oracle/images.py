@@ -3,7 +3,7 @@
 A solver is judged by what it leaves, never by how it gets there.  Least squares leave
 a residual of the normal equations; least absolute values a sum that is held against
 the smallest one known, and this one against a dual bound, which proves how small it
-could be [Boyd04, section 5.1].
+could be [Boyd11].
 """
 
 from collections.abc import Callable
@@ -85,7 +85,7 @@ def neighbors_in(
 
     Parameters
     ----------
-    size : int; pixels
+    size : int; N, of an image
     down : bool; along columns
 
     Returns
@@ -125,7 +125,7 @@ class Problem:
 
 
 def _steps(case: Case, down: bool, rules: PairRules) -> csr_array:
-    """Differences of all pixels along an axis, (N, N); rows of 0 where there is none."""
+    """Differences of all pixels along an axis, (N, N); 0 where there is none."""
     width, size = int(case.settings["width"]), case.rows
     before, after, exists = neighbors_in(size, width, down, rules)
     row = np.flatnonzero(exists)
@@ -161,7 +161,11 @@ def problem_of(case: Case, rules: PairRules) -> Problem:
     weight = {"squared": alpha, "plain": np.sqrt(alpha), "twice": alpha**2, "one": 1.0}
     a = weight[rules.alpha]
     on_pixels, on_differences = (a, 1.0) if rules.alpha_on == "pixels" else (1.0, a)
-    rows = [eye_array(case.rows) * on_pixels, D_x * on_differences, D_y * on_differences]
+    rows = [
+        eye_array(case.rows) * on_pixels,
+        D_x * on_differences,
+        D_y * on_differences,
+    ]
     b = np.concatenate([on_pixels * P, on_differences * x, on_differences * y])
     if rules.edges == "black":
         rows.append(_borders(case))
@@ -180,7 +184,9 @@ def judge_poisson_l2(
 ) -> Judgement:
     """Judge pass ``poisson_l2``: by the residual of the normal equations."""
     part = pairing(rules)
-    return _least_squares(case, outputs, part, precision, float(case.settings["residual"]))
+    return _least_squares(
+        case, outputs, part, precision, float(case.settings["residual"])
+    )
 
 
 def _least_squares(
@@ -247,14 +253,14 @@ class LeastSum:
 
 
 SWEEPS = 1500
-"""Of alternation; with fewer some cases would not have a bound as close as asked for."""
+"""Of alternation, at most: it ends where the bound is close enough."""
 
 
 def least_sum(p: Problem) -> LeastSum:
     """Minimize Σ |A I − b| by alternating directions, with a sparse factorization.
 
     Multipliers y with Aᵀ y = 0 and |y| ≤ 1 in each row prove Σ |A I − b| ≥ −b · y for
-    every image: [Boyd04, section 5.1.6].
+    every image: [Boyd11, section 6.1].
     """
     solve: Callable[[Vec3s], Vec3s] = splu(csc_array(p.A.T @ p.A)).solve
     image = solve(p.A.T @ p.b)
@@ -289,7 +295,10 @@ def _dual(p: Problem, y: Vec3s, solve: Callable[[Vec3s], Vec3s]) -> float:
 
 @lru_cache(maxsize=64)
 def _least_sum(
-    case_bytes: bytes, shape: tuple[int, int], settings: tuple[float, ...], rules: PairRules
+    case_bytes: bytes,
+    shape: tuple[int, int],
+    settings: tuple[float, ...],
+    rules: PairRules,
 ) -> LeastSum:
     """By content: the same case is asked for many times."""
     arrays = np.frombuffer(case_bytes).reshape((3, *shape))
@@ -303,9 +312,7 @@ def least_sum_of(case: Case, rules: PairRules) -> LeastSum:
     """The smallest sum for a case."""
     arrays = [case.inputs[n].astype(float) for n in ("primal", "dx", "dy")]
     settings = float(case.settings["width"]), float(case.settings["alpha"])
-    return _least_sum(
-        np.stack(arrays).tobytes(), arrays[0].shape, settings, rules
-    )
+    return _least_sum(np.stack(arrays).tobytes(), arrays[0].shape, settings, rules)
 
 
 def judge_poisson_l1(

@@ -55,7 +55,9 @@ def _known(
     **rules: Any,
 ) -> Hypothesis:
     part = PairRules(**rules)
-    return mistake(name, what, wrong, right, passes, *seen, departure=departure, part=part)
+    return mistake(
+        name, what, wrong, right, passes, *seen, departure=departure, part=part
+    )
 
 
 VALUE_MISTAKES = (
@@ -115,7 +117,7 @@ VALUE_MISTAKES = (
 SHARE_MISTAKES = (
     _known(
         "pair-weight-one-half",
-        "both ways to draw two paths count one half, whatever their densities: more noise",
+        "both ways to draw two paths count one half, whatever their densities",
         "omega = 1/2",
         OMEGA,
         SHARES,
@@ -232,7 +234,7 @@ TARGET_MISTAKES = (
     ),
     _known(
         "pair-whole-in-each-sign",
-        "a reservoir of a sign adds all of its sample: what has both signs counts twice",
+        "a reservoir of a sign adds all of its sample: mixed ones count twice",
         "contribution = H",
         PART,
         ("pair_estimate",),
@@ -332,7 +334,7 @@ ESTIMATE_MISTAKES = (
         "delta = contribution_0 · W_0 + contribution_1 · W_0",
         DELTA,
         ("pair_estimate", "after_estimate"),
-        own_W=False,
+        own_weight=False,
     ),
     _known(
         "pair-second-left-out",
@@ -584,7 +586,7 @@ EDGE_MISTAKES = (
     ),
     _known(
         "edge-depth-of-the-first",
-        "depths are relative to the first pixel, as it is printed: the pair has an order",
+        "depths are relative to the first pixel, as it is printed",
         "|depth_a − depth_b| > 0.1 · depth_a",
         EDGE,
         EDGES,

@@ -104,7 +104,7 @@ def _value(
     return PairValue(k.astype(np.int8), _placed(base), offset, inner, signs)
 
 
-def _column(given: Given, c: int, names: tuple[str, ...] = ()) -> dict[str, Array]:
+def _column(given: Given, c: int, names: tuple[str, ...] = ()) -> dict[str, Any]:
     """Of buffers with a column for each k, or for each slot."""
     names = names or ("k", "base", "offset", "inner")
     return {n: given[n][:, c] for n in names if n in given}
@@ -113,7 +113,7 @@ def _column(given: Given, c: int, names: tuple[str, ...] = ()) -> dict[str, Arra
 # ------------------------------------------------ samples
 
 
-def _pair_value(precision: Precision, **sample: Array) -> Outputs:
+def _pair_value(precision: Precision, **sample: Any) -> Outputs:
     return {"G": as_real(precision, difference(_value(**sample)))}
 
 
@@ -123,7 +123,7 @@ def _pair_weight(
     return {"omega": as_real(precision, share_of_base(p_base, p_offset, inner))}
 
 
-def _pair_target(precision: Precision, sign: str, **sample: Array) -> Outputs:
+def _pair_target(precision: Precision, sign: str, **sample: Any) -> Outputs:
     value = _value(**sample, sign=SIGNS[sign])
     found = {"contribution": contribution(value), "p_hat": target(value)}
     return {name: as_real(precision, array) for name, array in found.items()}

@@ -113,7 +113,7 @@ def judge_pair_estimate(
     if part.plus_alone:
         signs = signs[:1]
     terms = [
-        times(added_by(s[c], sign, part), W[:, c if part.own_W else 0])
+        times(added_by(s[c], sign, part), W[:, c if part.own_weight else 0])
         for c, sign in enumerate(signs)
     ]
     delta = total(terms)
@@ -134,7 +134,7 @@ def judge_after_estimate(
         if part.densities:
             p = q = constant(1.0, s.inner)
         share = share_of(p, q, s.inner, part)
-        own = W[:, c if part.own_W else 0]
+        own = W[:, c if part.own_weight else 0]
         terms.append(times(differing(s, part, share), own))
     delta = total(terms[:1] if part.plus_alone else terms)
     return Judgement(
@@ -306,9 +306,7 @@ def judge_pair_reuse(
             beside("M", outputs["M"], M),
         ),
         {"sum of w": S.value, "Z": Z.value, "open": unsure.astype(float)},
-        Decisions(
-            illegal, int((differs & looked_at).sum()), left_open(slots, sums)
-        ),
+        Decisions(illegal, int((differs & looked_at).sum()), left_open(slots, sums)),
         case.random,
     )
 
@@ -336,7 +334,9 @@ def _tables(
         for k in range(size)
     ]
     if part.rebuilt != "all":
-        at_here = [_carried(h, s, part) for h, s in zip(at_here, at_source, strict=True)]
+        at_here = [
+            _carried(h, s, part) for h, s in zip(at_here, at_source, strict=True)
+        ]
     J = [given["jacobian"][:, k] for k in range(size)]
     base = [target_of(s, sign, part) for s in at_source]
     here = [
@@ -379,7 +379,9 @@ def _open(p: Bounded) -> Masks:
     return found
 
 
-def _carried(here: BoundedSample, made: BoundedSample, part: PairRules) -> BoundedSample:
+def _carried(
+    here: BoundedSample, made: BoundedSample, part: PairRules
+) -> BoundedSample:
     """Samples with what is not rebuilt from where they come from."""
     offset = here.offset if part.rebuilt == "value" else made.offset
     inner = here.inner if part.rebuilt == "jacobian" else made.inner
@@ -393,7 +395,7 @@ def _at_others(
     part: PairRules,
     rounding: Rounding,
 ) -> Bounded:
-    """Target of the sample of each slot at each source, times the Jacobian, (N, K, K)."""
+    """Target of each slot's sample at each source, times the Jacobian, (N, K, K)."""
     shape = case.inputs["jacobian_at"].shape
     flat = {
         name: case.inputs[name].reshape(-1, *case.inputs[name].shape[3:])

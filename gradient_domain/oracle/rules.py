@@ -28,7 +28,7 @@ class PairRules:
     part : 'own', 'other', 'whole' or 'of the luminance'
         What a reservoir of a sign adds: its part by channel, that of the other sign,
         all of H, or all channels of H where its luminance has the sign.
-    minus : 'subtracted' or 'added'
+    minus : 'subtracted' or 'added'; sign of what the reservoir of minus adds
     signed_target : bool; p̂ is of the reservoir's sign, not of the whole magnitude
     candidate : float; MIS weight of a new candidate
     candidates : int; M of a new reservoir
@@ -37,7 +37,7 @@ class PairRules:
     first_target : bool; W is divided by the target of k = 0, whatever is kept
     u_turned : bool; 1 − u decides
     shown : 'weighted' or 'unweighted'; whether what a reservoir adds has ω
-    own_W : bool; each sign's sample has its own W, not that of plus
+    own_weight : bool; each sign's sample has its own W, not that of plus
     plus_alone : bool; the reservoir of minus is left out
     one_is_both : bool; a reservoir of both signs adds both
     offset_pixel : 'other' or 'own'; where the offset path goes
@@ -46,23 +46,25 @@ class PairRules:
     k_kept : bool; k remains
     rebuilt : 'all', 'value', 'jacobian' or 'nothing'; what of the offset path is
     outer : 'base', 'times inner', 'none' or 'over'; outer Jacobian
-    reuse : ReuseRules; of resampling
+    reuse : ReuseRules; what is resampled with, beside targets
     inverse_signed : bool; what others could make is of the sign
     carried_at_others : bool; it has the offset paths from here
-    normals : 'below', 'above', 'absolute' or 'ignored'
-    albedos : 'any channel', 'signed', 'luminance' or 'ignored'
+    normals : 'below', 'above', 'absolute' or 'ignored'; where cosines make an edge
+    albedos : 'any channel', 'signed', 'luminance' or 'ignored'; what differs
     depths : 'larger', 'first', 'second', 'absolute' or 'ignored'
+        What a difference is held against.
     every : bool; all three have to differ
     lone_hit : bool; a pixel that sees a point beside one that does not is an edge
     compared : 'both', 'first', 'second', 'any' or 'crossed'; of pairs that are alike
     edges_alone : bool; whether the pair found has to be an edge
     interior : bool; pairs that are no edge look for one too
-    taken : 'first' or 'last'; of the tries
+    taken : 'first' or 'last'; which of several tries that are alike
     itself : bool; a pair may find itself
     square : 'lines', 'columns' or 'disc'; how places are counted
     border : 'lost' or 'clamped'; tries outside of the image
     other_axis : bool; the pair found is of the other axis
-    pivot : 'nearer', 'farther', 'first' or 'depth alone'
+    pivot : 'nearer', 'farther', 'first', 'either' or 'depth alone'
+        Pixel that a pair moves with; 'either': the second where both are alike.
     stepped : bool; the second pixel's place is brought to the first
     stepped_across : bool; along the other axis
     emission : bool; emission is in what the image is made of
@@ -70,14 +72,15 @@ class PairRules:
     forward : bool; differences of pairs change their sign
     exchanged : bool; axes are exchanged
     border_kept : bool; differences at the border are kept
-    differences : 'forward', 'backward', 'central', 'reversed' or 'periodic'
-    alpha : 'squared', 'plain' or 'twice'; on P in the normal equations
-    alpha_on : 'pixels' or 'differences'
-    divergence : bool; with its sign
+    differences : 'forward', 'backward', 'reversed' or 'periodic'
+        Between which pixels they lie, or with which sign.
+    alpha : 'squared', 'plain', 'twice' or 'one'; on P in the normal equations
+    alpha_on : 'pixels' or 'differences'; rows that it weighs
+    divergence : bool; whether it has its sign
     edges : 'open', 'periodic' or 'black'; what lies outside of the image
     mixed : bool; channels are solved as their luminance
     added : bool; P is added to the image once more
-    norm : 'asked' or 'squares'
+    norm : 'asked' or 'squares'; which sum is the least
     """
 
     inner: str = "times"
@@ -99,7 +102,7 @@ class PairRules:
     first_target: bool = False
     u_turned: bool = False
     shown: str = "weighted"
-    own_W: bool = True
+    own_weight: bool = True
     plus_alone: bool = False
     one_is_both: bool = True
     offset_pixel: str = "other"

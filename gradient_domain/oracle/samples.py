@@ -1,6 +1,7 @@
 """Formulas of samples of pairs, on numbers with error bounds."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -49,12 +50,13 @@ def sample_in(
     ----------
     at : tuple; place in the columns
     """
+    place: Any = (slice(None), *at)
     base, offset, inner = (
-        exact(inputs[f"{name}{suffix}"][(slice(None), *at)], rounding)
+        exact(inputs[f"{name}{suffix}"][place], rounding)
         for name in ("base", "offset", "inner")
     )
     k = inputs.get(f"k{suffix}")
-    second = k[(slice(None), *at)] == 1 if k is not None else np.zeros(len(base.value))
+    second = k[place] == 1 if k is not None else np.zeros(len(base.value))
     return BoundedSample(np.asarray(second, bool), base, offset, inner)
 
 

@@ -556,7 +556,9 @@ PAIR_WAYS: dict[str, dict[str, tuple[Way, ...]]] = {
             "edge-albedo-signed", "edge-albedo-luminance", "edge-albedo-not-compared"
         ),
         "a cosine below 0.9": known(
-            "edge-normals-above", "edge-normals-either-side", "edge-normals-not-compared"
+            "edge-normals-above",
+            "edge-normals-either-side",
+            "edge-normals-not-compared",
         ),
         "depths relative to the larger one": known(
             "edge-depth-of-the-first",

@@ -1,4 +1,4 @@
-"""The passes of pairs and images: who is right passes, whoever they are; others do not."""
+"""The passes of pairs and images: who is right passes, and nobody else does."""
 
 from dataclasses import replace
 from functools import cache
@@ -108,7 +108,7 @@ def backend_with(mistakes):
     for probe in probes("float32"):
         name = probe.case.pass_name
 
-        def answer(name=name, **given):
+        def answer(probe=probe, name=name, **given):
             settings = {s.name for s in PASSES[name].settings}
             held = {k: v for k, v in given.items() if k not in settings}
             asked = {k: v for k, v in given.items() if k in settings}
@@ -138,7 +138,10 @@ def test_samples_of_one_sign_of_luminance_have_to_be_shown_whole(where):
     """Else what their channels have of the other sign is lost."""
     backend = backend_with({where: "pair-split-by-luminance"})
     assert judge(backend, 60.0, statistics=False).status == "FAIL"
-    both = {where: "pair-split-by-luminance", "pair_estimate": "pair-shown-by-luminance"}
+    both = {
+        where: "pair-split-by-luminance",
+        "pair_estimate": "pair-shown-by-luminance",
+    }
     assert judge(backend_with(both), 60.0, statistics=False).status == "PASS"
 
 
@@ -162,7 +165,7 @@ def test_what_is_no_known_mistake_is_judged_all_the_same(name):
         settings = {s.name for s in PASSES[name].settings}
         held = {k: v for k, v in given.items() if k not in settings}
         asked = {k: v for k, v in given.items() if k in settings}
-        some = case_of(next(p for p in probes("float32") if p.case.pass_name == name).case.name)
+        some = next(p.case for p in probes("float32") if p.case.pass_name == name)
         return scaled(replace(some, inputs=held, settings=asked))
 
     verdict = judge(
@@ -188,7 +191,7 @@ def test_the_truth_of_the_lattice_is_the_integral(pair):
 
 
 def test_the_lattice_has_what_it_is_to_have():
-    """Differences of both signs, and shifts that fail on either side, inner and outer."""
+    """Differences of both signs, and shifts of both kinds that fail on either side."""
     signs = np.sign([exact.difference_of(pair) for pair in (0, 1)])
     assert {1.0, -1.0} <= set(signs.ravel())
     lit = exact.MU > 0

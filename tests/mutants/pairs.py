@@ -477,8 +477,8 @@ BIASES = [
         "the second path is subtracted",
         (),
         AFTER,
-        "return i + j",
-        "return i - j",
+        "found: Vec3s = i + j",
+        "found: Vec3s = i - j",
         ("pair-second-sign-not-turned",),
     ),
     Mutant(

@@ -68,7 +68,9 @@ def _signed(k: Array, base: Array, offset: Array, J: Array, w: Array, m: str) ->
     if m == "pair-alone-dropped":
         found = np.where((J > 0)[..., None], found, 0 * found)
     second = (k == 1) & (m != "pair-second-sign-not-turned")
-    return np.where((second != (m == "pair-difference-reversed"))[..., None], -found, found)
+    return np.where(
+        (second != (m == "pair-difference-reversed"))[..., None], -found, found
+    )
 
 
 def _H(k: Array, base: Array, offset: Array, J: Array, m: str) -> Array:
@@ -246,7 +248,9 @@ def _pair_reuse(i: Given, s: Given, m: str) -> dict[str, Array]:
     if m == "pair-reuse-nulls-not-counted":
         M = np.where(W > 0, M, 0)
     J = i["jacobian"].copy()
-    made = np.stack([_p_hat(_sample(i, q, suffix="_from"), sign, m) for q in range(K)], 1)
+    made = np.stack(
+        [_p_hat(_sample(i, q, suffix="_from"), sign, m) for q in range(K)], 1
+    )
     moved = []
     for q in range(K):
         k, base, offset, inner = _sample(i | {"k": i["k_from"]}, q)
@@ -509,7 +513,7 @@ def _differences(i: Given, s: Given, m: str) -> dict[str, Array]:
     return {"dx": x, "dy": y}
 
 
-class _Rows:
+class _RowsByHand:
     """Rows of a problem as functions of an image, without a matrix."""
 
     def __init__(self, i: Given, s: Given, m: str) -> None:
@@ -612,7 +616,7 @@ def _conjugate_gradients(
 
 
 def _poisson_l2(i: Given, s: Given, m: str) -> dict[str, Array]:
-    rows = _Rows(i, s, m)
+    rows = _RowsByHand(i, s, m)
     right = rows.adjoint(rows.right)
     enough = 0.5 * s.get("residual", 1e-4)
     image = _conjugate_gradients(rows.normal, right, i["primal"], 500, enough)
@@ -624,7 +628,7 @@ def _poisson_l1(i: Given, s: Given, m: str) -> dict[str, Array]:
     i = {name: a.astype(float) for name, a in i.items()}
     if m == "poisson-squares-for-absolute-values":
         return _poisson_l2(i, {**s, "residual": 1e-6}, "")
-    rows, image = _Rows(i, s, m), i["primal"]
+    rows, image = _RowsByHand(i, s, m), i["primal"]
     for sweep in range(25):
         off = [a - b for a, b in zip(rows.apply(image), rows.right, strict=True)]
         mean = np.mean([np.sqrt((r * r).sum(axis=1)).mean() for r in off])
@@ -634,7 +638,7 @@ def _poisson_l1(i: Given, s: Given, m: str) -> dict[str, Array]:
         ]
         right = rows.adjoint([b * w for b, w in zip(rows.right, weights, strict=True)])
         image = _conjugate_gradients(
-            lambda I, w=weights: rows.normal(I, w), right, image, 60, 1e-5
+            lambda x, w=weights: rows.normal(x, w), right, image, 60, 1e-5
         )
     return {"color": image + i["primal"] if m == "poisson-primal-added" else image}
 

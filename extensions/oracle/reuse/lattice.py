@@ -79,7 +79,16 @@ def _tables(cells: Indices, c: int) -> dict[str, Scalars]:
 
 
 def stream_weights(t: dict[str, Scalars], mis: str, c: int) -> Scalars:
-    """Weights w_k of the contract's stream, of sources with the same M in all rows."""
+    """Weights w_k of the contract's stream, of sources with the same M in all rows.
+
+    Parameters
+    ----------
+    t : dict of str to (R, K) or (R, K, K) array; tables of pass ``path_reuse``
+
+    Returns
+    -------
+    (R, K) float64
+    """
     m = np.array(t["M"])
     if mis in ("pairwise", "defensive"):
         trust = m[0]
@@ -102,7 +111,17 @@ def _ratio(above: Scalars, below: Scalars) -> Scalars:
 
 
 def sides(w: Scalars) -> tuple[Indices, Scalars, Scalars]:
-    """Row that each line belongs to, its numbers u, and its share of the row."""
+    """Both sides of each decision of a stream.
+
+    Parameters
+    ----------
+    w : (R, K) float64; weights
+
+    Returns
+    -------
+    (L,) int, (L, K) float64, (L,) float64
+        Row that each line belongs to, its numbers u, and its share of the row.
+    """
     sums = np.cumsum(w, axis=1)[:, 1:]
     threshold = _ratio(w[:, 1:], sums)
     lines, numbers, shares = [], [], []
