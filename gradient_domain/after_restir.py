@@ -1,6 +1,6 @@
 """Gradient after ReSTIR: paths that Area ReSTIR has kept, shifted to neighbours."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from restir_gi.extensions.area_restir import area_drawn, area_reused
 from restir_gi.extensions.frame_loop import PathFrame, path_frames
@@ -17,6 +17,7 @@ from restir_gi.gradient_domain.settings import AfterSettings
 from restir_gi.reference.frame import FrameContext
 from restir_gi.reference.numerics.arrays import Vec3s
 from restir_gi.reference.numerics.schedule import Schedule
+from restir_gi.reference.resampling.reservoir import Reservoirs
 from restir_gi.reference.resampling.target import luminance
 from restir_gi.reference.scene.animation import Animation
 from restir_gi.reference.transport.world import World
@@ -44,9 +45,22 @@ def _frame(frame: FrameContext[AfterSettings], last: PathFrame | None) -> Gradie
     # Eq. 10.
     kept = area_reused(frame, last, lambda r: area_drawn(frame, r))
     both = paired_both(frame, kept, pairs)
+    return gradient_frame(frame, kept, pairs, estimate_after(both))
+
+
+def estimate_after(both: Iterable[Reservoirs]) -> Vec3s:
+    """Differences of pairs, by the resampled paths of their pixels, (P, 3).
+
+    [Wang25, Eq. 12].
+
+    Parameters
+    ----------
+    both : two Reservoirs; those of k = 0, and of k = 1
+    """
     # Eq. 12; G has the sign of the difference for k = 1, too.
     i, j = (one_sided(r.y.value) * r.W[:, None] for r in both)
-    return gradient_frame(frame, kept, pairs, i + j)
+    found: Vec3s = i + j
+    return found
 
 
 def one_sided(value: PairValue) -> Vec3s:

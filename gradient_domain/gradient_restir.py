@@ -10,7 +10,7 @@ it goes its offset path T(x) in the other pixel.  What is computed from samples 
 runs on any dtype.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -515,34 +515,62 @@ def edge_neighbors(frame: FrameContext[GradientSettings], pairs: Pairs) -> Indic
     (P,) int; row of a pair; ``NONE`` where none was found, and for interior pairs
     """
     visible, tries = frame.visible, frame.settings.tries
-    i, j = pairs.first, pairs.second
-    is_edge = unlike(visible, i, j)
+    is_edge = unlike(visible, pairs.first, pairs.second)
     edges = np.flatnonzero(is_edge)
     uniforms = frame.uniforms(Stream.SEARCH, slice(0, len(pairs)))
 
+    def drawn(rows: Indices, first: int, count: int) -> Indices:
+        u = np.concatenate(_numbers(uniforms.rows(rows), first // 4, count))
+        return draw_around(frame, pairs, np.tile(rows, count), u)
+
     def search(rows: slice) -> Indices:
-        found = np.full(len(edges[rows]), NONE)
-        for first in range(0, tries, AT_ONCE):
-            searching = np.flatnonzero(found == NONE)
-            if len(searching) == 0:
-                break
-            own, count = edges[rows][searching], min(AT_ONCE, tries - first)
-            u = np.concatenate(_numbers(uniforms.rows(own), first // 4, count))
-            own = np.tile(own, count)
-            other = draw_around(frame, pairs, own, u)
-            at = np.flatnonzero((other != NONE) & is_edge[other])
-            own, other = own[at], other[at]
-            apart = unlike(visible, i[own], i[other])
-            apart |= unlike(visible, j[own], j[other])
-            at, other = at[~apart], other[~apart]
-            # Tries follow one another: the first of each row is that of its first slot.
-            row, slot = np.unique(at % len(searching), return_index=True)
-            found[searching[row]] = other[slot]
-        return found
+        return first_alike(visible, pairs, is_edge, edges[rows], tries, drawn)
 
     neighbor = np.full(len(pairs), NONE)
     neighbor[edges] = in_bands(frame.schedule, len(edges), search)
     return neighbor
+
+
+def first_alike(
+    visible: VisiblePoints,
+    pairs: Pairs,
+    is_edge: Masks,
+    rows: Indices,
+    tries: int,
+    drawn: Callable[[Indices, int, int], Indices],
+) -> Indices:
+    """For each of K edge pairs the first of its tries that is one too, and looks alike.
+
+    Parameters
+    ----------
+    is_edge : (P,) bool; of ``pairs``
+    rows : (K,) int; of the edge pairs
+    drawn : callable
+        From rows, the number of a try and a count of tries to rows of pairs, or
+        ``NONE``, try after try.
+
+    Returns
+    -------
+    (K,) int; row of a pair, or ``NONE``
+    """
+    i, j = pairs.first, pairs.second
+    found = np.full(len(rows), NONE)
+    for first in range(0, tries, AT_ONCE):
+        searching = np.flatnonzero(found == NONE)
+        if len(searching) == 0:
+            break
+        own, count = rows[searching], min(AT_ONCE, tries - first)
+        other = drawn(own, first, count)
+        own = np.tile(own, count)
+        at = np.flatnonzero((other != NONE) & is_edge[other])
+        own, other = own[at], other[at]
+        apart = unlike(visible, i[own], i[other])
+        apart |= unlike(visible, j[own], j[other])
+        at, other = at[~apart], other[~apart]
+        # Tries follow one another: the first of each row is that of its first slot.
+        row, slot = np.unique(at % len(searching), return_index=True)
+        found[searching[row]] = other[slot]
+    return found
 
 
 def _spatial(
@@ -607,6 +635,19 @@ class GradientFrame(PathFrame):
         return np.concatenate([self.color, d.x, d.y], axis=1)
 
 
+def shaded(value: Vec3s, W: Scalars) -> Vec3s:
+    """Indirect light of N pixels by their own samples, before an image is made, (N, 3).
+
+    Emission seen directly is added to the image: no lamp's edge is reconstructed.
+
+    Parameters
+    ----------
+    value : (N, 3); contribution f / p of each sample
+    """
+    found: Vec3s = value * W[:, None]
+    return found
+
+
 def gradient_frame(
     frame: FrameContext[PathSettings],
     primal: Reservoirs,
@@ -627,7 +668,7 @@ def gradient_frame(
         world=frame.world,
         visible=frame.visible,
         reservoirs=primal,
-        color=primal.y.paths.value * primal.W[:, None],
+        color=shaded(primal.y.paths.value, primal.W),
         differences=as_differences(pairs, delta, frame.pixels),
         pairs=kept or {},
     )

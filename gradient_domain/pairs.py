@@ -119,11 +119,30 @@ def draw_around(
     """
     s, camera = frame.settings, frame.world.camera
     radius = int(max(s.radius * camera.width, s.min_radius))
+    return pair_in_square(pairs, rows, u, radius, camera.width, camera.height)
+
+
+def pair_in_square(
+    pairs: Pairs, rows: Indices, u: Scalars, radius: int, width: int, height: int
+) -> Indices:
+    """A pair of the same axis, at most ``radius`` columns and lines away from K pairs.
+
+    Parameters
+    ----------
+    rows : (K,) int; of ``pairs``, which are all of an image
+    u : (K,); in [0, 1): places of the square follow one another line by line
+
+    Returns
+    -------
+    (K,) int
+        Row of a pair, or ``NONE`` where it leads out of the image, or is the pair
+        itself.
+    """
     side = 2 * radius + 1
     place = np.floor(u * side**2).astype(np.int64)
-    y, x = np.divmod(pairs.first[rows], camera.width)
+    y, x = np.divmod(pairs.first[rows], width)
     x, y = x + place % side - radius, y + place // side - radius
-    found = pair_at(pairs.axis[rows], x, y, camera.width, camera.height)
+    found = pair_at(pairs.axis[rows], x, y, width, height)
     return np.where(found == rows, NONE, found)
 
 
@@ -156,16 +175,32 @@ def pair_windows(
     """
     camera = last.world.camera
     pivot = pivots(pairs, frame.visible)
+    found = []
+    for part in windows(frame, last, pivot):
+        rows = pairs_before(pairs, pivot, part.rows, camera.width, camera.height)
+        share = np.where(rows != NONE, part.share, 0.0)
+        found.append(Window(rows, part.dx, part.dy, share))
+    return found
+
+
+def pairs_before(
+    pairs: Pairs, pivot: Indices, rows: Indices, width: int, height: int
+) -> Indices:
+    """Pairs of the last frame that have a pixel where K pairs have their pivot.
+
+    Parameters
+    ----------
+    pivot : (K,) int; row of the image, of either pixel of each pair
+    rows : (K,) int; where the pivot was in the last frame, or ``NONE``
+
+    Returns
+    -------
+    (K,) int; row of a pair, or ``NONE`` where the pivot or its neighbour was nowhere
+    """
     second = pivot != pairs.first
     back_x, back_y = (
         np.where(second, step, 0).astype(np.int64) for step in (pairs.dx, pairs.dy)
     )
-    found = []
-    for part in windows(frame, last, pivot):
-        y, x = np.divmod(part.rows, camera.width)
-        size = camera.width, camera.height
-        rows = pair_at(pairs.axis, x - back_x, y - back_y, *size)
-        rows = np.where(part.rows != NONE, rows, NONE)
-        share = np.where(rows != NONE, part.share, 0.0)
-        found.append(Window(rows, part.dx, part.dy, share))
-    return found
+    y, x = np.divmod(rows, width)
+    found = pair_at(pairs.axis, x - back_x, y - back_y, width, height)
+    return np.where(rows != NONE, found, NONE)

@@ -8,6 +8,7 @@ from restir_gi.reference.cli.opening import open_named
 from restir_gi.reference.cli.targets import new_folder
 from restir_gi.reference.cli.values import MOST_SAMPLES, MOST_SEED, amount, whole
 from restir_gi.reference.methods import Job, method_named
+from restir_gi.reference.methods.method import preset_values
 from restir_gi.reference.methods.path import PathTracerSettings
 from restir_gi.reference.numerics.moments import Moments
 from restir_gi.reference.numerics.schedule import Schedule
@@ -24,7 +25,6 @@ from restir_gi.reference.reports.tradeoff.knobs import (
     usable,
 )
 from restir_gi.reference.reports.tradeoff.page import write_results
-from restir_gi.reference.methods.method import preset_values
 from restir_gi.reference.reports.tradeoff.points import Design, settings_of
 from restir_gi.reference.reports.tradeoff.report import as_plain, table
 from restir_gi.reference.reports.tradeoff.results import Results

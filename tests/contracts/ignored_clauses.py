@@ -423,6 +423,238 @@ def _scatters(where):
     }
 
 
+def _nothing_arrives(asked):
+    return asked.right["W"] == 0
+
+
+SUPPORTS = "pair-reuse-one-over-m", "pair-reuse-z-of-everybody"
+CARRIED = (
+    "outer-shift-offset-carried",
+    "outer-shift-value-carried",
+    "outer-shift-inner-carried",
+)
+SOLVED = {
+    "nothing leads out of the image": known("poisson-periodic"),
+    "alpha is on the pixels": known("poisson-alpha-on-differences"),
+    "differences are to the right and down": known(
+        "differences-backward", "poisson-divergence-sign"
+    ),
+}
+
+PAIR_WAYS: dict[str, dict[str, tuple[Way, ...]]] = {
+    "pair_value": {
+        "the offset path has the Jacobian once": known(
+            "pair-inner-jacobian-left-out",
+            "pair-inner-jacobian-divides",
+            "pair-inner-jacobian-twice",
+        ),
+        "k = 1 turns the sign": known("pair-second-sign-not-turned"),
+        "the difference is that of i less j": known("pair-difference-reversed"),
+        "a base path alone counts": known("pair-alone-dropped"),
+    },
+    "pair_weight": {
+        "both ways to draw the two paths share": known(
+            "pair-weight-one-half", "pair-weight-left-out", "pair-weight-of-the-offset"
+        ),
+        "the offset path's density has the Jacobian": known(
+            "pair-weight-without-jacobian", "pair-weight-over-jacobian"
+        ),
+        "1 without an offset path": known("pair-alone-halved"),
+        "0 where the base path cannot be": answered(_zero("p_base"), omega=1),
+    },
+    "pair_target": {
+        "H has the weight of the base path": known(
+            "pair-weight-left-out", "pair-target-unweighted", "pair-weight-one-half"
+        ),
+        "reservoirs of a sign have that part alone": known(
+            "pair-target-of-both-signs", "pair-parts-exchanged"
+        ),
+        "the negative part is negative": known("pair-negative-part-added"),
+        "each channel is split by itself": known("pair-split-by-luminance"),
+        "magnitudes are taken before the luminance": known(
+            "pair-target-of-the-sum", "pair-target-of-the-part"
+        ),
+    },
+    "pair_initial": {
+        "each candidate has the weight 1": known("pair-candidates-halved"),
+        "two candidates count as one": known(
+            "pair-candidates-count-twice", "pair-divided-by-candidates"
+        ),
+        "nulls count": known("pair-nulls-not-counted"),
+        "the target is that of the reservoir's sign": known(
+            "pair-target-of-both-signs", "pair-target-of-the-sum"
+        ),
+        "W is divided by the target of what is kept": known("pair-target-of-the-first"),
+        "u decides as in every stream": known("pair-u-turned"),
+        "W = 0 where no weight arrives": answered(_nothing_arrives, W=1),
+    },
+    "inner_shift": {
+        "the offset path is in the other pixel": known("inner-shift-to-the-own-pixel"),
+        "its place moves from the base path's pixel to the other": known(
+            "inner-shift-step-not-turned", "inner-shift-place-stays"
+        ),
+        "0 where the shift does not exist": known("shift-that-fails-has-a-value"),
+    },
+    "outer_shift": {
+        "k remains": known("outer-shift-to-the-other-pixel"),
+        "the Jacobian is that of the base path alone": known(
+            "outer-jacobian-times-inner",
+            "outer-jacobian-left-out",
+            "outer-jacobian-divides",
+        ),
+        "the offset path is rebuilt": known(*CARRIED),
+        "0 where the base path has no place": known("shift-that-fails-has-a-value"),
+    },
+    "pair_reuse": {
+        "the target is that of the pair and sign here": known(
+            "pair-reuse-target-of-the-source", "pair-target-of-both-signs"
+        ),
+        "the offset path is the one rebuilt here": known(*CARRIED),
+        "the outer Jacobian is that of the base path alone": known(
+            "outer-jacobian-times-inner", "outer-jacobian-left-out"
+        ),
+        "supports are those of the sign": known(
+            *SUPPORTS, "pair-reuse-supports-of-both-signs"
+        ),
+        "what others could make is asked with their offset paths": known(
+            "pair-reuse-offset-carried-back"
+        ),
+        "the sum is divided as it is asked for": known(
+            "pair-reuse-one-over-m",
+            "pair-reuse-made-without-jacobian",
+            "pair-reuse-canonical-counts-whole",
+        ),
+        "nulls count": known("pair-reuse-nulls-not-counted"),
+        "slots without a source do not count": known("pair-reuse-empty-slots-counted"),
+        "M is capped on the way out": known("pair-reuse-never-capped"),
+        "u decides as in every stream": known("pair-u-turned"),
+        "W = 0 where no weight arrives": answered(_nothing_arrives, W=1),
+    },
+    "pair_estimate": {
+        "each reservoir adds the part of its sign": known(
+            "pair-whole-in-each-sign", "pair-parts-exchanged", "pair-shown-by-luminance"
+        ),
+        "the negative part is subtracted": known("pair-negative-part-added"),
+        "each sample has the W of its reservoir": known("pair-weight-of-plus-for-both"),
+        "the contribution has the weight of the base path": known(
+            "pair-shown-without-weight", "pair-weight-one-half"
+        ),
+        "one reservoir stands for both signs": known("pair-one-reservoir-read-as-two"),
+    },
+    "after_estimate": {
+        "targets stand in the place of densities": known("after-densities-for-targets"),
+        "the offset path's target has the Jacobian": known(
+            "pair-weight-without-jacobian", "pair-weight-over-jacobian"
+        ),
+        "both paths are added, with the sign of k": known(
+            "pair-second-left-out", "pair-second-sign-not-turned"
+        ),
+        "each path has its own W": known("pair-weight-of-plus-for-both"),
+    },
+    "edge_pair": {
+        "any channel of the albedo, in absolute value": known(
+            "edge-albedo-signed", "edge-albedo-luminance", "edge-albedo-not-compared"
+        ),
+        "a cosine below 0.9": known(
+            "edge-normals-above",
+            "edge-normals-either-side",
+            "edge-normals-not-compared",
+        ),
+        "depths relative to the larger one": known(
+            "edge-depth-of-the-first",
+            "edge-depth-of-the-second",
+            "edge-depth-in-metres",
+            "edge-depth-not-compared",
+        ),
+        "any of the three is enough": known("edge-all-three"),
+        "1 where one pixel alone sees a point": known("edge-lone-pixel-not-asked"),
+        "0 where none does": answered(
+            lambda a: (a.case.inputs["hit_a"] == 0) & (a.case.inputs["hit_b"] == 0),
+            edge=1,
+        ),
+    },
+    "pair_search": {
+        "pairs that are no edge have none": known("search-of-interior-pairs"),
+        "the pair found is an edge as well": known("search-finds-interior-pairs"),
+        "both pixels are compared, in their order": known(
+            "search-first-pixels-compared",
+            "search-second-pixels-compared",
+            "search-one-pixel-is-enough",
+            "search-pixels-crossed",
+        ),
+        "the first that is alike is taken": known("search-last-taken"),
+        "the pair itself is not": known("search-finds-itself"),
+        "the places of the square are counted line by line": known(
+            "search-columns-first"
+        ),
+        "tries outside of the image are lost": known("search-clamped"),
+        "of the same axis": known("search-of-the-other-axis"),
+    },
+    "pair_motion": {
+        "the nearer pixel is the pivot": known(
+            "motion-with-the-farther", "motion-with-the-first"
+        ),
+        "a pixel that sees nothing is the farther one": known("motion-with-nothing"),
+        "the first where both are alike": known("motion-second-where-alike"),
+        "the pair is where its pivot was": known(
+            "motion-not-stepped-back", "motion-axes-exchanged"
+        ),
+        "−1 where the pivot was nowhere": answered(
+            lambda a: (
+                (a.case.inputs["before_first"] < 0)
+                & (a.case.inputs["before_second"] < 0)
+            ),
+            row=0,
+        ),
+        "−1 where the pair would lead out of the image": known(
+            "motion-out-of-the-image"
+        ),
+    },
+    "primal": {
+        "the path has its W": known("primal-without-weight"),
+        "emission seen directly is added later": known("primal-with-emission"),
+    },
+    "pair_differences": {
+        "the sign turns": known("differences-sign-of-pairs"),
+        "axes are not exchanged": known("differences-axes-exchanged"),
+        "0 at the last column and line": known("differences-beyond-the-border"),
+    },
+    "differences": {
+        "neighbour less pixel": known(
+            "differences-backward", "differences-of-the-pixel-less-neighbour"
+        ),
+        "axes are not exchanged": known("differences-axes-exchanged"),
+        "0 at the last column and line": known("differences-periodic"),
+    },
+    "poisson_l2": SOLVED
+    | {
+        "nothing leads out of the image": known(
+            "poisson-periodic", "poisson-black-border"
+        ),
+        "alpha is squared": known(
+            "poisson-alpha-not-squared",
+            "poisson-alpha-squared-once-more",
+            "poisson-alpha-left-out",
+        ),
+        "axes are not exchanged": known("differences-axes-exchanged"),
+        "the sign of the divergence": known("poisson-divergence-sign"),
+        "channels are solved by themselves": known(
+            "poisson-of-the-luminance", "poisson-primal-added"
+        ),
+    },
+    "poisson_l1": SOLVED
+    | {
+        "absolute values, not squares": known("poisson-squares-for-absolute-values"),
+        "alpha is not squared": known(
+            "poisson-alpha-squared-once-more", "poisson-alpha-left-out"
+        ),
+        "E is near its minimum": answered(
+            everywhere, color=lambda a: a.case.inputs["primal"]
+        ),
+    },
+}
+
+
 WAYS: dict[str, dict[str, tuple[Way, ...]]] = {
     "random": {
         "each word of the key changes the numbers": tuple(
@@ -1125,4 +1357,5 @@ WAYS: dict[str, dict[str, tuple[Way, ...]]] = {
         ),
         "the Jacobian of what is replayed is 1": known("replayed-over-density"),
     },
+    **PAIR_WAYS,
 }

@@ -142,6 +142,9 @@ NOT_NEEDED = {
         # what is asked, and that has several values.
         "extent",
     },
+    # How far off a solver may stay: one that is exact need not know.
+    "poisson_l2": {"residual"},
+    "poisson_l1": {"ratio"},
 }
 TOGETHER = {"reproject": (("width", "height"),)}
 """Settings that are the form of a buffer only together."""

@@ -8,16 +8,18 @@ else is found out.  Most stand in the catalogues beside this module; these are t
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from restir_gi.gradient_domain.oracle.mistakes import GRADIENT_MISTAKES
 from restir_gi.hashgrid.oracle.mistakes import HASH_GRID_MISTAKES, OF_JACOBIANS
 from restir_gi.reference.oracle.builtin.backend import FLOAT32
 from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.resampling.packing.paper import RESERVOIR as RECORD
-from tests.mutants import reuse_by_hand, shift_of_tables
+from tests.mutants import pairs_by_hand, reuse_by_hand, shift_of_tables
 from tests.mutants.catalogue import (
     CAP,
     CLOSED,
@@ -1347,9 +1349,18 @@ LIGHT_REUSE = [
 ]
 """The engine is the same, and so are its mistakes."""
 
+PAIRS = [
+    Plant(
+        f"{h.name}, by hand",
+        (h.name,),
+        by_hand=dict.fromkeys(h.passes, partial(pairs_by_hand.by_hand, mistake=h.name)),
+    )
+    for h in GRADIENT_MISTAKES
+]
+
 HERE = (
     *(*CORE, *VIEWS, *PACKED, *LAYOUTS, *REUSE, *SHIFTS, *FUSED, *CHOICES),
-    *(*GRID, *LIGHT_REUSE),
+    *(*GRID, *LIGHT_REUSE, *PAIRS),
 )
 
 

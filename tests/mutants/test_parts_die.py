@@ -8,9 +8,10 @@ import pytest
 
 from restir_gi.extensions.oracle.reuse.part import PART as REUSE
 from restir_gi.extensions.oracle.shifts.part import PART as SHIFTS
+from restir_gi.gradient_domain.oracle.part import PART as GRADIENTS
 from restir_gi.hashgrid.oracle.part import PART as HASH_GRID
 from restir_gi.reference.oracle.parts import Part
-from tests.mutants import hash_grid, reuse
+from tests.mutants import hash_grid, pairs, reuse
 from tests.mutants.catalogue import BY_NAME
 from tests.mutants.further import FURTHER_MUTANTS
 from tests.mutants.harness import kill
@@ -71,6 +72,22 @@ PLANTINGS = (
         hash_grid.HASH_GRID_MUTANTS,
         hash_grid.EQUIVALENT,
         frozenset(m.name for m in hash_grid.HASH_GRID_MUTANTS),
+    ),
+    Planting(
+        GRADIENTS,
+        ("L0", "L1"),
+        pairs.PAIR_MUTANTS,
+        pairs.EQUIVALENT,
+        frozenset(
+            {
+                "samples without offset path say nothing",
+                "candidates count one half each",
+                "outer Jacobians have that of the offset path",
+                "pairs that are no edge are found",
+                "alpha weighs squares",
+                "nobody asks whether the pivot was anywhere",
+            }
+        ),
     ),
 )
 

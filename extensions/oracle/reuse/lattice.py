@@ -50,7 +50,7 @@ def _probe(mis: str, c: int, precision: Precision) -> Probe:
     k = np.arange(PIXELS)
     cells = np.where(TARGET[k, cells] > 0, cells, NOTHING)
     tables = _tables(cells, c)
-    line, u, share = _sides(_weights(tables, mis, c))
+    line, u, share = sides(stream_weights(tables, mis, c))
     inputs = {name: table[line] for name, table in tables.items()}
     inputs["u"] = u
     settings: dict[str, Value] = {"mis": mis, "canonical": c, "cap": 99.0}
@@ -78,17 +78,27 @@ def _tables(cells: Indices, c: int) -> dict[str, Scalars]:
     }
 
 
-def _weights(t: dict[str, Scalars], mis: str, c: int) -> Scalars:
-    """Weights w_k of the contract's stream."""
+def stream_weights(t: dict[str, Scalars], mis: str, c: int) -> Scalars:
+    """Weights w_k of the contract's stream, of sources with the same M in all rows.
+
+    Parameters
+    ----------
+    t : dict of str to (R, K) or (R, K, K) array; tables of pass ``path_reuse``
+
+    Returns
+    -------
+    (R, K) float64
+    """
     m = np.array(t["M"])
     if mis in ("pairwise", "defensive"):
-        S = TRUST.sum() - TRUST[c]
-        T = S + TRUST[c] * (mis == "defensive")
+        trust = m[0]
+        S = trust.sum() - trust[c]
+        T = S + trust[c] * (mis == "defensive")
         made = _ratio(t["target_base"], t["jacobian"])
-        m = TRUST / T * _ratio(S * made, S * made + TRUST[c] * t["target_here"])
-        own = TRUST[c] * t["target_here"][:, c, None]
-        shares = TRUST / T * _ratio(own, own + S * t["target_at"][:, c])
-        shares[:, c] = TRUST[c] / T * (mis == "defensive")
+        m = trust / T * _ratio(S * made, S * made + trust[c] * t["target_here"])
+        own = trust[c] * t["target_here"][:, c, None]
+        shares = trust / T * _ratio(own, own + S * t["target_at"][:, c])
+        shares[:, c] = trust[c] / T * (mis == "defensive")
         m[:, c] = shares.sum(axis=1)
     found: Scalars = m * t["target_here"] * t["W"] * t["jacobian"]
     return found
@@ -100,8 +110,18 @@ def _ratio(above: Scalars, below: Scalars) -> Scalars:
     return found
 
 
-def _sides(w: Scalars) -> tuple[Indices, Scalars, Scalars]:
-    """Row that each line belongs to, its numbers u, and its share of the row."""
+def sides(w: Scalars) -> tuple[Indices, Scalars, Scalars]:
+    """Both sides of each decision of a stream.
+
+    Parameters
+    ----------
+    w : (R, K) float64; weights
+
+    Returns
+    -------
+    (L,) int, (L, K) float64, (L,) float64
+        Row that each line belongs to, its numbers u, and its share of the row.
+    """
     sums = np.cumsum(w, axis=1)[:, 1:]
     threshold = _ratio(w[:, 1:], sums)
     lines, numbers, shares = [], [], []

@@ -122,7 +122,8 @@ def _at(t: ReuseTables, k: int, kept: Indices) -> Bounded:
 def _held(
     t: ReuseTables, k: int, p: Bounded, kept: Indices, rules: ReuseRules
 ) -> Bounded:
-    in_domain = (p.value > 0) | rules.every_domain
+    # Who made a sample could make it, whatever its target is by other rules.
+    in_domain = (p.value > 0) | (kept == k) | rules.every_domain
     if not rules.maker_counts:
         in_domain &= kept != k
     none = exact(np.zeros_like(p.value), p.rounding)

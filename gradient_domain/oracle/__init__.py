@@ -1,0 +1,1 @@
+"""Differences of pixels and their images: the part of the contract, and its judges."""
