@@ -103,7 +103,7 @@ def judge_light_target(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Drawn:
+class _DrawnLight:
     """A candidate in a stream."""
 
     w: Bounded
@@ -158,7 +158,7 @@ def judge_light_candidates(
     count = given["p_hat"].value.shape[1]
     p_hat = [given["p_hat"][:, k] for k in range(count)]
     w = [_drawn_weight(case, given, k, part) for k in range(count)]
-    stream: list[Weighted] = [_Drawn(w[k], given["u"][:, k]) for k in range(count)]
+    stream: list[Weighted] = [_DrawnLight(w[k], given["u"][:, k]) for k in range(count)]
     rules = replace(rules, preference=_preference(part.kept_by))
     kept = _kept(stream, outputs["slot"].astype(np.int64), rules)
     every = constant(float(count), kept.S)
@@ -231,7 +231,7 @@ def judge_bounce_reservoir(
         w_longer = choose(W_suffix.value > 0, target, nothing(target))
     w_end = given["w_end"] if part.ends_compete else nothing(given["w_end"])
     u = given["u"]
-    stream: list[Weighted] = [_Drawn(w_end, u), _Drawn(w_longer, u)]
+    stream: list[Weighted] = [_DrawnLight(w_end, u), _DrawnLight(w_longer, u)]
     rules = replace(rules, preference=_preference(part.kept_by))
     kept = _kept(stream, outputs["longer"].astype(np.int64), rules)
     one = constant(1.0, kept.S)
