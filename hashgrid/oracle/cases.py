@@ -412,13 +412,14 @@ def _candidates(rng: Generator) -> Iterator[Parts]:
 
 def _reuses(rng: Generator) -> Iterator[Parts]:
     for mis in ("1/M", "1/Z", "balance", "pairwise", "defensive"):
-        for cap in (20.0, 44.0):
+        # The last is below the confidence of what the vertex itself has drawn.
+        for cap in (20.0, 44.0, 4.0):
             word = mis.replace("/", "-over-")
-            inputs = _light_tables(rng, 5)
+            inputs = _light_tables(rng, 5, int(cap))
             yield f"reuse-{word}-{cap:.0f}", {"mis": mis, "cap": cap}, inputs
 
 
-def _light_tables(rng: Generator, slots: int) -> dict[str, NDArray[Any]]:
+def _light_tables(rng: Generator, slots: int, cap: int) -> dict[str, NDArray[Any]]:
     """What the vertex itself drew, in slot 0, and what vertices of its cells kept."""
     shape = (ROWS, slots)
 
@@ -436,7 +437,7 @@ def _light_tables(rng: Generator, slots: int) -> dict[str, NDArray[Any]]:
     known = rng.random((*shape, slots)) > 0.3
     return {
         "W": np.where(full, targets(), 0.0),
-        "M": np.where(own, 8.0, rng.integers(1, 21, shape)),
+        "M": np.where(own, 8.0, rng.integers(1, cap + 1, shape)),
         "there": there.astype(np.uint32),
         "target_base": base,
         "target_here": here,
