@@ -313,6 +313,32 @@ def test_control_a_fault_in_one_row_is_seen(name, output, change, where):
     assert not judged(case, out | {output: changed}).passed
 
 
+def garbage(array, rng):
+    """Numbers of the same type that no pass gives, in every row."""
+    if array.dtype.kind == "f":
+        return rng.choice(np.float32([-1e30, -1, 0, 1e-38, 1e30]), array.shape)
+    ends = np.iinfo(array.dtype)
+    some = rng.choice([ends.min, ends.max, ends.max - 1, 1, 17], array.shape)
+    return some.astype(array.dtype)
+
+
+@every_pass
+def test_control_garbage_is_wrong_and_no_error(name):
+    """Under every rule: a diagnosis asks them all of whatever a backend gives."""
+    rng = np.random.default_rng(3)
+    for probe in probes("float32"):
+        case = probe.case
+        if case.pass_name != name:
+            continue
+        right = getattr(BuiltIn("float32"), name)(**case.inputs, **case.settings)
+        out = {n: garbage(array, rng) for n, array in right.items()}
+        for h in PART.hypotheses:
+            if name in h.passes:
+                with np.errstate(all="ignore"):
+                    judged(case, out, h.rules)
+        assert not judged(case, out).passed
+
+
 # ------------------------------------------------ the passes are those of the renderer
 
 
