@@ -521,7 +521,7 @@ def _of_solvers(rng: Generator) -> Iterator[Asked]:
         }
         rows = image_rows(rng, width, height, 0.0)
         yield f"poisson-l2-{width}x{height}", "poisson_l2", settings, rows, False
-    sums = ((14, 11, 0.2, 0.01), (8, 15, 2.0, 0.005))
+    sums = ((14, 11, 0.2, 0.01), (8, 15, 2.0, 0.02))
     for width, height, alpha, ratio in sums:
         settings = {"width": width, "alpha": alpha, "ratio": ratio}
         rows = image_rows(rng, width, height, 0.5)
