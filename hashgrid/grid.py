@@ -141,8 +141,20 @@ def jittered(lattice: Lattice, position: Vec3s, normal: Vec3s, u: Draw) -> Vec3s
     -------
     (N, 3) float64, m; what hides the borders of the cells, at insertion and look-up
     """
+    return moved_in_plane(position, normal, edges(levels(lattice, position)), u)
+
+
+def moved_in_plane(position: Vec3s, normal: Vec3s, edge: Scalars, u: Draw) -> Vec3s:
+    """Points moved at random in their tangent plane, (N, 3), m, by cells' edges.
+
+    Parameters
+    ----------
+    position, normal : (N, 3) float64, m and 1; the points, and unit normals
+    edge : (N,) float64, m; of each point's cell
+    u : four (N,) float64; lanes 0 and 1
+    """
     across, along = normal_frames(normal)
-    reach = np.sqrt(2.0) * edges(levels(lattice, position))
+    reach = np.sqrt(2.0) * edge
     a, b = ((2.0 * lane - 1.0) * reach for lane in u[:2])
     moved: Vec3s = position + a[:, None] * across + b[:, None] * along
     return moved
@@ -201,10 +213,21 @@ def keys_of(lattice: Lattice, position: Vec3s, normal: Vec3s) -> Keys:
     position : (N, 3) float64, m; the points
     normal : (N, 3) float64; unit normals
     """
-    level = levels(lattice, position)
+    return keys_at(levels(lattice, position), position, normal, lattice.facings)
+
+
+def keys_at(level: Indices, position: Vec3s, normal: Vec3s, parts: int) -> Keys:
+    """Cells of points whose level is known.
+
+    Parameters
+    ----------
+    level : (N,) int64; from 0
+    position : (N, 3) float64, m; the points
+    normal : (N, 3) float64; unit normals
+    parts : int; of each component of the normal that are told apart
+    """
     scaled = np.floor(position / edges(level)[:, None])
     x, y, z = np.clip(scaled, -FARTHEST, FARTHEST).astype(np.int64).T
-    parts = lattice.facings
     part = np.clip(np.floor((normal + 1.0) * (parts / 2)), 0, parts - 1)
     a, b, c = part.astype(np.int64).T
     facing = (a + parts * (b + parts * c)).astype(np.int16)
@@ -308,26 +331,23 @@ def build_grid(keys: Keys, active: Masks, buckets: int = BUCKETS) -> Grid:
     # Line 1: foreach vertex.
     v = np.flatnonzero(active)
     # Line 4: FindOrInsertCell.  The vertices of a cell now follow each other.
-    order, head, slot = find_or_insert(take(keys, v), buckets)
+    inserted = take(keys, v)
+    order, head, slot = find_or_insert(inserted.hashes, inserted, buckets)
     v, size = v[order], np.diff(np.append(head, len(order)))
     kept = np.flatnonzero(slot != NOWHERE)
     kept = kept[np.argsort(slot[kept], kind="stable")]
     cell = np.full(len(slot), NOWHERE)
     cell[kept] = np.arange(len(kept))
     cell_index = np.repeat(cell, size)
-    # Line 5: atom_inc returns to each vertex the count before it.
-    index_in_cell = np.arange(len(v)) - np.repeat(head, size)
-    cell_counters = size[kept]
-    # Line 6: what has found a cell is appended.
+    # Line 5: atom_inc, for what has found a cell.
     found = cell_index != NOWHERE
-    append_buffer = v[found], cell_index[found], index_in_cell[found]
+    cell_counters, index_in_cell = atom_inc(cell_index[found], len(kept))
+    # Line 6: it is appended.
+    append_buffer = v[found], cell_index[found], index_in_cell
     # Line 7: ParallelPrefixSum.
-    index_buffer = np.concatenate([[0], np.cumsum(cell_counters)])
+    index_buffer = prefix_sum(cell_counters)
     # Lines 8 to 11: foreach triplet.
-    base_offset = index_buffer[append_buffer[1]]
-    scatter_offset = base_offset + append_buffer[2]
-    cell_storage = np.empty(len(scatter_offset), np.int64)
-    cell_storage[scatter_offset] = append_buffer[0]
+    cell_storage = scatter_by_cell(index_buffer, *append_buffer)
     cells = take(keys, v[head[kept]])
     by_hash = np.argsort(cells.hashes, kind="stable")
     return Grid(
@@ -342,8 +362,59 @@ def build_grid(keys: Keys, active: Masks, buckets: int = BUCKETS) -> Grid:
     )
 
 
-def find_or_insert(keys: Keys, buckets: int) -> tuple[Indices, Indices, Indices]:
+def atom_inc(cell: Indices, cells: int) -> tuple[Indices, Indices]:
+    """Counters of cells, and what they were when each vertex came.
+
+    Parameters
+    ----------
+    cell : (N,) int; of each vertex
+    cells : int; how many, C
+
+    Returns
+    -------
+    (C,) int64, (N,) int64; vertices of each cell; how many of them came before each
+    """
+    counters = np.bincount(cell, minlength=cells)
+    index_in_cell = np.empty(len(cell), np.int64)
+    first = np.repeat(prefix_sum(counters)[:-1], counters)
+    index_in_cell[np.argsort(cell, kind="stable")] = np.arange(len(cell)) - first
+    return counters, index_in_cell
+
+
+def prefix_sum(counters: Indices) -> Indices:
+    """Exclusive prefix sum, (C + 1,) int64: of all counters before each; last, of all.
+
+    Parameters
+    ----------
+    counters : (C,) int
+    """
+    return np.concatenate([[0], np.cumsum(counters)])
+
+
+def scatter_by_cell(
+    index_buffer: Indices, vertex: Indices, cell: Indices, index_in_cell: Indices
+) -> Indices:
+    """Vertices cell by cell, (N,) int64.
+
+    Parameters
+    ----------
+    index_buffer : (C + 1,) int64; where the vertices of each cell begin
+    vertex, cell, index_in_cell : (N,) int; who goes where
+    """
+    scatter_offset = index_buffer[cell] + index_in_cell
+    cell_storage = np.empty(len(scatter_offset), np.int64)
+    cell_storage[scatter_offset] = vertex
+    return cell_storage
+
+
+def find_or_insert(
+    hashes: Hashes, keys: Keys, buckets: int
+) -> tuple[Indices, Indices, Indices]:
     """Cells of vertices that come one after the other, and the slots that they find.
+
+    Parameters
+    ----------
+    hashes : (N,) uint64; of the keys, the bucket's above
 
     Returns
     -------
@@ -352,7 +423,6 @@ def find_or_insert(keys: Keys, buckets: int) -> tuple[Indices, Indices, Indices]
     slot : (C,) int64
         Bucket · 16 + slot in the bucket, or ``NOWHERE`` where it was full.
     """
-    hashes = keys.hashes
     order = np.argsort(hashes, kind="stable")
     first = _first_of_each(take(keys, order))
     if np.any(first[1:] & (np.diff(hashes[order]) == 0)):
@@ -452,11 +522,22 @@ def look_up(
         cell = np.where(points.hit, cell, NOWHERE)
         for row in visits(cache.grid, cell, u[2], most):
             normal = take(cache.points.normal, np.maximum(row, 0))
-            alike = (row != NONE) & (dot(normal, points.normal) >= ALIKE)
+            alike = (row != NONE) & faces_alike(normal, points.normal)
             k = len(found) + 1  # 0 is the vertex's own candidate
             choice = uniforms.draw(CHOICE + k // 4)[k % 4]
             found.append((np.where(alike, row, NONE), choice))
     return found
+
+
+def faces_alike(a: Vec3s, b: Vec3s) -> Masks:
+    """Whether neighbours face alike, (N,) bool: max(n · n', 0)⁴ ≥ 1/2.
+
+    Parameters
+    ----------
+    a, b : (N, 3) float; unit normals
+    """
+    alike: Masks = dot(a, b) >= ALIKE
+    return alike
 
 
 def find_cells(grid: Grid, keys: Keys) -> Indices:
@@ -467,7 +548,16 @@ def find_cells(grid: Grid, keys: Keys) -> Indices:
     grid : Grid; built before
     keys : Keys; of Q points, by the grid's own lattice
     """
-    wanted = keys.hashes
+    return search(grid, keys.hashes, keys)
+
+
+def search(grid: Grid, wanted: Hashes, keys: Keys) -> Indices:
+    """Cells of keys and their hashes, (Q,) int64; row of the cell, or ``NOWHERE``.
+
+    Parameters
+    ----------
+    wanted : (Q,) uint64; hashes of the keys
+    """
     found, at = np.full(len(wanted), NOWHERE), np.searchsorted(grid.hashes, wanted)
     # Cells of one hash follow each other: as a rule there is one.
     open_rows = np.flatnonzero(at < len(grid.hashes))

@@ -8,7 +8,7 @@ from restir_gi.hashgrid.grid import levels
 from restir_gi.hashgrid.light_settings import LightSettings
 from restir_gi.hashgrid.world_reservoirs import LightFrame, render_light_frames
 from restir_gi.reference.methods.framed import Framed
-from restir_gi.reference.methods.method import Job
+from restir_gi.reference.methods.method import Job, Preset
 from restir_gi.reference.numerics.arrays import Scalars
 
 VERTEX = {
@@ -56,4 +56,5 @@ METHOD = FRAMED.method(
     "light reservoirs at every path vertex, reused in a hashed grid",
     LightSettings(),
     named_biases,
+    {"paper": Preset("as [Boisse21] has it: weights 1/M", ("mis=1/M",))},
 )

@@ -24,6 +24,7 @@ from restir_gi.reference.scene.emitters import Emitters
 from restir_gi.reference.scene.hits import Hits
 from restir_gi.reference.scene.light_sampling import LightSamples, points_on_lights
 from restir_gi.reference.scene.materials.bsdf_sampling import BsdfSamples
+from restir_gi.reference.scene.materials.parameters import MaterialTable
 from restir_gi.reference.scene.materials.table import scattering
 from restir_gi.reference.scene.surface import SurfacePoints
 from restir_gi.reference.transport.direct_light import (
@@ -113,11 +114,22 @@ def reflected(
         return value
     x, some = keep(points, able), keep(lights, able)
     light = light_samples(world, x, some)
-    found = scattering(world.materials, x, light.wi) * light.weight
+    found = from_light(world.materials, x, light)
     if chance == "balance":
         found *= light_sampling_weight(world, x, light.wi, light.pdf)[:, None]
     value[able] = found * world.emitters.probability[some.light][:, None]
     return value
+
+
+def from_light(
+    materials: MaterialTable, points: SurfacePoints, light: LightSamples
+) -> Vec3s:
+    """What surface points reflect of points on lights, over all of their density.
+
+    Returns (N, 3) float64, W/(m² sr).
+    """
+    found: Vec3s = scattering(materials, points, light.wi) * light.weight
+    return found
 
 
 def light_samples(

@@ -219,12 +219,9 @@ def draw_suffixes(
             frame, caches, number, points=step.points, leaving=onward, v=v + 1
         )
         y = prepend(step, rest.kept.y, rest.first)
-        p_hat = luminance(y.value)
-        longer = Candidates(y, p_hat, p_hat * rest.kept.W, 0 * p_hat)
-        found = merge(found, longer, uniforms.draw(2 * v + 1)[3])
+        found = with_longer(found, y, rest.kept.W, uniforms.draw(2 * v + 1)[3])
         records = rest.records
-    ones = np.ones(len(points))
-    kept = finalize(replace(found, M=ones), ones)
+    kept = one_suffix(found)
     bsdf = leaving.bsdf
     wi = np.where(step.joinable[:, None], -step.points.wo, bsdf.wi)
     first = FirstDirections(wi, step.weight, step.pdf, bsdf.delta)
@@ -236,9 +233,29 @@ def draw_suffixes(
         first = reconnect(frame, points, kept, first)
     if s.stores(v):
         # Step 1, of paths that can be reconnected; the others count as nulls.
-        W = np.where(kept.y.joint == 2, kept.W, 0.0)
+        W = weight_in_cell(kept.y.joint, kept.W)
         records = CacheRecords(points, replace(kept, W=W), records)
     return Suffixes(kept, first, records)
+
+
+def with_longer(found: Candidates, y: Paths, W: Scalars, u: Scalars) -> Candidates:
+    """Suffixes that end at x_(v+1), or in their place those that go on from there.
+
+    Parameters
+    ----------
+    found : Candidates; that end there
+    y : Paths; that go on, as samples of x_v
+    W : (N,) float64; of the suffixes of x_(v+1)
+    u : (N,) float64; in [0, 1)
+    """
+    p_hat = luminance(y.value)
+    return merge(found, Candidates(y, p_hat, p_hat * W, 0 * p_hat), u)
+
+
+def one_suffix(found: Candidates) -> Reservoirs:
+    """The suffixes that paths have drawn, each a sample of M = 1, null or not."""
+    ones = np.ones(len(found.w))
+    return finalize(replace(found, M=ones), ones)
 
 
 def prepend(step: Step, suffix: Paths, first: FirstDirections) -> Paths:
@@ -280,6 +297,17 @@ def prepend(step: Step, suffix: Paths, first: FirstDirections) -> Paths:
 
 
 # ------------------------------------------------- step 1: store suffixes in the grid
+
+
+def weight_in_cell(joint: Indices, W: Scalars) -> Scalars:
+    """W of suffixes in a cell, (N,) float64: 0 where they cannot be joined at once.
+
+    Parameters
+    ----------
+    joint : (N,) int; first surface point that is joined, 2 for the second
+    W : (N,) float64
+    """
+    return np.where(joint == 2, W, 0.0)
 
 
 def store(
@@ -386,14 +414,23 @@ class CellNeighbor(PathNeighbor):
     def shifted(self, at: Indices) -> Shifted:
         """The neighbours' suffixes at the receivers, (A,); 0 if they are too long."""
         fits = self.reservoirs.y.end[self.rows[at]] <= self.reach
-        value, jacobian = PathNeighbor.shifted(self, at)
-        return np.where(fits[:, None], value, 0.0), np.where(fits, jacobian, 0.0)
+        return only_where(fits, PathNeighbor.shifted(self, at))
 
     def inverse(self, samples: Paths, at: Indices) -> Shifted:
         """The receivers' suffixes at their neighbours, (A,); 0 if they are too long."""
         fits = samples.end[at] <= self.reach_from[self.rows[at]]
-        value, jacobian = PathNeighbor.inverse(self, samples, at)
-        return np.where(fits[:, None], value, 0.0), np.where(fits, jacobian, 0.0)
+        return only_where(fits, PathNeighbor.inverse(self, samples, at))
+
+
+def only_where(fits: Masks, shifted: Shifted) -> Shifted:
+    """What a shift gives; 0 for paths that are too long for the receiver.
+
+    Parameters
+    ----------
+    fits : (A,) bool; whose paths are not
+    """
+    value, jacobian = shifted
+    return np.where(fits[:, None], value, 0.0), np.where(fits, jacobian, 0.0)
 
 
 # -------------------------------------------- step 3: reconnect to the one that is kept

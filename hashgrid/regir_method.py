@@ -6,7 +6,7 @@ from restir_gi.extensions.method import PATHS, path_layers
 from restir_gi.hashgrid.path_settings import CellSettings
 from restir_gi.hashgrid.regir_gi import CellFrame, render_cell_frames
 from restir_gi.reference.methods.framed import Framed
-from restir_gi.reference.methods.method import Job
+from restir_gi.reference.methods.method import Job, Preset
 from restir_gi.reference.numerics.arrays import Scalars
 
 
@@ -48,4 +48,10 @@ METHOD = FRAMED.method(
     "paths in the cells of a hashed grid, then reused over the screen",
     CellSettings(),
     named_biases,
+    {
+        "paper": Preset(
+            "as its article has it: 1/M, useful paths alone, all bounces in one grid",
+            ("cell_mis=1/M", "nulls=dropped", "writers=every-bounce"),
+        )
+    },
 )

@@ -6,7 +6,7 @@ put into a cell for the next frame (Algorithm 2, on the page `restir_gi.hashgrid
 where its lines are counted).
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -26,12 +26,19 @@ from restir_gi.hashgrid.lights import (
     renumbered,
 )
 from restir_gi.reference.frame import FrameContext, frames
-from restir_gi.reference.numerics.arrays import Indices, Vec3s, dot, zero_vectors
+from restir_gi.reference.numerics.arrays import (
+    Indices,
+    Scalars,
+    Vec3s,
+    dot,
+    zero_vectors,
+)
 from restir_gi.reference.numerics.records import concatenate, cut, keep, take
 from restir_gi.reference.numerics.rng import KeyedUniforms, Stream
 from restir_gi.reference.numerics.schedule import Schedule, in_bands
 from restir_gi.reference.resampling.generalized import Shifted, resample
 from restir_gi.reference.resampling.reservoir import (
+    Candidates,
     Reservoirs,
     finalize,
     initial_candidates,
@@ -221,17 +228,29 @@ def ris(frame: FrameContext[LightSettings], v: int, vertices: Vertices) -> Reser
     """
     world, s = frame.world, frame.settings
     uniforms = vertex_uniforms(frame, vertices.pixel, v, Stream.LIGHTS)
-    r = None
-    for i in range(s.candidates):
+
+    def drawn(i: int) -> tuple[Candidates, Scalars]:
         # Generate x_i ~ p.
         u = uniforms.draw(i)
         x_i, p = draw_lights(world.emitters, u)
         f = reflected(world, vertices.points, x_i, s.chance)
         # WRS(x_i, p̂(x_i) / p(x_i)).
-        drawn = initial_candidates(replace(x_i, value=f), luminance(f), p)
-        r = drawn if r is None else merge(r, drawn, u[3])
-    assert r is not None
-    # W = w_sum / (M p̂(y)).
+        return initial_candidates(replace(x_i, value=f), luminance(f), p), u[3]
+
+    return resampled(map(drawn, range(s.candidates)))
+
+
+def resampled(drawn: Iterable[tuple[Candidates, Scalars]]) -> Reservoirs:
+    """Keep one of M candidates: W = w_sum / (M p̂(y)).
+
+    Parameters
+    ----------
+    drawn : iterable of Candidates and (N,); at least one, each with what decides on it
+    """
+    stream = iter(drawn)
+    r, _ = next(stream)
+    for candidate, u in stream:
+        r = merge(r, candidate, u)
     return finalize(r, r.M)
 
 

@@ -1,4 +1,4 @@
-"""Settings of ReSTIR GI, with the paper's numbers as defaults."""
+"""Settings of ReSTIR GI; defaults are the paper's numbers, without its shortcuts."""
 
 from dataclasses import dataclass
 from math import inf
@@ -38,7 +38,10 @@ class Search:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings(Search):
-    """Settings of ReSTIR GI; the defaults are the paper's, in its unbiased form.
+    """Settings of ReSTIR GI; the defaults are the paper's numbers, without shortcuts.
+
+    The paper's renderer has ``target="outgoing"``, ``roulette=0.25`` and
+    ``reuse="double-buffered"`` besides; ``--preset paper`` sets them.
 
     Attributes
     ----------

@@ -91,6 +91,16 @@ def add_bounces(parser: Parser, least: int) -> None:
     )
 
 
+def add_preset(parser: Parser) -> None:
+    """Add --preset NAME, beneath what --set says."""
+    parser.add_argument(
+        "--preset",
+        metavar="NAME",
+        help="settings that go together, before --set: such as paper, rtxdi or"
+        " restir_pt of ReSTIR GI; an unknown name lists those of the method",
+    )
+
+
 def add_set(parser: Parser, help: str) -> None:
     """Add --set KEY=VALUE, as often as wanted."""
     parser.add_argument(

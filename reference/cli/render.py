@@ -23,6 +23,7 @@ from restir_gi.reference.methods import (
 )
 from restir_gi.reference.methods.discovery import BUILT_IN
 from restir_gi.reference.methods.metadata import Words, header, metadata
+from restir_gi.reference.methods.method import preset_values
 from restir_gi.reference.methods.setting_values import with_values
 from restir_gi.reference.reports.effects import planner_of, prepared_for_all
 from restir_gi.reference.reports.timing import timed
@@ -48,6 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME,...",
         help="further layers of the file; an unknown name lists those of the method",
     )
+    options.add_preset(parser)
     options.add_set(parser, "a setting of the method; an unknown key lists them all")
     parser.add_argument(
         "--no-plan",
@@ -64,7 +66,8 @@ def run(arguments: argparse.Namespace) -> None:
     Raises UsageError: bad input, all of it found before the first ray but a full disk.
     """
     method = method_named(arguments.method)
-    settings = with_values(method.settings, arguments.set)
+    preset = preset_values(method, arguments.preset)
+    settings = with_values(method.settings, (*preset, *arguments.set))
     counts = _counts(method, arguments)
     aovs = _aovs(method, arguments.aov)
     out, png = arguments.out, arguments.out.with_suffix(".png")

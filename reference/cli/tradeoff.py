@@ -8,6 +8,7 @@ from restir_gi.reference.cli.opening import open_named
 from restir_gi.reference.cli.targets import new_folder
 from restir_gi.reference.cli.values import MOST_SAMPLES, MOST_SEED, amount, whole
 from restir_gi.reference.methods import Job, method_named
+from restir_gi.reference.methods.method import preset_values
 from restir_gi.reference.methods.path import PathTracerSettings
 from restir_gi.reference.numerics.moments import Moments
 from restir_gi.reference.numerics.schedule import Schedule
@@ -71,6 +72,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="M",
         help=f"whose knobs are turned (default {METHOD})",
     )
+    options.add_preset(parser)
     options.add_set(parser, "a setting of the base, from which all begins")
     parser.add_argument(
         "--sweep",
@@ -136,8 +138,10 @@ def run(arguments: argparse.Namespace) -> None:
 
     Raises UsageError: bad input, all of it found before the first ray but a full disk.
     """
-    base = Design(arguments.method, tuple(arguments.set))
-    if method_named(base.method).frames is None:
+    method = method_named(arguments.method)
+    preset = preset_values(method, arguments.preset)
+    base = Design(arguments.method, (*preset, *arguments.set))
+    if method.frames is None:
         raise UsageError(
             f"method {base.method!r} does not make frames one by one; name another"
         )

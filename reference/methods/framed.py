@@ -8,7 +8,14 @@ from typing import Any, Literal, Protocol
 import numpy as np
 
 from restir_gi.reference.methods.aovs import GBUFFER, gbuffer_layers
-from restir_gi.reference.methods.method import Job, Method, Progress, Rendering, Shown
+from restir_gi.reference.methods.method import (
+    Job,
+    Method,
+    Preset,
+    Progress,
+    Rendering,
+    Shown,
+)
 from restir_gi.reference.methods.path import mean_of_paths
 from restir_gi.reference.numerics.arrays import Scalars, Vec3s
 from restir_gi.reference.numerics.records import fields_but, nbytes
@@ -103,6 +110,7 @@ class Framed:
         summary: str,
         settings: Any,
         biases: Callable[[Job], tuple[str, ...]],
+        presets: Mapping[str, Preset] | None = None,
     ) -> Method:
         """Method that makes these frames, of 32 frames, and 32 samples of direct light.
 
@@ -125,6 +133,7 @@ class Framed:
             biases=named_biases,
             frames=self.shown,
             pixel=self.pixel,
+            presets=presets or {},
         )
 
     def shown(self, job: Job) -> Iterator[Shown]:

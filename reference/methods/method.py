@@ -26,12 +26,14 @@ a `Method`, whose ``render`` is a generator function::
 """
 
 from collections.abc import Callable, Generator, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from restir_gi.reference.numerics.arrays import Scalars, Vec3s
 from restir_gi.reference.numerics.schedule import Schedule
 from restir_gi.reference.scene.animation import Animation
+from restir_gi.reference.system.errors import UsageError
+from restir_gi.reference.system.suggestions import unknown
 from restir_gi.reference.transport.accumulate import Pixel
 from restir_gi.reference.transport.path_tracer import Light
 from restir_gi.reference.transport.world import World
@@ -90,6 +92,20 @@ class Job:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Preset:
+    """Settings that go together.
+
+    Attributes
+    ----------
+    summary : str; one line, without a full stop
+    values : tuple of str; what differs from the defaults, each ``KEY=VALUE``
+    """
+
+    summary: str
+    values: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Shown:
     """A frame of indirect light, as a renderer would show it.
 
@@ -120,6 +136,7 @@ class Method:
     settings : dataclass instance
         Defaults of what ``--set`` changes;
         :mod:`restir_gi.reference.methods.setting_values` says which fields it may have.
+    presets : mapping of str to Preset; names that ``--preset`` takes
     aovs : mapping of str to str; names that ``--aov`` takes, and what they are
     render : callable; takes a `Job` and generates; `Rendering`
     biases : callable
@@ -140,6 +157,23 @@ class Method:
     biases: Callable[[Job], tuple[str, ...]] = _none
     frames: Callable[[Job], Iterator[Shown]] | None = None
     pixel: Pixel = "center"
+    presets: Mapping[str, Preset] = field(default_factory=dict)
+
+
+def preset_values(method: Method, preset: str | None) -> tuple[str, ...]:
+    """What a preset of a method sets, each ``KEY=VALUE``; nothing without one.
+
+    Raises UsageError: the method has no such preset; the message lists those it has.
+    """
+    if preset is None:
+        return ()
+    if preset not in method.presets:
+        known = "" if method.presets else "none"
+        raise UsageError(
+            f"--preset: {unknown('preset', preset, method.presets, known)}"
+            f" (method {method.name!r})"
+        )
+    return method.presets[preset].values
 
 
 def drive(method: Method, job: Job, tick: Callable[[Progress], None]) -> Layers:

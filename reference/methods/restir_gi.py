@@ -7,7 +7,7 @@ from restir_gi.reference import settings
 from restir_gi.reference.methods.aovs import RESERVOIRS, reservoir_layers
 from restir_gi.reference.methods.biases import biases
 from restir_gi.reference.methods.framed import Framed, Image
-from restir_gi.reference.methods.method import Job, Method
+from restir_gi.reference.methods.method import Job, Method, Preset
 from restir_gi.reference.methods.setting_values import refuse_beyond
 from restir_gi.reference.numerics.arrays import Scalars
 from restir_gi.reference.numerics.records import nbytes
@@ -85,10 +85,55 @@ def _size(job: Job, frame: Frame) -> int:
 FRAMED = Framed(_frames, _layers, RESERVOIRS, size=_size)
 
 
+PRESETS = {
+    "paper": Preset(
+        "as [Ouyang21] describes its own renderer: Eq. 10, roulette, two buffers",
+        ("target=outgoing", "roulette=0.25", "reuse=double-buffered"),
+    ),
+    "rtxdi": Preset(
+        "in the manner of RTXDI's sample application",
+        (
+            "source=bsdf",
+            "mis=balance",
+            "visibility=none",
+            "final_visibility=traced",
+            "temporal_cap=8",
+            "max_age=30",
+            "iterations_few=2",
+            "iterations_many=8",
+            "radius=0",
+            "min_radius=32",
+            "max_angle=53.13",
+            "max_depth=0.1",
+            "jacobian_limit=10",
+            "beyond_limit=reject",
+            "boiling_filter=0.2",
+            "fallback_search=true",
+        ),
+    ),
+    "restir_pt": Preset(
+        "in the manner of the ReSTIR GI pass beside ReSTIR PT's published code",
+        (
+            "source=bsdf",
+            "mis=1/Z",
+            "temporal_cap=30",
+            "spatial_cap=100",
+            "max_age=100",
+            "iterations_few=3",
+            "iterations_many=10",
+            "min_radius=10",
+            "max_angle=60",
+            "max_depth=0.1",
+            "storage=paper",
+        ),
+    ),
+}
+"""What each leaves out of the renderer that it is named after stands in the How-to."""
+
+
 def _method(name: str, summary: str, defaults: Settings) -> Method:
-    return FRAMED.method(
-        name, summary, RestirSettings(**asdict(defaults)), named_biases
-    )
+    settings = RestirSettings(**asdict(defaults))
+    return FRAMED.method(name, summary, settings, named_biases, PRESETS)
 
 
 BIASED = _method(

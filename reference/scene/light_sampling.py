@@ -127,19 +127,32 @@ def _sample_area(
         place = emitters.cells.place_in(primitive, cell, *place)
         area = area / emitters.cells.side[primitive] ** 2
     x_to, n_to = _point_on(geometry, primitive, *place)
-    wi, distance = direction_and_distance(x, x_to)
-    cos_light = -dot(n_to, wi)
     if geometry.emits_behind is not None:
-        behind = geometry.emits_behind[primitive] & (cos_light < 0)
-        cos_light = np.where(behind, -cos_light, cos_light)
+        wi, _ = direction_and_distance(x, x_to)
+        behind = geometry.emits_behind[primitive] & (dot(n_to, wi) > 0)
         n_to = np.where(behind[:, None], -n_to, n_to)
-    cos_light = np.maximum(cos_light, 0.0)
-    density = emitters.probability[light] / area
-    pdf = divide_or_zero(density * distance * distance, cos_light)
     radiance = radiance_at(geometry, primitive, x_to)
     if geometry.mask is not None:
         solid = is_solid_at(geometry, primitive, x_to)
         radiance = np.where(solid[:, None], radiance, 0.0)
+    return seen_on_area(x, x_to, n_to, radiance, emitters.probability[light] / area)
+
+
+def seen_on_area(
+    x: Vec3s, x_to: Vec3s, n_to: Vec3s, radiance: Vec3s, density: Scalars
+) -> LightSamples:
+    """Points on lights that have an area, as surface points see them.
+
+    Parameters
+    ----------
+    x, x_to : (N, 3) float64, m; surface points, and points on lights
+    n_to : (N, 3) float64; unit normals of the lights, on the side that emits
+    radiance : (N, 3) float64, W/(m² sr)
+    density : (N,) float64, 1/m²; of the points on the lights
+    """
+    wi, distance = direction_and_distance(x, x_to)
+    cos_light = np.maximum(-dot(n_to, wi), 0.0)
+    pdf = divide_or_zero(density * distance * distance, cos_light)
     weight = divide_or_zero(radiance, pdf[:, None])
     return LightSamples(wi, weight, pdf, x_to, n_to, np.zeros(len(x), bool))
 

@@ -1,13 +1,20 @@
 """What the tests of foreign backends share."""
 
-from restir_gi.reference.oracle.ladder import scene_probes
+from pathlib import Path
+from shutil import copytree, ignore_patterns
+
+from restir_gi.reference.oracle.ladder import ladder, scene_probes
 from restir_gi.reference.oracle.levels.kernels import kernel_probes
 from restir_gi.reference.oracle.levels.lattice import lattice_probes
-from restir_gi.reference.oracle.parts import whole_contract
+from restir_gi.reference.oracle.parts import parts, whole_contract
 from restir_gi.reference.oracle.steps import asked
 from restir_gi.reference.oracle.verdict import run_ladder
 
 CONTRACT = whole_contract()
+EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
+FURTHER = ["fused", *(one.name for part in parts() for one in part.passes)]
+"""Passes beside those from `random` to `shade`."""
+
 
 NAMED = {
     "jacobian-divided": "jacobian-inverted",
@@ -37,6 +44,37 @@ NAMED = {
     "cap-before-weight": "capped-before-weight",
 }
 """Planted mistakes, and what diagnosis calls them."""
+
+
+def passed_the_whole_ladder(backend):
+    """Names of the passes that it does not have; all others are right."""
+    try:
+        found = run_ladder(
+            CONTRACT,
+            "float32",
+            ladder(CONTRACT, backend),
+            60,
+            lambda: 0.0,
+            lambda title: None,
+        )
+    finally:
+        backend.close()
+    assert [text for timed in found.steps for text in timed.step.faults] == []
+    assert found.status == "PASS"
+    return found.absent
+
+
+def planted_copy(folder, to, old, new):
+    """The folder of an example, in which one line reads otherwise.
+
+    Returns the path of its ``backend.py``.
+    """
+    copy = copytree(folder, to / folder.name, ignore=ignore_patterns("__pycache__"))
+    texts = {path: path.read_text(encoding="utf-8") for path in copy.iterdir()}
+    (path,) = [path for path, text in texts.items() if old in text]
+    assert texts[path].count(old) == 1
+    path.write_text(texts[path].replace(old, new), encoding="utf-8")
+    return copy / "backend.py"
 
 
 def short_ladder(backend, probes):

@@ -1087,6 +1087,214 @@ WAYS: dict[str, dict[str, tuple[Way, ...]]] = {
         "u decides as in every stream": known("reuse-u-turned"),
         "W = 0 where no weight arrives": answered(lambda a: a.right["W"] == 0, W=1),
     },
+    "cell_level": {
+        "the level is rounded down": known(
+            "cell-level-rounded-up", "cell-level-to-the-nearest"
+        ),
+        "the smallest cells have an edge of a millimetre": known(
+            "cell-level-in-metres"
+        ),
+        "no level is below 0": known("cell-level-below-0"),
+        "the distance is that from the eye": known("cell-level-from-the-origin"),
+        "a look-up has the eye and the base of the frame that built the grid": known(
+            "cell-level-by-this-eye"
+        ),
+    },
+    "cell_jitter": {
+        "the point stays in its tangent plane": known(
+            "cell-jitter-in-the-ground-plane"
+        ),
+        "it moves by up to √2 edges": known(
+            "cell-jitter-without-root-2", "cell-jitter-by-half"
+        ),
+        "it moves to both sides": known("cell-jitter-one-sided"),
+        "each tangent has a number of its own": known("cell-jitter-along-a-diagonal"),
+    },
+    "cell_key": {
+        "positions are rounded down, below 0 too": known(
+            "cell-key-truncated", "cell-key-rounded"
+        ),
+        "the edge is a millimetre times a power of two": known(
+            "cell-key-in-metres", "cell-key-edge-grows-evenly"
+        ),
+        "the normal is told apart in as many parts as are asked for": known(
+            "cell-key-without-normal"
+        ),
+        "the x of the normal counts in units, the z in squares": known(
+            "cell-key-normal-turned"
+        ),
+    },
+    "cell_hash": {
+        "the fields are nested in their order": known(
+            "cell-hash-z-y-x",
+            "cell-hash-without-level",
+            "cell-hash-without-facing",
+            "cell-hash-combined",
+        ),
+        "negative coordinates keep their bits": known("cell-hash-of-negatives-as-0"),
+        "the checksum is another hash": known(
+            "cell-checksum-is-the-hash", "cell-hashes-exchanged"
+        ),
+        "the checksum is at least 1": known("cell-checksum-may-be-0"),
+    },
+    "cell_insert": {
+        "the vertices of a cell share a slot": known(
+            "cell-insert-a-slot-each", "cell-insert-of-winners-alone"
+        ),
+        "cells of a bucket have slots of their own": known(
+            "cell-insert-without-checksum", "cell-insert-into-the-last-slot"
+        ),
+        "all 16 slots of a bucket are used, without holes": (
+            *known(
+                "cell-insert-leaves-out-the-last-slot", "cell-insert-tries-one-slot"
+            ),
+            *answered(
+                lambda a: (a.right["slot"] >= 0) & (a.right["slot"] % 16 == 0),
+                slot=lambda a: a.right["slot"] + 15,
+            ),
+        ),
+        "a vertex is lost where its bucket is full, and nowhere else": (
+            *known("cell-insert-goes-on-in-the-next-bucket"),
+            *answered(lambda a: a.right["slot"] % 16 == 1, slot=-1),
+        ),
+        "vertices that are not active have no slot": known("cell-insert-of-everybody"),
+    },
+    "cell_count": {
+        "counters begin at 0": known("cell-counters-not-cleared"),
+        "places begin at 0": known("cell-places-from-1"),
+        "each place is given once": answered(
+            lambda a: a.right["place"] > 0, place=lambda a: a.right["place"] - 1
+        ),
+        "vertices without a slot are not counted": answered(
+            lambda a: a.case.inputs["slot"] < 0, place=0
+        ),
+    },
+    "cell_scan": {
+        "the cell itself is left out": known("cell-scan-inclusive"),
+        "the sum goes on over all rows": known(
+            *(f"cell-scan-restarts-every-{rows}" for rows in (64, 128, 256, 512, 1024))
+        ),
+    },
+    "cell_scatter": {
+        "the base is that of the cell": given(start=lambda i: 0 * i["start"]),
+        "vertices are numbered by their rows": known(
+            "cell-scatter-of-append-numbers", "cell-scatter-of-slots"
+        ),
+        "vertices without a slot are not stored": known(
+            "cell-scatter-of-append-numbers"
+        ),
+    },
+    "cell_find": {
+        "all 16 slots are looked at": known(
+            "cell-find-in-the-first-slot", "cell-find-leaves-out-the-last-slot"
+        ),
+        "the checksum decides": known("cell-find-without-checksum"),
+        "nothing is found where the cell is not there": known(
+            "cell-find-ends-in-a-free-slot", "cell-find-goes-on-in-the-next-bucket"
+        ),
+    },
+    "cell_visit": {
+        "vertices are those of the cell": known(
+            "cell-visit-beyond-the-cell", "cell-visit-of-the-next-cell"
+        ),
+        "no vertex is taken twice": known("cell-visit-twice"),
+        "as many are taken as are asked for, or as there are": answered(
+            lambda a: a.right["vertex"][:, 0] >= 0, vertex=-1
+        ),
+        "all vertices of a cell have the same chance": known(
+            "cell-visit-from-the-first"
+        ),
+        "an empty look-up finds nobody": answered(
+            lambda a: a.case.inputs["slot"] < 0, vertex=0
+        ),
+    },
+    "cell_similar": {
+        "who faces alike is a neighbour": known("cell-similar-inverted"),
+        "the cosine stands in its fourth power": known(
+            "cell-similar-by-the-cosine", "cell-similar-by-the-square"
+        ),
+        "who faces the other way is none": known("cell-similar-on-both-sides"),
+    },
+    "light_target": {
+        "the surface has its cosine": known("light-target-without-the-surfaces-cosine"),
+        "the light has its cosine": known("light-target-without-the-lights-cosine"),
+        "the distance is squared": known(
+            "light-target-distance-once", "light-target-without-distance"
+        ),
+        "the reflectance is albedo / π": known(
+            "light-target-without-albedo", "light-target-without-pi"
+        ),
+        "the area of the light is in it": known("light-target-without-area"),
+        "0 where the light is below the horizon": known(
+            "light-target-below-the-horizon"
+        ),
+        "0 where the light shows its back": known("light-target-lit-from-behind"),
+    },
+    "light_candidates": {
+        "w is divided by the probability of the light": known(
+            "light-candidates-without-the-choice", "light-candidates-times-pdf"
+        ),
+        "w is divided by the density on the light": known(
+            "light-candidates-without-the-density", "light-candidates-without-pdf"
+        ),
+        "nulls count": known("light-candidates-without-nulls"),
+        "the sum is divided by K": known("light-candidates-not-divided"),
+        "W is divided by the target of what is kept": known(
+            "light-candidates-target-of-the-first"
+        ),
+        "u decides as in every stream": known(
+            "light-candidates-kept-by-the-sum-before", "light-candidates-u-turned"
+        ),
+        "W = 0 where no weight arrives": answered(lambda a: a.right["W"] == 0, W=1),
+    },
+    "light_reuse": {
+        "the vertex's own reservoir competes": known("light-reuse-canonical-forgotten"),
+        "the target is that at the vertex that looks up": known(
+            "light-reuse-target-of-the-donor"
+        ),
+        "nulls count": known("light-reuse-nulls-not-counted"),
+        "look-ups that found nobody do not count": known(
+            "light-reuse-empty-slots-counted"
+        ),
+        "the sum is divided as it is asked for": known(
+            "light-reuse-one-over-m",
+            "light-reuse-z-for-balance",
+            "light-reuse-z-of-everybody",
+            "light-reuse-maker-not-in-z",
+        ),
+        "M is capped on the way out": known(
+            "light-reuse-never-capped", "light-reuse-capped-beforehand"
+        ),
+        "W = 0 where no weight arrives": answered(lambda a: a.right["W"] == 0, W=1),
+    },
+    "bounce_reservoir": {
+        "the longer path has the weight of the step": known(
+            "bounce-without-the-step", "bounce-target-of-the-suffix"
+        ),
+        "the suffix has its W": known("bounce-without-the-suffixes-weight"),
+        "paths that end at the next vertex compete": known("bounce-ends-forgotten"),
+        "a path without light counts": known("bounce-nulls-not-counted"),
+        "W is divided by the target of what is kept": known("bounce-averaged"),
+        "u decides as in every stream": known(
+            "bounce-kept-by-the-sum-before", "bounce-u-turned"
+        ),
+        "W = 0 where no weight arrives": answered(lambda a: a.right["W"] == 0, W=1),
+    },
+    "path_cache": {
+        "nulls are stored": known("path-cache-of-useful-paths"),
+        "a suffix that cannot be joined is stored as a null": known(
+            "path-cache-of-joined-paths", "path-cache-joint-not-asked"
+        ),
+        "vertices that are not rough are not stored": known(
+            "path-cache-of-smooth-vertices"
+        ),
+        "M of nulls stays": known("path-cache-nulls-without-confidence"),
+    },
+    "suffix_reach": {
+        "longer paths do not exist": known("suffix-reach-not-asked"),
+        "the longest path exists": known("suffix-reach-one-less"),
+        "the bounces before the vertex count": known("suffix-reach-from-the-pixel"),
+    },
     "joinable": {
         "thresholds are perceptual roughness": known("alpha-for-roughness"),
         "both ends are rough": known("first-end-rough", "second-end-rough"),

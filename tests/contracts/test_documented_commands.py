@@ -167,6 +167,8 @@ def test_commands_of_our_own_on_other_pages_run_in_other_tests():
         "restir check './restir_backend {directory}'",
         "restir check './restir_backend {directory} --plant jacobian-divided'"
         " --out report",
+        "restir check docs/examples/arrays/backend.py",
+        "restir check docs/examples/cuda/backend.py",
         "restir check docs/examples/wgsl/backend.py",
         "restir check docs/examples/wgsl/backend.py --out report",
         "restir check docs/examples/slang/backend.py",

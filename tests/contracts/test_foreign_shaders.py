@@ -8,14 +8,16 @@ import pytest
 
 from restir_gi.reference.oracle.backends.process import PythonBackend
 from restir_gi.reference.oracle.backends.running import Limits
-from restir_gi.reference.oracle.ladder import ladder
-from restir_gi.reference.oracle.parts import parts, whole_contract
-from restir_gi.reference.oracle.verdict import run_ladder
-from tests.contracts.foreign import NAMED, all_probes, assert_named, short_ladder
+from tests.contracts.foreign import (
+    EXAMPLES,
+    FURTHER,
+    NAMED,
+    all_probes,
+    assert_named,
+    passed_the_whole_ladder,
+    short_ladder,
+)
 
-CONTRACT = whole_contract()
-
-EXAMPLES = Path(__file__).parents[2] / "docs" / "examples"
 NUMBERED = {
     "wgsl": ("restir.wgsl", "const {} = {}u;"),
     "slang": ("restir.hlsl", "static const uint {} = {};"),
@@ -47,18 +49,8 @@ def probes():
 
 
 def test_it_passes(example):
-    backend = PythonBackend(example.__file__, Limits())
-    levels = ladder(CONTRACT, backend)
-    try:
-        found = run_ladder(
-            CONTRACT, "float32", levels, 60, lambda: 0.0, lambda title: None
-        )
-    finally:
-        backend.close()
-    assert [text for timed in found.steps for text in timed.step.faults] == []
-    assert found.status == "PASS"
-    further = [one.name for part in parts() for one in part.passes]
-    assert found.absent == ["fused", *further]
+    absent = passed_the_whole_ladder(PythonBackend(example.__file__, Limits()))
+    assert absent == FURTHER
 
 
 def test_its_list_of_mistakes_is_complete(example):
@@ -74,9 +66,8 @@ def test_the_shader_numbers_them_in_that_order(example):
         assert line.format(constant, number) in source
 
 
+@pytest.mark.parametrize("example", ["slang"], indirect=True)
 def test_what_slang_refuses_is_told_with_its_line(example, tmp_path):
-    if not hasattr(example, "as_wgsl"):
-        pytest.skip("the WGSL example compiles nothing")
     path = tmp_path / "wrong.hlsl"
     path.write_text("[numthreads(1, 1, 1)]\nvoid pass_target() { missing = 1; }\n")
     with pytest.raises(ValueError, match=r"wrong\.hlsl.*:?2"):

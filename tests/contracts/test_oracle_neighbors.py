@@ -161,6 +161,29 @@ def test_who_declares_nothing_is_asked_for_a_disk_that_ends_at_the_border():
     assert asked == {(None, None, False)}
 
 
+@dataclass
+class RootsRoundUp:
+    """√u₀ of the largest u₀ is 1, as PyTorch has it; or of all from ``least`` on."""
+
+    least: float = 1 - 2**-24
+    precision: str = "float32"
+
+    def neighbors(self, u, **given):
+        """The pass."""
+        u = u.copy()
+        u[..., 0][u[..., 0] >= self.least] = 1
+        return BuiltIn("float32").neighbors(u=u, **given)
+
+
+def test_a_root_may_round_up_to_one():
+    """Ends of u are asked on purpose: their decisions are no sign of a wrong rule."""
+    assert verdict_on(RootsRoundUp()).status == "PASS"
+
+
+def test_control_a_root_that_rounds_up_from_further_away_fails():
+    assert verdict_on(RootsRoundUp(0.9)).status == "FAIL"
+
+
 def test_offsets_lead_beyond_every_side_and_to_the_pixel_itself():
     for probe in probes("float32"):
         i, width = probe.case.inputs, probe.case.settings["width"]

@@ -34,6 +34,15 @@ def test_the_page_is_what_the_code_says(name, regenerate):
     assert path.read_text(encoding="utf-8") == text
 
 
+def test_every_pass_tells_all_buffers_that_are_always_given():
+    """Also one that has the name of a buffer of declared surfaces."""
+    sections = contract_page(CONTRACT).split("\n## ")
+    for one in CONTRACT.values():
+        (section,) = (s for s in sections if s.startswith(f"`{one.name}`"))
+        given = [field.name for field in one.inputs if field.only is None]
+        assert [name for name in given if f"| in | `{name}` |" not in section] == []
+
+
 def test_names_are_anchors():
     names = [h.name for h in known_mistakes()]
     assert len(set(names)) == len(names)

@@ -9,6 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from restir_gi.reference.oracle.builtin.backend import BuiltIn
+from restir_gi.reference.oracle.cases import with_numbers
 from restir_gi.reference.oracle.diagnosis.naming.landings import misplaced
 from restir_gi.reference.oracle.diagnosis.naming.misreadings import misread
 from restir_gi.reference.oracle.diagnosis.subsets import whole
@@ -132,6 +134,17 @@ def test_two_inputs_that_were_exchanged_are_not_one(probes):
             past_W=lambda i: np.roll(i["past_W"], 1),
         ),
     )
+    assert misread(given(answers), PRECISION) is None
+
+
+def test_a_wrong_slot_that_stands_is_no_error(probes):
+    """A number of a slot times 1e30 is none, and is not tried."""
+
+    def first(case):
+        settings = case.settings | {"canonical": 0}
+        return BuiltIn(PRECISION).path_reuse(**with_numbers(case), **settings)
+
+    answers = answered(probes, "path_reuse", first)
     assert misread(given(answers), PRECISION) is None
 
 

@@ -184,6 +184,17 @@ def test_control_a_right_backend_has_no_wrong_pass(fine, tmp_path):
     assert "PASS: float32: all that was asked is right" in printed(plain)
 
 
+def test_a_pass_is_told_where_no_row_of_it_is_wrong(monkeypatch, tmp_path):
+    """Too many decisions lean on rounding, of which each alone is right."""
+    monkeypatch.setattr(Decisions, "budget", -1)
+    verdict = verdict_of(right)
+    plain = as_plain(verdict, "float32", CONTRACT)
+    first = of_pass(plain, plain["first_wrong_pass"])
+    assert first["failing"]["shown"] == []
+    assert "decisions differ where rounding leaves" in printed(plain)
+    assert "decisions differ where rounding leaves" in written(tmp_path, verdict, plain)
+
+
 def test_what_is_said_of_each_pass(wrong):
     _, plain = wrong
     assert [p["name"] for p in plain["passes"]] == list(CONTRACT)

@@ -17,7 +17,8 @@ INTRODUCTION = """\
 
 Every numbered equation and algorithm of the three papers, the function that it became,
 a test that fails where it is something else, and a figure or lesson in which it is
-seen. What the papers leave open or state wrongly stands in
+seen. That the test fails is itself tested: each row has lines of that function, written
+wrongly, on which it does. What the papers leave open or state wrongly stands in
 [Errata](../explanation/errata.md).
 """
 

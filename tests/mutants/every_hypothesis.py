@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from restir_gi.gradient_domain.oracle.mistakes import GRADIENT_MISTAKES
+from restir_gi.hashgrid.oracle.mistakes import HASH_GRID_MISTAKES, OF_JACOBIANS
 from restir_gi.reference.oracle.builtin.backend import FLOAT32
 from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.resampling.packing.paper import RESERVOIR as RECORD
@@ -62,6 +63,8 @@ from tests.mutants.further import (
     TURN,
     VALIDATION,
 )
+from tests.mutants.hash_grid import HASH_GRID_MUTANTS
+from tests.mutants.hash_grid_by_hand import answer_by_hand
 from tests.mutants.plant import planted
 from tests.mutants.reuse import ARRIVING, ENGINE, REUSE_MUTANTS
 from tests.mutants.shifts import SHIFT_MUTANTS, SHIFTING, SPREAD
@@ -1329,6 +1332,23 @@ CHOICES = [
     ),
 ]
 
+GRID = [
+    Plant(
+        f"{h.name}, by hand",
+        (h.name,),
+        by_hand=dict.fromkeys(h.passes, answer_by_hand(h.name)),
+    )
+    for h in HASH_GRID_MISTAKES
+    if h.passes != ("light_reuse",)
+]
+LIGHT_REUSE = [
+    Plant(f"{plant.name}, of light", (f"light-{name}",), plant.edits)
+    for plant in (*REUSE_MUTANTS, *REUSE)
+    for name in plant.expected
+    if name not in OF_JACOBIANS
+]
+"""The engine is the same, and so are its mistakes."""
+
 PAIRS = [
     Plant(
         f"{h.name}, by hand",
@@ -1338,7 +1358,10 @@ PAIRS = [
     for h in GRADIENT_MISTAKES
 ]
 
-HERE = (*CORE, *VIEWS, *PACKED, *LAYOUTS, *REUSE, *SHIFTS, *FUSED, *CHOICES, *PAIRS)
+HERE = (
+    *(*CORE, *VIEWS, *PACKED, *LAYOUTS, *REUSE, *SHIFTS, *FUSED, *CHOICES),
+    *(*GRID, *LIGHT_REUSE, *PAIRS),
+)
 
 
 def of_mutant(mutant: Mutant) -> Plant:
@@ -1346,7 +1369,13 @@ def of_mutant(mutant: Mutant) -> Plant:
     return Plant(mutant.name, mutant.expected, mutant.edits)
 
 
-CATALOGUES = (*MUTANTS, *FURTHER_MUTANTS, *REUSE_MUTANTS, *SHIFT_MUTANTS)
+CATALOGUES = (
+    *MUTANTS,
+    *FURTHER_MUTANTS,
+    *REUSE_MUTANTS,
+    *SHIFT_MUTANTS,
+    *HASH_GRID_MUTANTS,
+)
 PLANTS = (*map(of_mutant, CATALOGUES), *HERE)
 
 

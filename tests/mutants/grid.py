@@ -106,8 +106,8 @@ GRID_MUTANTS = [
         "vertices that face elsewhere are neighbours, too",
         (),
         GRID,
-        "(dot(normal, points.normal) >= ALIKE)",
-        "(dot(normal, points.normal) >= -2.0)",
+        "alike: Masks = dot(a, b) >= ALIKE",
+        "alike: Masks = dot(a, b) >= -2.0",
     ),
     Mutant(
         "lights of the last frame keep their numbers",
@@ -168,8 +168,8 @@ PATH_MUTANTS = [
         "paths that found nothing are not counted",
         ("RG-01",),
         REGIR,
-        "kept = finalize(replace(found, M=ones), ones)",
-        "kept = finalize(replace(found, M=(found.w > 0) * ones), ones)",
+        "return finalize(replace(found, M=ones), ones)",
+        "return finalize(replace(found, M=(found.w > 0) * ones), ones)",
     ),
     Mutant(
         "only useful paths are put into cells",
@@ -217,8 +217,8 @@ PATH_MUTANTS = [
         "the weight W of a suffix is left out",
         (),
         REGIR,
-        "p_hat * rest.kept.W",
-        "p_hat * (rest.kept.W > 0)",
+        "p_hat * W, 0 * p_hat",
+        "p_hat * (W > 0), 0 * p_hat",
     ),
     Mutant(
         "a suffix is joined where its own joint is",
@@ -238,8 +238,8 @@ PATH_MUTANTS = [
         "a path that cannot be joined is in a cell",
         (),
         REGIR,
-        "W = np.where(kept.y.joint == 2, kept.W, 0.0)",
-        "W = np.where(kept.y.joint >= 0, kept.W, 0.0)",
+        "return np.where(joint == 2, W, 0.0)",
+        "return np.where(joint >= 0, W, 0.0)",
     ),
     Mutant(
         "the pixel's own way on is not among the candidates",

@@ -26,7 +26,12 @@ CONTRACT = whole_contract()
 EXACT = ("L0", "L1", "L2", "L3")
 ALL = (*EXACT, "L4")
 
-ASIDE = ("shifts of paths", "reuse of samples", "differences of pixels")
+ASIDE = (
+    "shifts of paths",
+    "reuse of samples",
+    "hash grid",
+    "differences of pixels",
+)
 """Steps of whole paths, which have mistakes of their own.  In the first the built-in
 backend walks through scenes itself, where others have tables: another way to draw
 directions is another walk there, though its distribution be the same."""

@@ -14,7 +14,6 @@ from time import perf_counter
 
 import pytest
 
-from restir_gi.gradient_domain.oracle.contract import GRADIENT_PASSES
 from restir_gi.reference.oracle.cases import for_ever
 from restir_gi.reference.oracle.diagnosis.diagnose import diagnose, known_mistakes
 from restir_gi.reference.oracle.frames import frame_cases
@@ -48,9 +47,12 @@ NAMES = [h.name for h in HYPOTHESES]
 BY_NAME = dict(zip(NAMES, HYPOTHESES, strict=True))
 
 CONTRACT = whole_contract()
-DEPARTURES = [h for h in HYPOTHESES if h.departure]
-APART = {"path_reuse", *(p.name for p in GRADIENT_PASSES)}
+OF_PARTS_ASIDE = {
+    p.name for part in parts() if part.title in ASIDE for p in part.passes
+}
 """Passes of steps that stand aside."""
+
+DEPARTURES = [h for h in HYPOTHESES if h.departure]
 
 NO_NUMBERS = "kernel-target-extremes"
 """Where a mistake in the target may leave the number type, and then says nothing."""
@@ -281,7 +283,7 @@ class PlantedBackend:
 def test_a_departure_passes_the_ladder(hypothesis):
     """In the steps of its passes: to draw other directions is to walk another way."""
     plant = plants_of(hypothesis.name)[-1]
-    aside = set(hypothesis.passes) <= APART
+    aside = set(hypothesis.passes) <= OF_PARTS_ASIDE
     levels = (
         s for s in ladder(CONTRACT, PlantedBackend(plant)) if (s[1] in ASIDE) == aside
     )

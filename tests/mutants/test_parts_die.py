@@ -9,8 +9,9 @@ import pytest
 from restir_gi.extensions.oracle.reuse.part import PART as REUSE
 from restir_gi.extensions.oracle.shifts.part import PART as SHIFTS
 from restir_gi.gradient_domain.oracle.part import PART as GRADIENTS
+from restir_gi.hashgrid.oracle.part import PART as HASH_GRID
 from restir_gi.reference.oracle.parts import Part
-from tests.mutants import pairs, reuse
+from tests.mutants import hash_grid, pairs, reuse
 from tests.mutants.catalogue import BY_NAME
 from tests.mutants.further import FURTHER_MUTANTS
 from tests.mutants.harness import kill
@@ -64,6 +65,13 @@ PLANTINGS = (
                 "a source's paths are shifted to the source",
             }
         ),
+    ),
+    Planting(
+        HASH_GRID,
+        ("L0", "L1"),
+        hash_grid.HASH_GRID_MUTANTS,
+        hash_grid.EQUIVALENT,
+        frozenset(m.name for m in hash_grid.HASH_GRID_MUTANTS),
     ),
     Planting(
         GRADIENTS,

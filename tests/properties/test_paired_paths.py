@@ -101,6 +101,17 @@ def test_parts_of_both_signs_make_the_whole():
     assert (target(minus)[mixed] > 0).all()
 
 
+def test_targets_are_those_of_the_parts():
+    """Luminance of max(G, 0), and of max(−G, 0), by channel."""
+    value = values(np.random.default_rng(4))
+    weights = target_weights()
+    for sign in (PLUS, MINUS):
+        part = np.maximum(sign * integrand(value), 0.0)
+        found = target(signed(value, sign))
+        # Three products and two sums each.
+        np.testing.assert_allclose(found, part @ weights, rtol=8 * 2.0**-53)
+
+
 def test_channels_of_both_signs_do_not_cancel():
     """Luminance of the difference may be 0 where the difference is not."""
     none = np.zeros(1)

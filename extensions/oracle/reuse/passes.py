@@ -43,7 +43,11 @@ PATH_REUSE = Pass(
     ),
     settings=(
         Setting("mis", "1/M, 1/Z, balance, pairwise or defensive", "the weights"),
-        Setting("canonical", "whole number, below K", "slot that stands: jacobian 1"),
+        Setting(
+            "canonical",
+            "whole number, 0 to K − 1",
+            "slot of the receiver's own sample, which is not shifted: jacobian 1",
+        ),
         Setting("cap", "number, 1 upwards", "limit of M, on the way out"),
     ),
     source=(

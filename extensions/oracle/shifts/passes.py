@@ -115,12 +115,14 @@ SHIFT = Pass(
     name="shift",
     summary="Value of a path at another pixel, and the Jacobian of its shift",
     formula=(
-        "D(x, y) = y − x, d = |D|;\n"
-        "came_v, v = 2 to V: pass joinable of x_(v−1) and x_v, with d from position to "
-        "contact, and delta_(v−1) = 0, and v ≤ last_joint;\n"
-        "joint = c > 0, at m = c − 1: there is a path where hit_1 to hit_m are 1; "
-        "came_v is 0, or delta_v 1, for v < m; came_m is 0; joinable of x_m and x_c is "
-        "1; joint_normal · D(x_m, x_c) < 0; seen is 1; and c = 2 or replays is 1;\n"
+        "D = y − x, d = |D|, from a point x to a point y;\n"
+        "came_v, v = 2 to V: pass joinable of x_(v−1) and x_v, with d from "
+        "position_(v−1) to contact_v, and delta_(v−1) = 0, and v ≤ last_joint; "
+        "came_1 = 0;\n"
+        "joint = c > 0, at m = c − 1, with D and d from position_m to joint_position: "
+        "there is a path where hit_1 to hit_m are 1; came_v is 0, or delta_v 1, for "
+        "v < m; came_m is 0; joinable of x_m and the joint is 1; joint_normal · D < 0; "
+        "seen is 1; and c = 2 or replays is 1;\n"
         "q = pdf_onward; where c = end, share = pdf_light / (pdf_light + q) for "
         "technique 1, or 1 where pdf_light is 0, and q / (q + pdf_light) for technique "
         "2; for technique 1 then q = 1; share = 1 where c < end;\n"
@@ -157,8 +159,9 @@ SHIFT = Pass(
         Setting("bounces", "whole number", "V − 1; of indirect light"),
     ),
     source=(
-        "[Lin22, section 7.2]. V columns are the points of the offset walk, which "
-        "draws with the base path's random numbers. Where the offset walk has no "
+        "[Lin22, section 7.2]. V columns are the points x_1 to x_V of the offset walk, "
+        "of which x_1 is the pixel's visible point, and which draws with the base "
+        "path's random numbers. Where the offset walk has no "
         "point, its columns hold the base path's numbers: what stands there is to be "
         "refused, not read. None of the columns base_ is needed. What lies under a "
         "smooth coat counts as diffuse"

@@ -148,7 +148,8 @@ def _inputs(fields: Iterable[Field]) -> Iterator[str]:
     materials = {f"{prefix}{field.name}" for field in MATERIAL for prefix in PREFIXES}
     told: set[str] = set()
     for field in fields:
-        if field.name not in materials:
+        # Pass shift has widths of lobes of its own, which are always given.
+        if field.name not in materials or field.only is None:
             yield _row("in", field)
             continue
         prefix = next(p for p in reversed(PREFIXES) if field.name.startswith(p))

@@ -202,7 +202,8 @@ def diagnose(
     right = [ok[a.rows] for a, (_, ok) in zip(given, plain, strict=True)]
     over = any(judgement.over_budget for judgement, _ in plain)
     # What the contract explains needs no mistake, and every mistake explains it too.
-    if all(ok.all() for ok in right) and not over:
+    all_right = all(ok.all() for ok in right)
+    if all_right and not over:
         return Diagnosis(pass_name, ())
     wrong = [~ok for _, ok in plain]
     rows = sum(len(ok) for ok in right)
@@ -217,7 +218,8 @@ def diagnose(
     known = [h for h in declared if h in able or mean_is_right(chosen)]
     sets, nearest = beside(search, tuple(known)) if known else [], EMPTY
     sets = sets or single(search)
-    if not sets and pass_name in BY_ROW:
+    # Sets are searched by rows that are wrong: not where decisions alone are too many.
+    if not sets and pass_name in BY_ROW and not all_right:
         sets, nearest = sets_that_explain(search)
     if sets or not nearest:
         found = tuple(_explanation(pass_name, one, rows, rows, said) for one in sets)

@@ -74,7 +74,7 @@ def _merge(case: Case, out: Buffers, rules: Rules, precision: Precision) -> Judg
     w_a, w_b = given["w_a"], given["w_b"]
     prefers = rules.preference(given["u"], w_a, w_b)
     second = either("second", out["second"], _decided(prefers, w_a, w_b))
-    looked_at = ((w_a.value > 0) | (w_b.value > 0)) & ~at_an_end(given["u"])
+    looked_at = ((w_a.value > 0) | (w_b.value > 0)) & ~at_an_end(given["u"].value)
     flipped = (second.found != second.expected) & (second.excess <= 1) & looked_at
     differing, mean = int(flipped.sum()), _open_merges(given)
     return Judgement(
@@ -106,7 +106,7 @@ def _open_merges(given: Mapping[str, Bounded]) -> float:
         np.divide(
             2 * margin.error,
             S.value,
-            where=(S.value > 0) & ~at_an_end(given["u"]),
+            where=(S.value > 0) & ~at_an_end(given["u"].value),
             out=np.zeros_like(S.value),
         ).sum()
     )

@@ -25,6 +25,7 @@ from restir_gi.reference.oracle.replay.bounded import (
 )
 from restir_gi.reference.oracle.replay.judgement import Compared, Decisions, Judgement
 from restir_gi.reference.oracle.replay.rules import Rules
+from restir_gi.reference.oracle.replay.stream import at_an_end
 from restir_gi.reference.oracle.replay.verbs import inner
 
 Border = Callable[[Indices, int], Indices]
@@ -141,13 +142,15 @@ def judge_neighbors(
     wrong, differing, mean = np.zeros(case.rows, bool), 0, 0.0
     expected = np.empty_like(found)
     for k in range(found.shape[1]):
+        by_chance: Masks = np.ones(case.rows, bool)
         if of_table:
             offset = case.inputs["offsets"][:, k].astype(np.int64)
             offset = offset @ np.array(TABLES[rules.table])
-            options, odds = [_row_at(rows, offset.T, size, border)], 0.0
+            options, odds = [_row_at(rows, offset.T, size, border)], np.zeros(case.rows)
         else:
             u = case.inputs["u"][:, k].astype(float)
             options, odds = _landings(rows, size, radius, u, rounding, border)
+            by_chance = ~np.any(at_an_end(u), axis=1)
         answers = [alike_to(case, rows, o, rules, rounding) for o in options]
         legal = [
             _is_legal(found[:, k], o, a, rows)
@@ -157,8 +160,8 @@ def judge_neighbors(
         expected[:, k] = own
         is_legal = np.any(legal, axis=0)
         wrong |= ~is_legal
-        differing += int((is_legal & (found[:, k] != own)).sum())
-        mean += odds + float(sum((a.error > 0).sum() for a in answers[:1]))
+        differing += int((is_legal & by_chance & (found[:, k] != own)).sum())
+        mean += float((odds + (answers[0].error > 0))[by_chance].sum())
         missed = (found[:, k] < 0) & ~_is_itself(options, answers, rows)
         if rules.narrows:
             radius = np.where(missed, np.maximum(radius / 2, least), radius)
@@ -196,8 +199,11 @@ def _landings(
     u: Scalars,
     r: Rounding,
     border: Border,
-) -> tuple[list[Any], float]:
-    """Pixels that an offset may be rounded to, the exact one first, −1 outside."""
+) -> tuple[list[Any], Scalars]:
+    """Pixels that an offset may be rounded to, the exact one first, −1 outside.
+
+    Beside them the mean number of decisions that rounding leaves open, for random u.
+    """
     reach = radius * np.sqrt(u[:, 0])
     room = (SINE + 4) * r.unit * reach
     dx, dy = reach * np.cos(2 * pi * u[:, 1]), reach * np.sin(2 * pi * u[:, 1])
@@ -207,7 +213,7 @@ def _landings(
             moved = np.rint(dx + sx * room), np.rint(dy + sy * room)
             options.append(_row_at(rows, moved, size, border))
             spread.append(options[-1] != options[0])
-    return options, float(np.minimum(4 * room, 1.0).sum())
+    return options, np.minimum(4 * room, 1.0)
 
 
 def alike_to(

@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from restir_gi.reference.numerics.arrays import Indices, Masks
+from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars
 from restir_gi.reference.oracle.replay.bounded import Bounded
 from restir_gi.reference.oracle.replay.rules import Rules
 
@@ -67,13 +67,17 @@ STEP = 2.0**-24
 """Between the numbers that pass ``random`` gives."""
 
 
-def at_an_end(u: Bounded) -> Masks:
-    """Whether numbers are the smallest or the largest of all, (N,) bool.
+def at_an_end(u: Scalars) -> Masks:
+    """Whether numbers are the smallest or the largest of all, (N, ...) bool.
 
     Cases ask for these on purpose, and rounding leaves more open there; a random number
     is one of them so rarely that nothing is lost.
+
+    Parameters
+    ----------
+    u : (N, ...) float64; as pass ``random`` gives them
     """
-    ends: Masks = (u.value <= 0) | (u.value >= 1 - STEP)
+    ends: Masks = (u <= 0) | (u >= 1 - STEP)
     return ends
 
 
@@ -87,7 +91,7 @@ def by_chance(slots: Sequence[Weighted]) -> Masks:
     ----------
     slots : sequence of Weighted; in the order of the stream
     """
-    ends = [at_an_end(slot.u) for slot in slots[1:]]
+    ends = [at_an_end(slot.u.value) for slot in slots[1:]]
     unsure = [(s.w.value > 0) & ~s.w.surely_positive for s in slots]
     found: Masks = ~np.any([*ends, *unsure], axis=0)
     return found

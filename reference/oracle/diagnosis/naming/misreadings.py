@@ -56,6 +56,9 @@ FACTORS = {
 }
 """What a number of the settings may have been taken for, the simplest first."""
 
+AS_THEY_ARE = ("width", "height", "frame", "seed", "canonical")
+"""Numbers of rows, columns and streams, of which there are no multiples."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Misreading:
@@ -229,7 +232,7 @@ def _settings(cases: list[Case]) -> Iterator[Misreading]:
         if isinstance(value, str):
             for word in dict.fromkeys(str(case.settings[name]) for case in cases):
                 yield _set(f"{name} were always {word}", name, word)
-        elif name not in ("width", "height", "frame", "seed"):
+        elif name not in AS_THEY_ARE:
             for text, factor in FACTORS.items():
                 yield _set(f"{name} were {text}", name, factor)
 
