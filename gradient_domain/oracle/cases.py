@@ -350,25 +350,25 @@ def _sides(a: Tables, b: Tables) -> Tables:
 
 def _neighbors(rng: Generator) -> Tables:
     """Pixels of which one thing differs as a rule, and nothing very little."""
-    a = _pixels(rng, ROWS * 2)
+    a = _pixels(rng, ROWS * 3)
     b = {name: array.copy() for name, array in a.items()}
-    turn = rng.integers(0, 5, ROWS * 2)
+    turn = rng.integers(0, 5, ROWS * 3)
     color = np.clip(a["albedo"] + rng.uniform(-0.3, 0.3, a["albedo"].shape), 0.02, 1.0)
     alone = rng.random(a["albedo"].shape) < 0.4
     b["albedo"] = np.where((turn == 0)[:, None] & alone, color, a["albedo"])
     anywhere, ahead, behind = (
-        rng.uniform(least, most, ROWS * 2)
+        rng.uniform(least, most, ROWS * 3)
         for least, most in ((-1, 1), (0.8, 1), (-1, -0.9))
     )
-    cosine = np.choose(rng.integers(0, 3, ROWS * 2), [anywhere, ahead, behind])
+    cosine = np.choose(rng.integers(0, 3, ROWS * 3), [anywhere, ahead, behind])
     tilted = about(rng, a["normal"], np.where(np.abs(cosine - 0.9) < 1e-3, 1.0, cosine))
     b["normal"] = np.where((turn == 1)[:, None], tilted, a["normal"])
     # Where quotients of depths by either one, or metres, would decide otherwise.
-    factor = rng.choice([0.5, 0.8, 0.895, 0.905, 1.06, 1.095, 1.105, 1.2], ROWS * 2)
-    a["depth"] = 10.0 ** rng.uniform(-1, 2, ROWS * 2)
+    factor = rng.choice([0.5, 0.8, 0.895, 0.905, 1.06, 1.095, 1.105, 1.2], ROWS * 3)
+    a["depth"] = 10.0 ** rng.uniform(-1, 2, ROWS * 3)
     b["depth"] = np.where(turn == 2, factor, 1.0) * a["depth"]
     for side in (a, b):
-        side["hit"] = (rng.random(ROWS * 2) > 0.25).astype(np.uint32)
+        side["hit"] = (rng.random(ROWS * 3) > 0.25).astype(np.uint32)
     return _sides(a, b)
 
 
@@ -521,7 +521,7 @@ def _of_solvers(rng: Generator) -> Iterator[Asked]:
         }
         rows = image_rows(rng, width, height, 0.0)
         yield f"poisson-l2-{width}x{height}", "poisson_l2", settings, rows, False
-    sums = ((14, 11, 0.2, 0.01), (8, 15, 2.0, 0.005))
+    sums = ((14, 11, 0.2, 0.01), (8, 15, 2.0, 0.02))
     for width, height, alpha, ratio in sums:
         settings = {"width": width, "alpha": alpha, "ratio": ratio}
         rows = image_rows(rng, width, height, 0.5)

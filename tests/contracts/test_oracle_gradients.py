@@ -134,6 +134,7 @@ def test_a_departure_passes(h):
 
 
 @pytest.mark.parametrize("where", ["pair_initial", "pair_reuse"])
+@pytest.mark.few(1)
 def test_samples_of_one_sign_of_luminance_have_to_be_shown_whole(where):
     """Else what their channels have of the other sign is lost."""
     backend = backend_with({where: "pair-split-by-luminance"})

@@ -449,6 +449,7 @@ BIASES = [
         PAIRS,
         BEFORE,
         "found = pair_at(pairs.axis, x - back_y, y - back_x, width, height)",
+        ("motion-axes-exchanged",),
     ),
     Mutant(
         "differences of pairs keep their sign",

@@ -629,10 +629,10 @@ def _poisson_l1(i: Given, s: Given, m: str) -> dict[str, Array]:
     if m == "poisson-squares-for-absolute-values":
         return _poisson_l2(i, {**s, "residual": 1e-6}, "")
     rows, image = _RowsByHand(i, s, m), i["primal"]
-    for sweep in range(25):
+    for sweep in range(30):
         off = [a - b for a, b in zip(rows.apply(image), rows.right, strict=True)]
         mean = np.mean([np.sqrt((r * r).sum(axis=1)).mean() for r in off])
-        least = max(mean * 0.5**sweep, 1e-6 * mean)
+        least = max(mean * 0.6**sweep, 1e-6 * mean)
         weights = [
             1 / np.sqrt((r * r).sum(axis=1, keepdims=True) + least**2) for r in off
         ]
