@@ -95,8 +95,21 @@ def lattice_of(camera: Camera, facings: int = 1) -> Lattice:
     """
     w, h = camera.width, camera.height
     fov_y = 2 * np.arctan(camera.half_width * h / w)
-    base = np.tan(min(fov_y * PIXELS * max(1 / h, h / w**2), np.pi / 4))
-    return Lattice(camera.position, float(base), facings)
+    return Lattice(camera.position, float(base_of(fov_y, w, h)), facings)
+
+
+def base_of(fov_y: Scalars, width: Indices, height: Indices) -> Scalars:
+    """Edge of a cell over its distance, of cameras, (N,) float64; at most 1.
+
+    Parameters
+    ----------
+    fov_y : (N,) float64, radians; from below to above
+    width, height : (N,) int64, pixels
+    """
+    w, h = width, height
+    wide = fov_y * PIXELS * np.maximum(1 / h, h / w**2)
+    base: Scalars = np.tan(np.minimum(wide, np.pi / 4))
+    return base
 
 
 def levels(lattice: Lattice, position: Vec3s) -> Indices:

@@ -30,6 +30,28 @@ def _along_axes(name: str, meaning: str) -> tuple[Setting, ...]:
     return tuple(Setting(f"{name}_{axis}", "number", meaning) for axis in "xyz")
 
 
+CELL_BASE = Pass(
+    name="cell_base",
+    summary="How large cells are, over their distance: some 16 pixels of a camera",
+    formula=(
+        "base = tan(min(fov_y · 16 · max(1 / height, height / width²), π / 4)); "
+        "a row is a camera"
+    ),
+    inputs=(
+        real("fov_y", "field of view from below to above, radians"),
+        index("width", "of the picture, pixels"),
+        index("height", "the same"),
+    ),
+    outputs=(real("base", "edge of a cell over its distance, at most 1"),),
+    source="[Boisse21], with the numbers of the author's later renderer",
+    clauses=(
+        "the whole field of view, in radians",
+        "the larger of the two quotients counts",
+        "the height is told from the width",
+        "a cell is seen under 45 degrees at most",
+    ),
+)
+
 CELL_LEVEL = Pass(
     name="cell_level",
     summary="Level of detail of the cell that a point lies in",
@@ -510,6 +532,7 @@ SUFFIX_REACH = Pass(
 )
 
 HASH_GRID_PASSES = (
+    CELL_BASE,
     CELL_LEVEL,
     CELL_JITTER,
     CELL_KEY,

@@ -15,6 +15,7 @@ from restir_gi.hashgrid.grid import (
     Keys,
     Lattice,
     atom_inc,
+    base_of,
     edges,
     faces_alike,
     find_or_insert,
@@ -55,6 +56,13 @@ def _rows(values: Array) -> Array:
 
 
 # ---------------------------------------------------------------- the cell of a point
+
+
+def _cell_base(
+    precision: Precision, fov_y: Array, width: Array, height: Array
+) -> dict[str, Array]:
+    base = base_of(fov_y.astype(float), _wide(width), _wide(height))
+    return {"base": as_real(precision, base)}
 
 
 def _cell_level(
@@ -299,6 +307,7 @@ def _suffix_reach(
 
 
 HASH_GRID_OWN: Mapping[str, Callable[..., dict[str, Array]]] = {
+    "cell_base": _cell_base,
     "cell_level": _cell_level,
     "cell_jitter": _cell_jitter,
     "cell_key": _cell_key,
