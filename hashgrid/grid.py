@@ -239,7 +239,21 @@ def keys_at(level: Indices, position: Vec3s, normal: Vec3s, parts: int) -> Keys:
     normal : (N, 3) float64; unit normals
     parts : int; of each component of the normal that are told apart
     """
-    scaled = np.floor(position / edges(level)[:, None])
+    return keys_in(level, edges(level), position, normal, parts)
+
+
+def keys_in(
+    level: Indices, edge: Scalars, position: Vec3s, normal: Vec3s, parts: int
+) -> Keys:
+    """Cells of points whose edge is known, too.
+
+    Parameters
+    ----------
+    level : (N,) int64; from 0
+    edge : (N,) float64, m; of each point's cell
+    position, normal, parts : as of `keys_at`
+    """
+    scaled = np.floor(position / edge[:, None])
     x, y, z = np.clip(scaled, -FARTHEST, FARTHEST).astype(np.int64).T
     part = np.clip(np.floor((normal + 1.0) * (parts / 2)), 0, parts - 1)
     a, b, c = part.astype(np.int64).T

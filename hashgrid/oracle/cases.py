@@ -1,6 +1,7 @@
 """Cases of the hash grid: made here, without a scene, the same for a seed."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -62,6 +63,20 @@ def hash_grid_cases(precision: Precision, seed: int = SEED) -> list[Case]:
         for pass_name, maker in makers
         for name, settings, inputs in maker(rng)
     ]
+
+
+def cases_of_edges(precision: Precision, seed: int = SEED) -> list[Case]:
+    """Cases of passes that are given the edges of cells, by whatever rule."""
+    rng = np.random.default_rng([2032, seed])
+    found = []
+    for pass_name, maker in (("cell_jitter", _jitters), ("cell_key", _keys)):
+        for name, settings, inputs in maker(rng):
+            level = inputs.pop("level")
+            edge = {"edge": 0.0125 * 1.5 ** (level - 6.0) * rng.uniform(1, 1.4, ROWS)}
+            settings |= {"size": "edge"}
+            made = _case(pass_name, name, settings, inputs | edge, precision)
+            found.append(replace(made, name=f"{made.name}-edges"))
+    return found
 
 
 def _case(

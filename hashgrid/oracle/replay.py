@@ -248,7 +248,9 @@ def _sides(case: Case, part: CellRules, rounding: Rounding) -> tuple[Bounded, Bo
 
 
 def _edges(case: Case) -> Scalars:
-    """Edges of cells, (N,), m; a thousandth of a power of two."""
+    """Edges of cells, (N,), m; as given, or a thousandth of a power of two."""
+    if case.settings.get("size") == "edge":
+        return case.inputs["edge"].astype(float)
     return np.ldexp(1e-3, case.inputs["level"].astype(np.int32))
 
 
@@ -269,10 +271,7 @@ def judge_cell_key(
 ) -> Judgement:
     """Judge pass ``cell_key``."""
     rounding, part = rounding_of(precision), gridded(rules).cell
-    level = case.inputs["level"].astype(np.int32)
-    factor = np.ldexp(1.0, level) if part.edge_doubles else np.maximum(level, 1) * 1.0
-    edge = exact(factor, rounding)
-    edge = edge * constant(part.smallest, edge)
+    edge = _edge_of_key(case, part, rounding)
     whole = {"floor": np.floor, "trunc": np.trunc, "round": np.rint}[part.cut]
     compared, differing, left_open = [], 0, 0.0
     for axis, name in enumerate("xyz"):
@@ -286,6 +285,16 @@ def judge_cell_key(
     none = np.zeros(case.rows, bool)
     decisions = Decisions(none, differing, left_open, "which side of a border it is")
     return Judgement((*compared, digits), {"edge": edge.value}, decisions, case.random)
+
+
+def _edge_of_key(case: Case, part: CellRules, rounding: Rounding) -> Bounded:
+    """Edges of cells, (N,), m."""
+    if case.settings.get("size") == "edge":
+        return exact(case.inputs["edge"], rounding)
+    level = case.inputs["level"].astype(np.int32)
+    factor = np.ldexp(1.0, level) if part.edge_doubles else np.maximum(level, 1) * 1.0
+    edge = exact(factor, rounding)
+    return edge * constant(part.smallest, edge)
 
 
 def _facing(
@@ -338,13 +347,16 @@ def judge_cell_hash(
 ) -> Judgement:
     """Judge pass ``cell_hash``: words, to the last bit."""
     part = gridded(rules).words
-    if part.own:
-        return _own_words(case, outputs)
     hashes = (_xxhash, _pcg) if part.exchanged else (_pcg, _xxhash)
     bucket = _nested(case, hashes[0], part)
     checksum = bucket if part.one_hash else _nested(case, hashes[1], part)
     if part.lifted == "least":
         checksum = np.maximum(checksum, np.uint64(1))
+    if part.own:
+        contracts = (outputs["bucket_hash"] == bucket) & (
+            outputs["checksum"] == checksum
+        )
+        return _own_words(case, outputs, contracts)
     return Judgement(
         (
             exactly("bucket_hash", outputs["bucket_hash"], bucket),
@@ -353,11 +365,12 @@ def judge_cell_hash(
     )
 
 
-def _own_words(case: Case, outputs: Buffers) -> Judgement:
+def _own_words(case: Case, outputs: Buffers, contracts: Masks) -> Judgement:
     """Words of a hash that only the backend knows: they tell the cells apart.
 
     Of 64 bits no right hash has two of a few hundred cells alike; of 48, as with a
-    checksum of 16, once in 10⁹ runs.
+    checksum of 16, once in 10⁹ runs.  A hash that is the contract's in some cells is
+    that with a mistake in the others, and no hash of another kind.
     """
     bucket, checksum = (
         outputs[n].astype(np.int64) for n in ("bucket_hash", "checksum")
@@ -378,6 +391,7 @@ def _own_words(case: Case, outputs: Buffers) -> Judgement:
             exactly("words of another cell", shared, none),
             exactly("checksums of 0", checksum == 0, none),
             exactly("checksums that are the hash", checksum == bucket, none),
+            exactly("words of the contract's hash", contracts, none),
         )
     )
 

@@ -131,7 +131,9 @@ def cell_level(real, mistake, position, when, **s):
     return {"level": level if mistake == "cell-level-below-0" else np.maximum(level, 0)}
 
 
-def cell_jitter(real, mistake, position, normal, level, u):
+def cell_jitter(
+    real, mistake, position, normal, u, level=None, edge=None, size="level"
+):
     """Tangents by vector products with an axis that is far enough away."""
     axis = np.where((abs(normal[:, :1]) < real(0.9)), [1, 0, 0], [0, 1, 0])
     t = np.cross(axis.astype(real), normal)
@@ -143,7 +145,7 @@ def cell_jitter(real, mistake, position, normal, level, u):
         "cell-jitter-without-root-2": 1.0,
         "cell-jitter-by-half": sqrt(0.5),
     }.get(mistake, sqrt(2))
-    r = np.ldexp(real(1e-3), level) * real(reach)
+    r = (np.ldexp(real(1e-3), level) if edge is None else edge) * real(reach)
     if mistake == "cell-jitter-along-a-diagonal":
         u = u[:, [0, 0]]
     if mistake != "cell-jitter-one-sided":
@@ -152,13 +154,16 @@ def cell_jitter(real, mistake, position, normal, level, u):
     return {"moved": position + aside}
 
 
-def cell_key(real, mistake, position, normal, level, facings):
+def cell_key(
+    real, mistake, position, normal, facings, level=None, edge=None, size="level"
+):
     """By a reciprocal of the edge."""
-    edge = np.ldexp(real(1e-3), level)
-    if mistake == "cell-key-in-metres":
-        edge = np.ldexp(real(1), level)
-    if mistake == "cell-key-edge-grows-evenly":
-        edge = real(1e-3) * np.maximum(level, 1).astype(real)
+    if edge is None:
+        edge = np.ldexp(real(1e-3), level)
+        if mistake == "cell-key-in-metres":
+            edge = np.ldexp(real(1), level)
+        if mistake == "cell-key-edge-grows-evenly":
+            edge = real(1e-3) * np.maximum(level, 1).astype(real)
     scaled = position * (1 / edge)[:, None]
     whole = {"cell-key-truncated": np.trunc, "cell-key-rounded": np.rint}
     x, y, z = whole.get(mistake, np.floor)(scaled).T
