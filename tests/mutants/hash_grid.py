@@ -90,7 +90,13 @@ BASES = [
         "cell-base-not-bounded",
     ),
     _mutant(GRID, "the base is an angle", BOUND, BOUND.replace("np.tan", "")),
-    _mutant(GRID, "the base is of 8 pixels", "PIXELS = 16.0", "PIXELS = 8.0"),
+    _mutant(
+        GRID,
+        "the base is of 8 pixels",
+        "PIXELS = 16.0",
+        "PIXELS = 8.0",
+        "cell-base-of-half-the-field",
+    ),
     _mutant(
         GRID,
         "the base has the width once",
@@ -112,6 +118,7 @@ CELLS = [
         "levels are one too high",
         EXPONENT,
         "np.frexp(wanted)[1].astype(np.int64)",
+        "cell-level-of-another-rule",
     ),
     _mutant(
         GRID,
@@ -119,10 +126,15 @@ CELLS = [
         "SMALLEST = 1e-3",
         "SMALLEST = 1.0",
         "cell-level-in-metres",
+        "cell-level-of-another-rule",
         "cell-key-in-metres",
     ),
     _mutant(
-        GRID, "levels are of squares", WANTED, WANTED.replace("distance", "distance**2")
+        GRID,
+        "levels are of squares",
+        WANTED,
+        WANTED.replace("distance", "distance**2"),
+        "cell-level-of-another-rule",
     ),
     _mutant(
         GRID,
@@ -130,6 +142,7 @@ CELLS = [
         WANTED,
         "wanted = np.where(distance > 0, distance * lattice.base / SMALLEST, 1.0)",
         "cell-level-below-0",
+        "cell-level-of-another-rule",
     ),
     _mutant(
         GRID,
@@ -286,26 +299,42 @@ WORDS = [
         "PCG without its last step",
         "mixed: UInts = (word >> np.uint32(22)) ^ word",
         "mixed: UInts = word",
+        "cell-hash-of-another-kind",
     ),
-    _mutant(GRID, "PCG with another constant", "2891336453", "2891336454"),
+    _mutant(
+        GRID,
+        "PCG with another constant",
+        "2891336453",
+        "2891336454",
+        "cell-hash-of-another-kind",
+    ),
     _mutant(
         GRID,
         "PCG shifts by 5",
         "(state >> np.uint32(28)) + np.uint32(4)",
         "(state >> np.uint32(28)) + np.uint32(5)",
+        "cell-hash-of-another-kind",
     ),
     _mutant(
         GRID,
         "xxHash turns by 16",
         "(h << np.uint32(17)) | (h >> np.uint32(15))",
         "(h << np.uint32(16)) | (h >> np.uint32(16))",
+        "cell-hash-of-another-kind",
     ),
-    _mutant(GRID, "xxHash with a factor too many", "2246822519", "3266489917 * 1 + 0"),
+    _mutant(
+        GRID,
+        "xxHash with a factor too many",
+        "2246822519",
+        "3266489917 * 1 + 0",
+        "cell-hash-of-another-kind",
+    ),
     _mutant(
         GRID,
         "xxHash without its last step",
         "mixed: UInts = h ^ (h >> np.uint32(16))",
         "mixed: UInts = h",
+        "cell-hash-of-another-kind",
     ),
 ]
 
@@ -353,6 +382,8 @@ TABLES = [
         "buckets by the upper bits",
         CAME,
         CAME.replace("% buckets", "* buckets >> 32"),
+        "cell-insert-by-upper-bits",
+        kind="equivalent",
     ),
     _mutant(
         GRID,
