@@ -276,7 +276,8 @@ def _pair_reuse(i: Given, s: Given, m: str) -> dict[str, Array]:
             at[:, a, b] = p * i["jacobian_at"][:, a, b]
     one_J = m in ("outer-jacobian-left-out", "pair-reuse-made-without-jacobian")
     made_here = np.where(J > 0, made if one_J else _over(made, J), 0)
-    factor = (J > 0).astype(J.dtype) if m == "outer-jacobian-left-out" else J
+    left_out = m in ("outer-jacobian-left-out", "pair-reuse-jacobian-left-out")
+    factor = (J > 0).astype(J.dtype) if left_out else J
     factor = factor.copy()
     factor[:, c] = 1
     weight = M
@@ -328,8 +329,11 @@ def _in_pairs(
     T = S + M[:, c] if defensive else S
     own = M[:, c] * here[:, c]
     for q in others:
-        mine = S * made[:, q]
-        share = _over(mine, mine + M[:, c] * here[:, q])
+        at_source, at_c = made[:, q], here[:, q]
+        if m == "pair-reuse-pairs-exchanged":
+            at_source, at_c = at_c, at_source
+        mine = S * at_source
+        share = _over(mine, mine + M[:, c] * at_c)
         found[:, q] = _over(M[:, q], T) * share
         found[:, c] += _over(M[:, q], T) * _over(own, own + S * at[:, c, q])
     if defensive:
