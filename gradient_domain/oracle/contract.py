@@ -355,6 +355,28 @@ def _pixel(which: str) -> tuple[Field, ...]:
     )
 
 
+GIVEN, EITHER_SIDE, BY_CHANNELS = "given", "either-side", "channels"
+LIKENESS = (
+    Setting(
+        "thresholds",
+        "fixed",
+        "0.1, 0.9 and 0.1; given: most_albedo, least_cosine and most_depth",
+        more=(GIVEN,),
+        default="fixed",
+    ),
+    Setting("most_albedo", "number", "in place of the first 0.1", default="0.1"),
+    Setting("least_cosine", "number", "in place of 0.9", default="0.9"),
+    Setting("most_depth", "number", "in place of the second 0.1", default="0.1"),
+    Setting(
+        "normals",
+        "facing",
+        "normal_a · normal_b as it is; either-side: its magnitude",
+        more=(EITHER_SIDE,),
+        default="facing",
+    ),
+)
+"""What pixels look alike by, of those who declare it."""
+
 EDGE = (
     "edge = 1 where just one of the two sees a point, or both do and: |albedo_a − "
     "albedo_b| > 0.1 in any channel, or normal_a · normal_b < 0.9, or |depth_a − "
@@ -367,9 +389,11 @@ EDGE_PAIR = Pass(
     formula=EDGE,
     inputs=(*_pixel("a"), *_pixel("b")),
     outputs=(bits("edge", "1 or 0"),),
+    settings=LIKENESS,
     source=(
         "[Wang25, section 4.3.2], where a cosine *above* 0.9 is printed, and a depth "
-        "relative to that of the first pixel"
+        "relative to that of the first pixel. Which thresholds are taken brings no bias: "
+        "who has others declares thresholds = given, and is asked for several"
     ),
     clauses=(
         "any channel of the albedo, in absolute value",
@@ -404,7 +428,11 @@ PAIR_SEARCH = Pass(
         real("u", "in [0, 1), of each axis and try", 2, "K"),
     ),
     outputs=(index("neighbor", "row of a first pixel, of each axis, or −1", 2),),
-    settings=(WIDTH, Setting("radius", "whole number", "columns and lines, at most")),
+    settings=(
+        WIDTH,
+        Setting("radius", "whole number", "columns and lines, at most"),
+        *LIKENESS,
+    ),
     source="[Wang25, section 4.3.2]",
     clauses=(
         "pairs that are no edge have none",
@@ -575,6 +603,14 @@ POISSON_L1 = Pass(
         WIDTH,
         ALPHA,
         Setting("ratio", "number", "by which E may exceed its minimum"),
+        Setting(
+            "norm",
+            "pixels",
+            "|·| is the length of the three channels; channels: the sum of their "
+            "absolute values",
+            more=(BY_CHANNELS,),
+            default="pixels",
+        ),
     ),
     source=(
         "[Lehtinen13, section 3; Kettunen15]. Any solver is right; the result is "

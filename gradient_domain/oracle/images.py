@@ -14,6 +14,7 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array, eye_array, vstack
 from scipy.sparse.linalg import splu
 
+from restir_gi.gradient_domain.oracle.contract import BY_CHANNELS
 from restir_gi.gradient_domain.oracle.rules import PairRules, pairing
 from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
 from restir_gi.reference.oracle.cases import Buffers, Case
@@ -237,6 +238,11 @@ def _lengths(rows: Vec3s) -> Scalars:
     return found
 
 
+def _sums(rows: Vec3s) -> Scalars:
+    found: Scalars = np.abs(rows).sum(axis=1)
+    return found
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class LeastSum:
     """The smallest sum of absolute values that is known, and a bound below all of them.
@@ -308,11 +314,27 @@ def _least_sum(
     return least_sum(problem_of(case, rules))
 
 
+def _by_channels(case: Case) -> bool:
+    return case.settings.get("norm") == BY_CHANNELS
+
+
 def least_sum_of(case: Case, rules: PairRules) -> LeastSum:
-    """The smallest sum for a case."""
-    arrays = [case.inputs[n].astype(float) for n in ("primal", "dx", "dy")]
+    """The smallest sum for a case.
+
+    Where absolute values are those of channels, each channel has its own.
+    """
+    arrays = np.stack([case.inputs[n].astype(float) for n in ("primal", "dx", "dy")])
     settings = float(case.settings["width"]), float(case.settings["alpha"])
-    return _least_sum(np.stack(arrays).tobytes(), arrays[0].shape, settings, rules)
+    apart = np.split(arrays, arrays.shape[2], axis=2) if _by_channels(case) else [arrays]
+    each = [
+        _least_sum(some.tobytes(), (some.shape[1], some.shape[2]), settings, rules)
+        for some in apart
+    ]
+    return LeastSum(
+        np.concatenate([one.image for one in each], axis=1),
+        sum(one.total for one in each),
+        sum(one.bound for one in each),
+    )
 
 
 def judge_poisson_l1(
@@ -327,8 +349,9 @@ def judge_poisson_l1(
     found = outputs["color"].astype(float)
     if part.added:
         found = found - case.inputs["primal"].astype(float)
+    sizes = _sums if _by_channels(case) else _lengths
     sums, ours = (
-        _lengths(p.A @ image - p.b).reshape(3, -1).sum(axis=0)
+        sizes(p.A @ image - p.b).reshape(3, -1).sum(axis=0)
         for image in (found, least.image)
     )
     rounding = rounding_of(precision).unit * float(
