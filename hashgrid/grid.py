@@ -94,8 +94,9 @@ def lattice_of(camera: Camera, facings: int = 1) -> Lattice:
     facings : int; parts of each component of the normal
     """
     w, h = camera.width, camera.height
-    fov_y = 2 * np.arctan(camera.half_width * h / w)
-    return Lattice(camera.position, float(base_of(fov_y, w, h)), facings)
+    fov_y = np.array([2 * np.arctan(camera.half_width * h / w)])
+    base = base_of(fov_y, np.array([w]), np.array([h]))
+    return Lattice(camera.position, float(base[0]), facings)
 
 
 def base_of(fov_y: Scalars, width: Indices, height: Indices) -> Scalars:
@@ -251,7 +252,9 @@ def keys_in(
     ----------
     level : (N,) int64; from 0
     edge : (N,) float64, m; of each point's cell
-    position, normal, parts : as of `keys_at`
+    position : (N, 3) float64, m; the points
+    normal : (N, 3) float64; unit normals
+    parts : int; of each component of the normal that are told apart
     """
     scaled = np.floor(position / edge[:, None])
     x, y, z = np.clip(scaled, -FARTHEST, FARTHEST).astype(np.int64).T

@@ -24,7 +24,7 @@ from restir_gi.reference.oracle.parts import SEED
 ROWS = 512
 Parts = tuple[str, dict[str, Value], dict[str, Any]]
 
-UNEVEN = {"scan-null", "level-equal", "key-borders", "level-rays", "level-rays-before"}
+UNEVEN = {"scan-null", "level-equal", "key-borders"}
 """Cases whose decisions do not hang on numbers that were drawn."""
 
 
@@ -116,9 +116,9 @@ def _bases(rng: Generator) -> Iterator[Parts]:
     yield "base", {}, inputs
 
 
-def _rays(eye: tuple[float, ...]) -> Vec3s:
+def _rays(rng: Generator, eye: tuple[float, ...]) -> Vec3s:
     """Points along the axes through an eye, each twice, (N, 3)."""
-    t = 1.25 ** np.arange(-12, 26)
+    t = 1.25 ** (np.arange(-12, 26) + rng.random())
     sides = np.concatenate([np.eye(3), -np.eye(3)])
     once = np.asarray(eye) + (t[:, None, None] * sides).reshape(-1, 3)
     return np.concatenate([once, once])
@@ -149,15 +149,14 @@ def _levels(rng: Generator) -> Iterator[Parts]:
         settings |= {f"{name}_{a}": 0.0 for a in "xyz"}
     yield "level-equal", settings, {"position": position}
 
-
-    # Past the eye of the other frame, and past the origin.
-    eye, before = (1.5, 2.0, -3.0), (-2.5, 2.0, -3.0)
+    # Past the eye of the other frame, and close by the origin.
+    eye, before = (1.5, 0.0625, 0.0), (-2.5, 0.0625, 0.0)
     for when, e in (("insertion", eye), ("look-up", before)):
         settings = {"when": when, "base": 0.0625, "base_before": 0.09375}
         for name, place in (("eye", eye), ("eye_before", before)):
             settings |= dict(zip((f"{name}_{a}" for a in "xyz"), place, strict=True))
         ending = "-before" if when == "look-up" else ""
-        yield f"level-rays{ending}", settings, {"position": _rays(e)}
+        yield f"level-rays{ending}", settings, {"position": _rays(rng, e)}
 
 
 def _jitters(rng: Generator) -> Iterator[Parts]:
@@ -241,7 +240,9 @@ PAIRS = {
 def _of_pairs(name: str) -> Indices:
     """A field of such cells, and of as many beside them."""
     each = 20 * np.arange(24)[:, None] * (name in "xyz")
-    return (np.array(PAIRS[name]) + np.where(np.array(PAIRS[name]) < 0, -1, 1) * each).ravel()
+    return (
+        np.array(PAIRS[name]) + np.where(np.array(PAIRS[name]) < 0, -1, 1) * each
+    ).ravel()
 
 
 STEPS = ((15, 2246822519), (13, 3266489917))
@@ -292,6 +293,9 @@ def _inserts(rng: Generator) -> Iterator[Parts]:
         if cells == buckets * SLOTS:
             # Each bucket is just full.
             bucket = np.arange(cells) % buckets
+        if buckets == 11:
+            # Beside buckets that are too full there is room.
+            bucket = np.where(rng.random(cells) < 0.7, bucket // 2 * 2, bucket)
         table = _distinct_cells(rng, bucket, buckets, shared=buckets == 61)
         which = np.concatenate([np.arange(cells), rng.integers(0, cells, rows - cells)])
         which = rng.permutation(which)

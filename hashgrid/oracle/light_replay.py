@@ -24,6 +24,7 @@ from restir_gi.reference.oracle.replay.halves import (
     beside_halves,
     counted_in_half,
     held_in_half,
+    up_to_the_largest,
 )
 from restir_gi.reference.oracle.replay.judgement import (
     Compared,
@@ -188,8 +189,9 @@ def judge_light_candidates(
 
 def _stored(outputs: Buffers, W: Bounded, M: Bounded, how: str) -> list[Compared]:
     """W and M beside what is kept of them."""
+    W_found = up_to_the_largest(outputs["W"])
     return [
-        beside("W", outputs["W"], held_in_half(W, how)),
+        beside("W", W_found, held_in_half(W, how)),
         beside("M", outputs["M"], counted_in_half(M, how)),
         *beside_halves("W", outputs["W"], how),
         *beside_halves("M", outputs["M"], how),

@@ -98,7 +98,9 @@ def _without_jacobian(formula: str) -> str:
 
 CELLS = (
     *(
-        _known("cell_base", f"cell-base-{name}", what, wrong, BASE, part=_cell(**changes))
+        _known(
+            "cell_base", f"cell-base-{name}", what, wrong, BASE, part=_cell(**changes)
+        )
         for name, what, wrong, changes in (
             (
                 "in-degrees",
@@ -578,11 +580,17 @@ HELD = (
 
 def _as(held: str) -> str:
     """A way to store in the name of a hypothesis."""
-    words = {"half": "halves", "half, cut": "halves-cut", "half, infinite": "halves-infinite"}
+    words = {
+        "half": "halves",
+        "half, cut": "halves-cut",
+        "half, infinite": "halves-infinite",
+    }
     return words[held]
 
 
-def _held(pass_name: str, name: str, part: Callable[[str], GridRules]) -> Iterator[Hypothesis]:
+def _held(
+    pass_name: str, name: str, part: Callable[[str], GridRules]
+) -> Iterator[Hypothesis]:
     """Storage in 16 bits, of one pass."""
     for held, what, departure in HELD:
         yield _known(

@@ -59,7 +59,9 @@ def judge_cell_base(
 ) -> Judgement:
     """Judge pass ``cell_base``."""
     rounding, part = rounding_of(precision), gridded(rules).cell
-    fov_y, w, h = (exact(case.inputs[n], rounding) for n in ("fov_y", "width", "height"))
+    fov_y, w, h = (
+        exact(case.inputs[n], rounding) for n in ("fov_y", "width", "height")
+    )
     if part.quotients == "turned":
         w, h = h, w
     one = constant(1.0, fov_y)

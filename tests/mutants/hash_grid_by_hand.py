@@ -260,7 +260,10 @@ def cell_insert(real, mistake, bucket_hash, checksum, active, buckets):
     for v in reversed(range(len(active))):
         if not active[v] and mistake != "cell-insert-of-everybody":
             continue
-        first, check = bucket_of(mistake, bucket_hash[v], buckets) * 16, int(checksum[v])
+        first, check = (
+            bucket_of(mistake, bucket_hash[v], buckets) * 16,
+            int(checksum[v]),
+        )
         for k in range(tried):
             at = (first + k) % (buckets * 16)
             if table[at] == 0:

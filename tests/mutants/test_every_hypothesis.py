@@ -41,7 +41,7 @@ from tests.mutants.plant import source_of
 
 PRECISION = "float32"
 OPEN = "cell-level-of-another-rule"
-"""What the contract's own rows do not refute: of any rule, see `test_oracle_hash_grid`."""
+"""Of any rule: the contract's rows do not refute it; see its tests of choices."""
 
 HYPOTHESES = [h for h in known_mistakes() if h.only is None and h.name != OPEN]
 """All but those of declared surfaces, which `test_oracle_surfaces` plants."""

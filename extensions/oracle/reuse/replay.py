@@ -16,6 +16,7 @@ from restir_gi.reference.oracle.replay.halves import (
     beside_halves,
     counted_in_half,
     held_in_half,
+    up_to_the_largest,
 )
 from restir_gi.reference.oracle.replay.judgement import (
     Compared,
@@ -75,7 +76,7 @@ def judge_path_reuse(
         (
             Compared("slot", found, surely, np.where(illegal, 0.0, np.inf)),
             _kept_target(case, outputs, kept, illegal | empty),
-            beside("W", outputs["W"], held_in_half(W, part.held)),
+            beside("W", up_to_the_largest(outputs["W"]), held_in_half(W, part.held)),
             beside("M", outputs["M"], counted_in_half(M, part.held)),
             *beside_halves("W", outputs["W"], part.held),
             *beside_halves("M", outputs["M"], part.held),

@@ -32,12 +32,7 @@ INFINITE_FROM = 65520.0
 
 
 def held_in_half(x: Bounded, how: str) -> Bounded:
-    """Numbers from 0 on as they are held, of any shape.
-
-    Parameters
-    ----------
-    how : str; 'exact', or a name of `HALVES`
-    """
+    """Numbers from 0 on as they are held, (N,); 'exact', or by a name of `HALVES`."""
     if how == "exact":
         return x
     infinite = how == "half, infinite"
@@ -52,13 +47,26 @@ def held_in_half(x: Bounded, how: str) -> Bounded:
     error = np.where(flushed, np.maximum(value, SMALL_STEP), error)
     error = np.where(x.value == 0, 0.0, error) + x.error
     if infinite:
-        value = np.where(surely, np.inf, value)
+        # As infinity is handed on to whoever judges.
+        value = np.where(surely, _largest(x), value)
         error = np.where(over & ~surely, np.inf, error)
     return Bounded(value, error, x.rounding)
 
 
+def _largest(x: Bounded) -> float:
+    """The largest number of the type that a backend calculates in."""
+    types = np.finfo(np.float32), np.finfo(np.float64)
+    return next(float(t.max) for t in types if float(t.tiny) == x.rounding.tiny)
+
+
+def up_to_the_largest(found: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Numbers of a backend, the largest of their type in place of infinity, (N,)."""
+    held: NDArray[np.floating] = np.minimum(found, np.finfo(found.dtype).max)
+    return held
+
+
 def counted_in_half(M: Bounded, how: str) -> Bounded:
-    """Confidences as they are held: whole numbers up to 2048 are as they were."""
+    """Confidences as they are held, (N,): whole numbers up to 2048 as they were."""
     held = held_in_half(M, how)
     whole = (np.rint(M.value) == M.value) & (M.value <= WHOLE)
     return Bounded(
@@ -69,10 +77,12 @@ def counted_in_half(M: Bounded, how: str) -> Bounded:
 
 
 def beside_halves(name: str, found: NDArray[np.floating], how: str) -> list[Compared]:
-    """What is given beside the nearest half: nothing is allowed between them."""
+    """What is given, (N,), beside the nearest half: nothing is allowed between."""
     if how == "exact":
         return []
     with np.errstate(over="ignore", invalid="ignore"):
         half = found.astype(np.float16).astype(np.float64)
-    allowed: Scalars = np.zeros(half.shape)
+    infinite = how == "half, infinite"
+    allowed: Scalars = np.where(np.isinf(half) & infinite, np.inf, 0.0)
+    half = np.minimum(half, HALF_MOST)
     return [Compared(f"{name} as a half", found, half, allowed)]

@@ -34,9 +34,8 @@ class Compared:
     @property
     def excess(self) -> Scalars:
         """(N,): largest difference of a row, in units of what is allowed."""
+        difference = np.abs(self.found.astype(np.float64) - self.expected)
         with np.errstate(divide="ignore", invalid="ignore"):
-            # Infinity in place of infinity is no difference.
-            difference = np.abs(self.found.astype(np.float64) - self.expected)
             ratio = np.where(difference > 0, difference / self.allowed, 0.0)
         # Column by column: a row has few numbers, which is slow along the last axis.
         largest = np.zeros(len(ratio))
