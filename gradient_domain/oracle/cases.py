@@ -436,6 +436,12 @@ LOOKS = (
 """Albedo, normal and depth of what pixels of the search see."""
 
 
+def _turned(like: Likeness) -> tuple[Any, ...]:
+    """The first of the walls, turned by a little more than a limit allows."""
+    cosine = 0.97 * like.cosine
+    return (0.20, 0.20, 0.20), (0, np.sqrt(1 - cosine**2), cosine), 2.0
+
+
 def _walls(
     rng: Generator, width: int, height: int, tries: int, like: Likeness = FIXED
 ) -> Tables:
@@ -443,10 +449,11 @@ def _walls(
     pixels = width * height
     x, y = np.arange(pixels) % width, np.arange(pixels) // width
     patch = x // 2 + (width // 2 + 1) * (y // 3)
-    often = np.where(np.arange(len(LOOKS)) < 3, 2.0, 1.0)
-    look = rng.choice(len(LOOKS), patch.max() + 1, p=often / often.sum())[patch]
+    looks = LOOKS if like == FIXED else (*LOOKS, _turned(like))
+    often = np.where(np.arange(len(looks)) < 3, 2.0, 1.0)
+    look = rng.choice(len(looks), patch.max() + 1, p=often / often.sum())[patch]
     albedo, normal, depth = (
-        np.array(column, float)[look] for column in zip(*LOOKS, strict=True)
+        np.array(column, float)[look] for column in zip(*looks, strict=True)
     )
     # As far apart, measured by what may differ.
     by_albedo, by_depth = like.albedo / 0.1, like.depth / 0.1
@@ -488,7 +495,13 @@ def _of_likeness(rng: Generator) -> Iterator[Asked]:
             ("neighbors", _neighbors(rng, like)),
             ("thresholds", _thresholds(rng, like)),
         ):
-            yield f"edge-pair-given-{number}-{word}", "edge_pair", settings, tables, False
+            yield (
+                f"edge-pair-given-{number}-{word}",
+                "edge_pair",
+                settings,
+                tables,
+                False,
+            )
         width, height = ((19, 16), (12, 23))[number % 2]
         tables = _walls(rng, width, height, 12, like)
         shape: dict[str, Value] = {"width": width, "radius": 2 + number % 2}

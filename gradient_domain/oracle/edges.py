@@ -44,8 +44,10 @@ def likeness_in(case: Case) -> Likeness:
     asked, either = case.settings, case.settings.get("normals") == EITHER_SIDE
     if asked.get("thresholds") != GIVEN:
         return Likeness(either_side=either)
-    names = ("most_albedo", "least_cosine", "most_depth")
-    return Likeness(*(float(asked[name]) for name in names), either)
+    albedo, cosine, depth = (
+        float(asked[name]) for name in ("most_albedo", "least_cosine", "most_depth")
+    )
+    return Likeness(albedo, cosine, depth, either)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
