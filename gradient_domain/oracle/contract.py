@@ -364,7 +364,12 @@ LIKENESS = (
         more=(GIVEN,),
         default="fixed",
     ),
-    Setting("most_albedo", "number", "in place of the first 0.1, where they are given", default="0.1"),
+    Setting(
+        "most_albedo",
+        "number",
+        "in place of the first 0.1, where they are given",
+        default="0.1",
+    ),
     Setting("least_cosine", "number", "likewise, of 0.9", default="0.9"),
     Setting("most_depth", "number", "likewise, of the second 0.1", default="0.1"),
     Setting(
