@@ -467,6 +467,7 @@ def _temporal(
 
 # ------------------------------------- 4.3.2: reuse along edges
 
+
 @dataclass(frozen=True, slots=True)
 class EdgeLimits:
     """How much pixels may differ that look alike; [Wang25, section 4.3.2] by default.

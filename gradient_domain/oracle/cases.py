@@ -8,7 +8,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from restir_gi.gradient_domain.oracle.contract import BY_CHANNELS, EITHER_SIDE, GIVEN
-from restir_gi.gradient_domain.oracle.edges import Likeness
+from restir_gi.gradient_domain.oracle.edges import PixelLikeness
 from restir_gi.reference.numerics.arrays import Scalars, Vec3s
 from restir_gi.reference.oracle.buffers import given
 from restir_gi.reference.oracle.cases import Case
@@ -17,7 +17,7 @@ from restir_gi.reference.oracle.levels.draws import about, ends_of_u, unit_vecto
 from restir_gi.reference.oracle.parts import SEED
 
 ROWS, SLOTS = 256, 3
-FIXED = Likeness()
+FIXED = PixelLikeness()
 ALONE, NULL, EMPTY, LOST, STRANGE = 0.3, 0.2, 0.1, 0.2, 0.25
 """Shares of base paths without offset path, of reservoirs without sample, of slots
 without source and of sources with M = 0, of outer shifts that fail, and of samples that
@@ -364,7 +364,7 @@ def _sides(a: Tables, b: Tables) -> Tables:
     return named | {f"{name}_b": array for name, array in b.items()}
 
 
-def _neighbors(rng: Generator, like: Likeness = FIXED) -> Tables:
+def _neighbors(rng: Generator, like: PixelLikeness = FIXED) -> Tables:
     """Pixels of which one thing differs as a rule, and nothing very little."""
     a = _pixels(rng, ROWS * 3)
     b = {name: array.copy() for name, array in a.items()}
@@ -393,7 +393,7 @@ def _neighbors(rng: Generator, like: Likeness = FIXED) -> Tables:
     return _sides(a, b)
 
 
-def _thresholds(rng: Generator, like: Likeness = FIXED) -> Tables:
+def _thresholds(rng: Generator, like: PixelLikeness = FIXED) -> Tables:
     """Just above and below each threshold, and on it, which is open or not."""
     a = _pixels(rng, ROWS)
     b = {name: array.copy() for name, array in a.items()}
@@ -438,17 +438,24 @@ LOOKS = (
 """Albedo, normal and depth of what pixels of the search see."""
 
 
+def _turned(like: PixelLikeness) -> tuple[Any, ...]:
+    """The first of the walls, turned by a little more than a limit allows."""
+    cosine = 0.97 * like.cosine
+    return (0.20, 0.20, 0.20), (0, np.sqrt(1 - cosine**2), cosine), 2.0
+
+
 def _walls(
-    rng: Generator, width: int, height: int, tries: int, like: Likeness = FIXED
+    rng: Generator, width: int, height: int, tries: int, like: PixelLikeness = FIXED
 ) -> Tables:
     """Patches of walls, some of them nothing, and tries at both ends of the square."""
     pixels = width * height
     x, y = np.arange(pixels) % width, np.arange(pixels) // width
     patch = x // 2 + (width // 2 + 1) * (y // 3)
-    often = np.where(np.arange(len(LOOKS)) < 3, 2.0, 1.0)
-    look = rng.choice(len(LOOKS), patch.max() + 1, p=often / often.sum())[patch]
+    looks = LOOKS if like == FIXED else (*LOOKS, _turned(like))
+    often = np.where(np.arange(len(looks)) < 3, 2.0, 1.0)
+    look = rng.choice(len(looks), patch.max() + 1, p=often / often.sum())[patch]
     albedo, normal, depth = (
-        np.array(column, float)[look] for column in zip(*LOOKS, strict=True)
+        np.array(column, float)[look] for column in zip(*looks, strict=True)
     )
     # As far apart, measured by what may differ.
     by_albedo, by_depth = like.albedo / 0.1, like.depth / 0.1
@@ -465,11 +472,11 @@ def _walls(
 
 
 GIVEN_LIKENESS = (
-    Likeness(0.05, 0.7, 0.01),
-    Likeness(0.2, 0.95, 0.03),
-    Likeness(0.05, 0.7, 0.01, either_side=True),
-    Likeness(0.15, 0.8, 0.05, either_side=True),
-    Likeness(either_side=True),
+    PixelLikeness(0.05, 0.7, 0.01),
+    PixelLikeness(0.2, 0.95, 0.03),
+    PixelLikeness(0.05, 0.7, 0.01, either_side=True),
+    PixelLikeness(0.15, 0.8, 0.05, either_side=True),
+    PixelLikeness(either_side=True),
 )
 """Thresholds of those who have others; first those of the authors' program, nearly."""
 
@@ -490,7 +497,13 @@ def _of_likeness(rng: Generator) -> Iterator[Asked]:
             ("neighbors", _neighbors(rng, like)),
             ("thresholds", _thresholds(rng, like)),
         ):
-            yield f"edge-pair-given-{number}-{word}", "edge_pair", settings, tables, False
+            yield (
+                f"edge-pair-given-{number}-{word}",
+                "edge_pair",
+                settings,
+                tables,
+                False,
+            )
         width, height = ((19, 16), (12, 23))[number % 2]
         tables = _walls(rng, width, height, 12, like)
         shape: dict[str, Value] = {"width": width, "radius": 2 + number % 2}

@@ -364,9 +364,14 @@ LIKENESS = (
         more=(GIVEN,),
         default="fixed",
     ),
-    Setting("most_albedo", "number", "in place of the first 0.1", default="0.1"),
-    Setting("least_cosine", "number", "in place of 0.9", default="0.9"),
-    Setting("most_depth", "number", "in place of the second 0.1", default="0.1"),
+    Setting(
+        "most_albedo",
+        "number",
+        "in place of the first 0.1, where they are given",
+        default="0.1",
+    ),
+    Setting("least_cosine", "number", "likewise, of 0.9", default="0.9"),
+    Setting("most_depth", "number", "likewise, of the second 0.1", default="0.1"),
     Setting(
         "normals",
         "facing",
@@ -376,6 +381,11 @@ LIKENESS = (
     ),
 )
 """What pixels look alike by, of those who declare it."""
+
+DECLARED_CLAUSES = (
+    "declared thresholds are those that are given",
+    "declared normals may be turned round",
+)
 
 EDGE = (
     "edge = 1 where just one of the two sees a point, or both do and: |albedo_a − "
@@ -392,8 +402,8 @@ EDGE_PAIR = Pass(
     settings=LIKENESS,
     source=(
         "[Wang25, section 4.3.2], where a cosine *above* 0.9 is printed, and a depth "
-        "relative to that of the first pixel. Which thresholds are taken brings no bias: "
-        "who has others declares thresholds = given, and is asked for several"
+        "relative to that of the first pixel. Other thresholds bring no bias: who has "
+        "them declares thresholds = given, and is asked for several"
     ),
     clauses=(
         "any channel of the albedo, in absolute value",
@@ -402,6 +412,7 @@ EDGE_PAIR = Pass(
         "any of the three is enough",
         "1 where one pixel alone sees a point",
         "0 where none does",
+        *DECLARED_CLAUSES,
     ),
 )
 
@@ -443,6 +454,7 @@ PAIR_SEARCH = Pass(
         "the places of the square are counted line by line",
         "tries outside of the image are lost",
         "of the same axis",
+        *DECLARED_CLAUSES,
     ),
 )
 
@@ -605,11 +617,11 @@ POISSON_L1 = Pass(
         Setting("ratio", "number", "by which E may exceed its minimum"),
         Setting(
             "norm",
-            "pixels",
+            "length",
             "|·| is the length of the three channels; channels: the sum of their "
             "absolute values",
             more=(BY_CHANNELS,),
-            default="pixels",
+            default="length",
         ),
     ),
     source=(
@@ -623,6 +635,7 @@ POISSON_L1 = Pass(
         "differences are to the right and down",
         "nothing leads out of the image",
         "E is near its minimum",
+        "a declared norm is that of each channel",
     ),
 )
 

@@ -24,12 +24,14 @@ from restir_gi.reference.oracle.replay.verbs import inner
 
 
 @dataclass(frozen=True, slots=True)
-class Likeness:
+class PixelLikeness:
     """By how much pixels may differ that look alike.
 
     Attributes
     ----------
-    albedo, cosine, depth : float
+    albedo : float; in each channel, at most
+    cosine : float; of their normals, at least
+    depth : float; at most, as a part of the larger one
     either_side : bool; the cosine is its magnitude
     """
 
@@ -39,13 +41,15 @@ class Likeness:
     either_side: bool = False
 
 
-def likeness_in(case: Case) -> Likeness:
+def likeness_in(case: Case) -> PixelLikeness:
     """What a case asks for."""
     asked, either = case.settings, case.settings.get("normals") == EITHER_SIDE
     if asked.get("thresholds") != GIVEN:
-        return Likeness(either_side=either)
-    names = ("most_albedo", "least_cosine", "most_depth")
-    return Likeness(*(float(asked[name]) for name in names), either)
+        return PixelLikeness(either_side=either)
+    albedo, cosine, depth = (
+        float(asked[name]) for name in ("most_albedo", "least_cosine", "most_depth")
+    )
+    return PixelLikeness(albedo, cosine, depth, either)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,7 +90,7 @@ def seen_in(inputs: Buffers, rounding: Rounding, suffix: str = "") -> SeenPixels
 
 
 def differing_pixels(
-    a: SeenPixels, b: SeenPixels, rules: PairRules, like: Likeness
+    a: SeenPixels, b: SeenPixels, rules: PairRules, like: PixelLikeness
 ) -> Choice:
     """Whether pixels look unlike."""
     tests = [
@@ -106,7 +110,7 @@ def differing_pixels(
 
 
 def _albedos(
-    a: SeenPixels, b: SeenPixels, rules: PairRules, like: Likeness
+    a: SeenPixels, b: SeenPixels, rules: PairRules, like: PixelLikeness
 ) -> list[Bounded]:
     apart = a.albedo - b.albedo
     if rules.albedos == "ignored":
@@ -119,7 +123,7 @@ def _albedos(
 
 
 def _normals(
-    a: SeenPixels, b: SeenPixels, rules: PairRules, like: Likeness
+    a: SeenPixels, b: SeenPixels, rules: PairRules, like: PixelLikeness
 ) -> list[Bounded]:
     cosine = inner(a.normal, b.normal)
     cosine = abs(cosine) if like.either_side else cosine
@@ -133,7 +137,7 @@ def _normals(
 
 
 def _depths(
-    a: SeenPixels, b: SeenPixels, rules: PairRules, like: Likeness
+    a: SeenPixels, b: SeenPixels, rules: PairRules, like: PixelLikeness
 ) -> list[Bounded]:
     apart, share = abs(a.depth - b.depth), constant(like.depth, a.depth)
     larger = np.maximum(a.depth.value, b.depth.value)
@@ -173,7 +177,7 @@ class _Image:
     width: int
     height: int
     rules: PairRules
-    like: Likeness
+    like: PixelLikeness
     edges: tuple[Choice, Choice]
 
     def second(self, first: Indices, axis: int) -> Indices:

@@ -305,13 +305,23 @@ def _least_sum(
     shape: tuple[int, int],
     settings: tuple[float, ...],
     rules: PairRules,
+    by_channels: bool,
 ) -> LeastSum:
     """By content: the same case is asked for many times."""
     arrays = np.frombuffer(case_bytes).reshape((3, *shape))
     inputs = dict(zip(("primal", "dx", "dy"), arrays, strict=True))
     width, alpha = settings
     case = Case("", "poisson_l1", {"width": int(width), "alpha": alpha}, inputs)
-    return least_sum(problem_of(case, rules))
+    p = problem_of(case, rules)
+    if not by_channels:
+        return least_sum(p)
+    each = [least_sum(Problem(p.A, b[:, None])) for b in p.b.T]
+    # Each channel has a sum of its own, and so a bound.
+    return LeastSum(
+        np.concatenate([one.image for one in each], axis=1),
+        sum(one.total for one in each),
+        sum(one.bound for one in each),
+    )
 
 
 def _by_channels(case: Case) -> bool:
@@ -319,22 +329,11 @@ def _by_channels(case: Case) -> bool:
 
 
 def least_sum_of(case: Case, rules: PairRules) -> LeastSum:
-    """The smallest sum for a case.
-
-    Where absolute values are those of channels, each channel has its own.
-    """
-    arrays = np.stack([case.inputs[n].astype(float) for n in ("primal", "dx", "dy")])
+    """The smallest sum for a case."""
+    arrays = [case.inputs[n].astype(float) for n in ("primal", "dx", "dy")]
     settings = float(case.settings["width"]), float(case.settings["alpha"])
-    apart = np.split(arrays, arrays.shape[2], axis=2) if _by_channels(case) else [arrays]
-    each = [
-        _least_sum(some.tobytes(), (some.shape[1], some.shape[2]), settings, rules)
-        for some in apart
-    ]
-    return LeastSum(
-        np.concatenate([one.image for one in each], axis=1),
-        sum(one.total for one in each),
-        sum(one.bound for one in each),
-    )
+    about = np.stack(arrays).tobytes(), arrays[0].shape, settings, rules
+    return _least_sum(*about, _by_channels(case))
 
 
 def judge_poisson_l1(

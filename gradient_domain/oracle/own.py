@@ -10,8 +10,8 @@ from restir_gi.extensions.area_shift import AreaPaths, AreaShift, PlacedValue
 from restir_gi.gradient_domain.after_restir import estimate_after
 from restir_gi.gradient_domain.gradient_restir import (
     MINUS,
-    PLUS,
     PAPER_LIMITS,
+    PLUS,
     WHOLE,
     EdgeLimits,
     PairedPaths,
@@ -402,8 +402,8 @@ def _limits(
 ) -> EdgeLimits:
     limits = PAPER_LIMITS
     if thresholds == GIVEN:
-        numbers = (most_albedo, least_cosine, most_depth)
-        limits = EdgeLimits(*map(float, numbers))
+        numbers = float(most_albedo), float(least_cosine), float(most_depth)
+        limits = EdgeLimits(*numbers)
     return replace(limits, either_side=normals == EITHER_SIDE)
 
 
@@ -528,7 +528,7 @@ def _poisson_l1(
     width: int,
     alpha: float,
     ratio: float,
-    norm: str = "pixels",
+    norm: str = "length",
 ) -> Outputs:
     P, x, y = _wide(primal, dx, dy)
     # The length of one channel is its absolute value.
