@@ -467,14 +467,36 @@ def _temporal(
 
 # ------------------------------------- 4.3.2: reuse along edges
 
-ALBEDO, COSINE, DEPTH = 0.1, 0.9, 0.1
+
+@dataclass(frozen=True, slots=True)
+class EdgeLimits:
+    """How much pixels may differ that look alike; [Wang25, section 4.3.2] by default.
+
+    Attributes
+    ----------
+    albedo : float; in any channel
+    cosine : float; of their normals, at least
+    depth : float; of the larger depth
+    either_side : bool; whether normals may be turned round
+    """
+
+    albedo: float = 0.1
+    cosine: float = 0.9
+    depth: float = 0.1
+    either_side: bool = False
+
+
+PAPER_LIMITS = EdgeLimits()
+
 """Of pixels that are alike: greatest difference of albedos, least cosine, and depth."""
 
 AT_ONCE = 16
 """Tries that are made for all rows before those that have found a pair leave."""
 
 
-def unlike(visible: VisiblePoints, a: Indices, b: Indices) -> Masks:
+def unlike(
+    visible: VisiblePoints, a: Indices, b: Indices, limits: EdgeLimits = PAPER_LIMITS
+) -> Masks:
     """Whether pixels look unlike, told by the G-buffer, never by a sample.
 
     [Wang25, section 4.3.2]: albedos (here in any channel) that differ by more than 0.1,
@@ -494,9 +516,12 @@ def unlike(visible: VisiblePoints, a: Indices, b: Indices) -> Masks:
         [np.take(of, pixel, axis=0) for pixel in (a, b)]
         for of in (surface.color, surface.shading, surface.hit, visible.depth)
     )
-    albedo = np.abs(albedos[0] - albedos[1]).max(axis=1) > ALBEDO
-    normal = dot(normals[0], normals[1]) < COSINE
-    depth = np.abs(depths[0] - depths[1]) > DEPTH * np.maximum(depths[0], depths[1])
+    albedo = np.abs(albedos[0] - albedos[1]).max(axis=1) > limits.albedo
+    facing = dot(normals[0], normals[1])
+    facing = np.abs(facing) if limits.either_side else facing
+    normal = facing < limits.cosine
+    farther = np.maximum(depths[0], depths[1])
+    depth = np.abs(depths[0] - depths[1]) > limits.depth * farther
     differ = hits[0] & hits[1] & (albedo | normal | depth)
     alone: Masks = hits[0] != hits[1]
     found: Masks = differ | alone
@@ -538,6 +563,7 @@ def first_alike(
     rows: Indices,
     tries: int,
     drawn: Callable[[Indices, int, int], Indices],
+    limits: EdgeLimits = PAPER_LIMITS,
 ) -> Indices:
     """For each of K edge pairs the first of its tries that is one too, and looks alike.
 
@@ -564,8 +590,8 @@ def first_alike(
         own = np.tile(own, count)
         at = np.flatnonzero((other != NONE) & is_edge[other])
         own, other = own[at], other[at]
-        apart = unlike(visible, i[own], i[other])
-        apart |= unlike(visible, j[own], j[other])
+        apart = unlike(visible, i[own], i[other], limits)
+        apart |= unlike(visible, j[own], j[other], limits)
         at, other = at[~apart], other[~apart]
         # Tries follow one another: the first of each row is that of its first slot.
         row, slot = np.unique(at % len(searching), return_index=True)

@@ -7,6 +7,8 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
+from restir_gi.gradient_domain.oracle.contract import BY_CHANNELS, EITHER_SIDE, GIVEN
+from restir_gi.gradient_domain.oracle.edges import PixelLikeness
 from restir_gi.reference.numerics.arrays import Scalars, Vec3s
 from restir_gi.reference.oracle.buffers import given
 from restir_gi.reference.oracle.cases import Case
@@ -15,6 +17,7 @@ from restir_gi.reference.oracle.levels.draws import about, ends_of_u, unit_vecto
 from restir_gi.reference.oracle.parts import SEED
 
 ROWS, SLOTS = 256, 3
+FIXED = PixelLikeness()
 ALONE, NULL, EMPTY, LOST, STRANGE = 0.3, 0.2, 0.1, 0.2, 0.25
 """Shares of base paths without offset path, of reservoirs without sample, of slots
 without source and of sources with M = 0, of outer shifts that fail, and of samples that
@@ -48,6 +51,19 @@ def pair_cases(precision: Precision, seed: int = SEED) -> list[Case]:
         *_of_colors(rng),
         *_of_solvers(rng),
     ]
+    return [_case(*one, precision) for one in found]
+
+
+def declared_cases(precision: Precision, seed: int = SEED) -> list[Case]:
+    """Cases with values of settings that have to be declared.
+
+    Parameters
+    ----------
+    precision : 'float32' or 'float64'; as for `pair_cases`
+    seed : int; of all tables
+    """
+    rng = np.random.default_rng([2033, seed])
+    found = [*_of_likeness(rng), *_of_channels(rng)]
     return [_case(*one, precision) for one in found]
 
 
@@ -348,23 +364,28 @@ def _sides(a: Tables, b: Tables) -> Tables:
     return named | {f"{name}_b": array for name, array in b.items()}
 
 
-def _neighbors(rng: Generator) -> Tables:
+def _neighbors(rng: Generator, like: PixelLikeness = FIXED) -> Tables:
     """Pixels of which one thing differs as a rule, and nothing very little."""
     a = _pixels(rng, ROWS * 3)
     b = {name: array.copy() for name, array in a.items()}
     turn = rng.integers(0, 5, ROWS * 3)
     color = np.clip(a["albedo"] + rng.uniform(-0.3, 0.3, a["albedo"].shape), 0.02, 1.0)
-    alone = rng.random(a["albedo"].shape) < 0.4
-    b["albedo"] = np.where((turn == 0)[:, None] & alone, color, a["albedo"])
+    # Of one channel, of two, or of all three.
+    share = np.where(rng.random(ROWS * 3) < 0.4, 1.0, 0.4)[:, None]
+    differs = (turn == 0)[:, None] & (rng.random(a["albedo"].shape) < share)
+    b["albedo"] = np.where(differs, color, a["albedo"])
+    limit, near = like.cosine, min(1 - like.cosine, 0.1)
     anywhere, ahead, behind = (
         rng.uniform(least, most, ROWS * 3)
-        for least, most in ((-1, 1), (0.8, 1), (-1, -0.9))
+        for least, most in ((-1, 1), (limit - near, limit + near), (-1, -limit))
     )
     cosine = np.choose(rng.integers(0, 3, ROWS * 3), [anywhere, ahead, behind])
-    tilted = about(rng, a["normal"], np.where(np.abs(cosine - 0.9) < 1e-3, 1.0, cosine))
+    on = np.abs(np.abs(cosine) - limit) < 1e-3
+    tilted = about(rng, a["normal"], np.where(on, 1.0, cosine))
     b["normal"] = np.where((turn == 1)[:, None], tilted, a["normal"])
     # Where quotients of depths by either one, or metres, would decide otherwise.
-    factor = rng.choice([0.5, 0.8, 0.895, 0.905, 1.06, 1.095, 1.105, 1.2], ROWS * 3)
+    around = 1 + like.depth * np.array([-1.05, -0.95, 0.6, 0.95, 1.05, 2.0])
+    factor = rng.choice([0.5, 0.8, *around], ROWS * 3)
     a["depth"] = 10.0 ** rng.uniform(-1, 2, ROWS * 3)
     b["depth"] = np.where(turn == 2, factor, 1.0) * a["depth"]
     for side in (a, b):
@@ -372,20 +393,23 @@ def _neighbors(rng: Generator) -> Tables:
     return _sides(a, b)
 
 
-def _thresholds(rng: Generator) -> Tables:
+def _thresholds(rng: Generator, like: PixelLikeness = FIXED) -> Tables:
     """Just above and below each threshold, and on it, which is open or not."""
     a = _pixels(rng, ROWS)
     b = {name: array.copy() for name, array in a.items()}
     a["hit"] = b["hit"] = np.ones(ROWS, np.uint32)
     turn, aside = rng.integers(0, 3, ROWS), rng.choice([-NEAR, 0.0, NEAR], ROWS)
     channel, row = rng.integers(0, 3, ROWS), np.arange(ROWS)
-    step = np.where(rng.random(ROWS) < 0.5, 0.1, -0.1) * (1 + 16 * aside)
+    step = np.where(rng.random(ROWS) < 0.5, 1.0, -1.0) * (like.albedo + 1.6 * aside)
     a["albedo"] = np.full((ROWS, 3), 0.5)
     b["albedo"] = a["albedo"].copy()
     b["albedo"][row, channel] += np.where(turn == 0, step, 0.0)
-    tilted = about(rng, a["normal"], 0.9 * (1 + aside))
+    cosine = like.cosine * (1 + aside)
+    if like.either_side:
+        cosine = np.where(rng.random(ROWS) < 0.5, cosine, -cosine)
+    tilted = about(rng, a["normal"], cosine)
     b["normal"] = np.where((turn == 1)[:, None], tilted, a["normal"])
-    farther = a["depth"] / (1 - 0.1 * (1 + aside))
+    farther = a["depth"] / (1 - like.depth - 0.1 * aside)
     b["depth"] = np.where(turn == 2, farther, a["depth"])
     swap = rng.random(ROWS) < 0.5
     depths = a["depth"].copy(), b["depth"].copy()
@@ -414,25 +438,77 @@ LOOKS = (
 """Albedo, normal and depth of what pixels of the search see."""
 
 
-def _walls(rng: Generator, width: int, height: int, tries: int) -> Tables:
+def _turned(like: PixelLikeness) -> tuple[Any, ...]:
+    """The first of the walls, turned by a little more than a limit allows."""
+    cosine = 0.97 * like.cosine
+    return (0.20, 0.20, 0.20), (0, np.sqrt(1 - cosine**2), cosine), 2.0
+
+
+def _walls(
+    rng: Generator, width: int, height: int, tries: int, like: PixelLikeness = FIXED
+) -> Tables:
     """Patches of walls, some of them nothing, and tries at both ends of the square."""
     pixels = width * height
     x, y = np.arange(pixels) % width, np.arange(pixels) // width
     patch = x // 2 + (width // 2 + 1) * (y // 3)
-    often = np.where(np.arange(len(LOOKS)) < 3, 2.0, 1.0)
-    look = rng.choice(len(LOOKS), patch.max() + 1, p=often / often.sum())[patch]
+    looks = LOOKS if like == FIXED else (*LOOKS, _turned(like))
+    often = np.where(np.arange(len(looks)) < 3, 2.0, 1.0)
+    look = rng.choice(len(looks), patch.max() + 1, p=often / often.sum())[patch]
     albedo, normal, depth = (
-        np.array(column, float)[look] for column in zip(*LOOKS, strict=True)
+        np.array(column, float)[look] for column in zip(*looks, strict=True)
     )
+    # As far apart, measured by what may differ.
+    by_albedo, by_depth = like.albedo / 0.1, like.depth / 0.1
+    albedo, depth = 0.2 + (albedo - 0.2) * by_albedo, 2.0 + (depth - 2.0) * by_depth
     u = rng.integers(0, 2**24, (pixels, 2, tries)) * 2.0**-24
     u[::7, :, 0], u[3::21, :, 0] = 0.0, 1 - 2.0**-24
     return {
-        "albedo": albedo + rng.uniform(0, 0.004, (pixels, 3)),
+        "albedo": albedo + by_albedo * rng.uniform(0, 0.004, (pixels, 3)),
         "normal": about(rng, normal, 0.9999),
-        "depth": depth * (1 + 1e-3 * rng.random(pixels)),
+        "depth": depth * (1 + 1e-3 * by_depth * rng.random(pixels)),
         "hit": (rng.random(patch.max() + 1)[patch] > 0.06).astype(np.uint32),
         "u": u,
     }
+
+
+GIVEN_LIKENESS = (
+    PixelLikeness(0.05, 0.7, 0.01),
+    PixelLikeness(0.2, 0.95, 0.03),
+    PixelLikeness(0.05, 0.7, 0.01, either_side=True),
+    PixelLikeness(0.15, 0.8, 0.05, either_side=True),
+    PixelLikeness(either_side=True),
+)
+"""Thresholds of those who have others; first those of the authors' program, nearly."""
+
+
+def _of_likeness(rng: Generator) -> Iterator[Asked]:
+    for number, like in enumerate(GIVEN_LIKENESS):
+        settings: dict[str, Value] = {}
+        if (like.albedo, like.cosine, like.depth) != (0.1, 0.9, 0.1):
+            settings |= {
+                "thresholds": GIVEN,
+                "most_albedo": like.albedo,
+                "least_cosine": like.cosine,
+                "most_depth": like.depth,
+            }
+        if like.either_side:
+            settings["normals"] = EITHER_SIDE
+        for word, tables in (
+            ("neighbors", _neighbors(rng, like)),
+            ("thresholds", _thresholds(rng, like)),
+        ):
+            yield (
+                f"edge-pair-given-{number}-{word}",
+                "edge_pair",
+                settings,
+                tables,
+                False,
+            )
+        width, height = ((19, 16), (12, 23))[number % 2]
+        tables = _walls(rng, width, height, 12, like)
+        shape: dict[str, Value] = {"width": width, "radius": 2 + number % 2}
+        name = f"pair-search-given-{number}"
+        yield name, "pair_search", shape | settings, tables, False
 
 
 def _motions(rng: Generator, width: int, height: int) -> Tables:
@@ -509,6 +585,19 @@ def image_rows(
     dx += wild[0] * rng.normal(size=P.shape) * (x < width - 1)[:, None]
     dy += wild[1] * rng.normal(size=P.shape) * (y < height - 1)[:, None]
     return {"primal": P, "dx": dx, "dy": dy}
+
+
+def _of_channels(rng: Generator) -> Iterator[Asked]:
+    for width, height, alpha, ratio in ((14, 11, 0.2, 0.01), (8, 15, 2.0, 0.02)):
+        settings: dict[str, Value] = {
+            "width": width,
+            "alpha": alpha,
+            "ratio": ratio,
+            "norm": BY_CHANNELS,
+        }
+        rows = image_rows(rng, width, height, 0.5)
+        name = f"poisson-l1-channels-{width}x{height}"
+        yield name, "poisson_l1", settings, rows, False
 
 
 def _of_solvers(rng: Generator) -> Iterator[Asked]:

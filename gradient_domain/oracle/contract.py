@@ -355,6 +355,38 @@ def _pixel(which: str) -> tuple[Field, ...]:
     )
 
 
+GIVEN, EITHER_SIDE, BY_CHANNELS = "given", "either-side", "channels"
+LIKENESS = (
+    Setting(
+        "thresholds",
+        "fixed",
+        "0.1, 0.9 and 0.1; given: most_albedo, least_cosine and most_depth",
+        more=(GIVEN,),
+        default="fixed",
+    ),
+    Setting(
+        "most_albedo",
+        "number",
+        "in place of the first 0.1, where they are given",
+        default="0.1",
+    ),
+    Setting("least_cosine", "number", "likewise, of 0.9", default="0.9"),
+    Setting("most_depth", "number", "likewise, of the second 0.1", default="0.1"),
+    Setting(
+        "normals",
+        "facing",
+        "normal_a · normal_b as it is; either-side: its magnitude",
+        more=(EITHER_SIDE,),
+        default="facing",
+    ),
+)
+"""What pixels look alike by, of those who declare it."""
+
+DECLARED_CLAUSES = (
+    "declared thresholds are those that are given",
+    "declared normals may be turned round",
+)
+
 EDGE = (
     "edge = 1 where just one of the two sees a point, or both do and: |albedo_a − "
     "albedo_b| > 0.1 in any channel, or normal_a · normal_b < 0.9, or |depth_a − "
@@ -367,9 +399,11 @@ EDGE_PAIR = Pass(
     formula=EDGE,
     inputs=(*_pixel("a"), *_pixel("b")),
     outputs=(bits("edge", "1 or 0"),),
+    settings=LIKENESS,
     source=(
         "[Wang25, section 4.3.2], where a cosine *above* 0.9 is printed, and a depth "
-        "relative to that of the first pixel"
+        "relative to that of the first pixel. Other thresholds bring no bias: who has "
+        "them declares thresholds = given, and is asked for several"
     ),
     clauses=(
         "any channel of the albedo, in absolute value",
@@ -378,6 +412,7 @@ EDGE_PAIR = Pass(
         "any of the three is enough",
         "1 where one pixel alone sees a point",
         "0 where none does",
+        *DECLARED_CLAUSES,
     ),
 )
 
@@ -404,7 +439,11 @@ PAIR_SEARCH = Pass(
         real("u", "in [0, 1), of each axis and try", 2, "K"),
     ),
     outputs=(index("neighbor", "row of a first pixel, of each axis, or −1", 2),),
-    settings=(WIDTH, Setting("radius", "whole number", "columns and lines, at most")),
+    settings=(
+        WIDTH,
+        Setting("radius", "whole number", "columns and lines, at most"),
+        *LIKENESS,
+    ),
     source="[Wang25, section 4.3.2]",
     clauses=(
         "pairs that are no edge have none",
@@ -415,6 +454,7 @@ PAIR_SEARCH = Pass(
         "the places of the square are counted line by line",
         "tries outside of the image are lost",
         "of the same axis",
+        *DECLARED_CLAUSES,
     ),
 )
 
@@ -575,6 +615,14 @@ POISSON_L1 = Pass(
         WIDTH,
         ALPHA,
         Setting("ratio", "number", "by which E may exceed its minimum"),
+        Setting(
+            "norm",
+            "length",
+            "|·| is the length of the three channels; channels: the sum of their "
+            "absolute values",
+            more=(BY_CHANNELS,),
+            default="length",
+        ),
     ),
     source=(
         "[Lehtinen13, section 3; Kettunen15]. Any solver is right; the result is "
@@ -587,6 +635,7 @@ POISSON_L1 = Pass(
         "differences are to the right and down",
         "nothing leads out of the image",
         "E is near its minimum",
+        "a declared norm is that of each channel",
     ),
 )
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from restir_gi.gradient_domain.oracle.contract import EITHER_SIDE, GIVEN
 from restir_gi.gradient_domain.oracle.rules import PairRules, pairing
 from restir_gi.reference.numerics.arrays import Indices, Masks
 from restir_gi.reference.oracle.cases import Buffers, Case
@@ -21,7 +22,34 @@ from restir_gi.reference.oracle.replay.judgement import Compared, Judgement, exa
 from restir_gi.reference.oracle.replay.rules import Rules
 from restir_gi.reference.oracle.replay.verbs import inner
 
-ALBEDO, COSINE, DEPTH = 0.1, 0.9, 0.1
+
+@dataclass(frozen=True, slots=True)
+class PixelLikeness:
+    """By how much pixels may differ that look alike.
+
+    Attributes
+    ----------
+    albedo : float; in each channel, at most
+    cosine : float; of their normals, at least
+    depth : float; at most, as a part of the larger one
+    either_side : bool; the cosine is its magnitude
+    """
+
+    albedo: float = 0.1
+    cosine: float = 0.9
+    depth: float = 0.1
+    either_side: bool = False
+
+
+def likeness_in(case: Case) -> PixelLikeness:
+    """What a case asks for."""
+    asked, either = case.settings, case.settings.get("normals") == EITHER_SIDE
+    if asked.get("thresholds") != GIVEN:
+        return PixelLikeness(either_side=either)
+    albedo, cosine, depth = (
+        float(asked[name]) for name in ("most_albedo", "least_cosine", "most_depth")
+    )
+    return PixelLikeness(albedo, cosine, depth, either)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,9 +89,15 @@ def seen_in(inputs: Buffers, rounding: Rounding, suffix: str = "") -> SeenPixels
     return SeenPixels(albedo, normal, depth, inputs[f"hit{suffix}"] == 1)
 
 
-def differing_pixels(a: SeenPixels, b: SeenPixels, rules: PairRules) -> Choice:
+def differing_pixels(
+    a: SeenPixels, b: SeenPixels, rules: PairRules, like: PixelLikeness
+) -> Choice:
     """Whether pixels look unlike."""
-    tests = [*_albedos(a, b, rules), *_normals(a, b, rules), *_depths(a, b, rules)]
+    tests = [
+        *_albedos(a, b, rules, like),
+        *_normals(a, b, rules, like),
+        *_depths(a, b, rules, like),
+    ]
     yes = np.array([test.surely_positive for test in tests])
     no = np.array([test.surely_not_positive for test in tests])
     own = np.array([test.value > 0 for test in tests])
@@ -75,20 +109,25 @@ def differing_pixels(a: SeenPixels, b: SeenPixels, rules: PairRules) -> Choice:
     return Choice(found & both | alone & rules.lone_hit, certain | ~both)
 
 
-def _albedos(a: SeenPixels, b: SeenPixels, rules: PairRules) -> list[Bounded]:
+def _albedos(
+    a: SeenPixels, b: SeenPixels, rules: PairRules, like: PixelLikeness
+) -> list[Bounded]:
     apart = a.albedo - b.albedo
     if rules.albedos == "ignored":
         return []
     if rules.albedos == "luminance":
         Y = abs(luminance(apart))
-        return [Y - constant(ALBEDO, Y)]
+        return [Y - constant(like.albedo, Y)]
     apart = apart if rules.albedos == "signed" else abs(apart)
-    return [apart[:, c] - constant(ALBEDO, apart[:, c]) for c in range(3)]
+    return [apart[:, c] - constant(like.albedo, apart[:, c]) for c in range(3)]
 
 
-def _normals(a: SeenPixels, b: SeenPixels, rules: PairRules) -> list[Bounded]:
+def _normals(
+    a: SeenPixels, b: SeenPixels, rules: PairRules, like: PixelLikeness
+) -> list[Bounded]:
     cosine = inner(a.normal, b.normal)
-    least = constant(COSINE, cosine)
+    cosine = abs(cosine) if like.either_side else cosine
+    least = constant(like.cosine, cosine)
     return {
         "below": [least - cosine],
         "above": [cosine - least],
@@ -97,8 +136,10 @@ def _normals(a: SeenPixels, b: SeenPixels, rules: PairRules) -> list[Bounded]:
     }[rules.normals]
 
 
-def _depths(a: SeenPixels, b: SeenPixels, rules: PairRules) -> list[Bounded]:
-    apart, share = abs(a.depth - b.depth), constant(DEPTH, a.depth)
+def _depths(
+    a: SeenPixels, b: SeenPixels, rules: PairRules, like: PixelLikeness
+) -> list[Bounded]:
+    apart, share = abs(a.depth - b.depth), constant(like.depth, a.depth)
     larger = np.maximum(a.depth.value, b.depth.value)
     most = Bounded(larger, np.zeros_like(larger), a.depth.rounding)
     return {
@@ -116,7 +157,7 @@ def judge_edge_pair(
     """Judge pass ``edge_pair``."""
     rounding = rounding_of(precision)
     a, b = (seen_in(case.inputs, rounding, s) for s in ("_a", "_b"))
-    edge = differing_pixels(a, b, pairing(rules))
+    edge = differing_pixels(a, b, pairing(rules), likeness_in(case))
     allowed = np.where(edge.certain, 0.0, 1.0)
     compared = Compared("edge", outputs["edge"], edge.own.astype(float), allowed)
     return Judgement((compared,), {"open": (~edge.certain).astype(float)})
@@ -136,6 +177,7 @@ class _Image:
     width: int
     height: int
     rules: PairRules
+    like: PixelLikeness
     edges: tuple[Choice, Choice]
 
     def second(self, first: Indices, axis: int) -> Indices:
@@ -153,11 +195,11 @@ class _Image:
 def _image_of(case: Case, rules: PairRules, rounding: Rounding) -> _Image:
     seen, width = seen_in(case.inputs, rounding), int(case.settings["width"])
     height, pixel = case.rows // width, np.arange(case.rows)
-    edges = []
+    like, edges = likeness_in(case), []
     for step in (1, width):
         other = np.minimum(pixel + step, case.rows - 1)
-        edges.append(differing_pixels(seen, seen.at(other), rules))
-    return _Image(seen, width, height, rules, (edges[0], edges[1]))
+        edges.append(differing_pixels(seen, seen.at(other), rules, like))
+    return _Image(seen, width, height, rules, like, (edges[0], edges[1]))
 
 
 def judge_pair_search(
@@ -238,7 +280,10 @@ def _alike(image: _Image, first: Indices, to: Indices, axis: int, onto: int) -> 
     other = [seen.at(to), seen.at(image.second(to, onto))]
     if rules.compared == "crossed":
         other = other[::-1]
-    apart = [differing_pixels(a, b, rules) for a, b in zip(own, other, strict=True)]
+    apart = [
+        differing_pixels(a, b, rules, image.like)
+        for a, b in zip(own, other, strict=True)
+    ]
     if rules.compared in ("first", "second"):
         apart = apart[:1] if rules.compared == "first" else apart[1:]
     unlike = np.array([c.own for c in apart])

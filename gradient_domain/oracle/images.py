@@ -14,6 +14,7 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array, eye_array, vstack
 from scipy.sparse.linalg import splu
 
+from restir_gi.gradient_domain.oracle.contract import BY_CHANNELS
 from restir_gi.gradient_domain.oracle.rules import PairRules, pairing
 from restir_gi.reference.numerics.arrays import Indices, Masks, Scalars, Vec3s
 from restir_gi.reference.oracle.cases import Buffers, Case
@@ -237,6 +238,11 @@ def _lengths(rows: Vec3s) -> Scalars:
     return found
 
 
+def _sums(rows: Vec3s) -> Scalars:
+    found: Scalars = np.abs(rows).sum(axis=1)
+    return found
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class LeastSum:
     """The smallest sum of absolute values that is known, and a bound below all of them.
@@ -299,20 +305,35 @@ def _least_sum(
     shape: tuple[int, int],
     settings: tuple[float, ...],
     rules: PairRules,
+    by_channels: bool,
 ) -> LeastSum:
     """By content: the same case is asked for many times."""
     arrays = np.frombuffer(case_bytes).reshape((3, *shape))
     inputs = dict(zip(("primal", "dx", "dy"), arrays, strict=True))
     width, alpha = settings
     case = Case("", "poisson_l1", {"width": int(width), "alpha": alpha}, inputs)
-    return least_sum(problem_of(case, rules))
+    p = problem_of(case, rules)
+    if not by_channels:
+        return least_sum(p)
+    each = [least_sum(Problem(p.A, b[:, None])) for b in p.b.T]
+    # Each channel has a sum of its own, and so a bound.
+    return LeastSum(
+        np.concatenate([one.image for one in each], axis=1),
+        sum(one.total for one in each),
+        sum(one.bound for one in each),
+    )
+
+
+def _by_channels(case: Case) -> bool:
+    return case.settings.get("norm") == BY_CHANNELS
 
 
 def least_sum_of(case: Case, rules: PairRules) -> LeastSum:
     """The smallest sum for a case."""
     arrays = [case.inputs[n].astype(float) for n in ("primal", "dx", "dy")]
     settings = float(case.settings["width"]), float(case.settings["alpha"])
-    return _least_sum(np.stack(arrays).tobytes(), arrays[0].shape, settings, rules)
+    about = np.stack(arrays).tobytes(), arrays[0].shape, settings, rules
+    return _least_sum(*about, _by_channels(case))
 
 
 def judge_poisson_l1(
@@ -327,8 +348,9 @@ def judge_poisson_l1(
     found = outputs["color"].astype(float)
     if part.added:
         found = found - case.inputs["primal"].astype(float)
+    sizes = _sums if _by_channels(case) else _lengths
     sums, ours = (
-        _lengths(p.A @ image - p.b).reshape(3, -1).sum(axis=0)
+        sizes(p.A @ image - p.b).reshape(3, -1).sum(axis=0)
         for image in (found, least.image)
     )
     rounding = rounding_of(precision).unit * float(

@@ -456,6 +456,22 @@ REUSE_MISTAKES_OF_PAIRS = (
         reuse=ReuseRules(target_base=True),
     ),
     _known(
+        "pair-reuse-jacobian-left-out",
+        "the weight of a shifted sample has no Jacobian",
+        "w_k = m_k · target_here_k · W_k",
+        "w_k = m_k · target_here_k · W_k · jacobian_k",
+        REUSE,
+        reuse=ReuseRules(jacobian="none"),
+    ),
+    _known(
+        "pair-reuse-pairs-exchanged",
+        "in pairwise weights the targets of source and receiver are exchanged",
+        "m_k = M_k / T · S p_c(k) / (S p_c(k) + M_c p_k(k))",
+        "m_k = M_k / T · S p_k(k) / (S p_k(k) + M_c p_c(k))",
+        REUSE,
+        reuse=ReuseRules(exchanged=True),
+    ),
+    _known(
         "pair-reuse-nulls-not-counted",
         "sources without a sample do not count",
         "M_k = 0 where W_k = 0",

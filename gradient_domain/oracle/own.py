@@ -10,8 +10,10 @@ from restir_gi.extensions.area_shift import AreaPaths, AreaShift, PlacedValue
 from restir_gi.gradient_domain.after_restir import estimate_after
 from restir_gi.gradient_domain.gradient_restir import (
     MINUS,
+    PAPER_LIMITS,
     PLUS,
     WHOLE,
+    EdgeLimits,
     PairedPaths,
     PairValue,
     choose_pair,
@@ -27,6 +29,7 @@ from restir_gi.gradient_domain.gradient_restir import (
     unlike,
 )
 from restir_gi.gradient_domain.least_absolute import least_absolute
+from restir_gi.gradient_domain.oracle.contract import BY_CHANNELS, EITHER_SIDE, GIVEN
 from restir_gi.gradient_domain.pairs import (
     Axis,
     Pairs,
@@ -390,11 +393,28 @@ def _seen(albedo: Array, normal: Array, depth: Array, hit: Array) -> VisiblePoin
 PIXEL = ("albedo", "normal", "depth", "hit")
 
 
-def _edge_pair(precision: Precision, **pixels: Array) -> Outputs:
+def _limits(
+    thresholds: str = "fixed",
+    normals: str = "facing",
+    most_albedo: float = 0.0,
+    least_cosine: float = 0.0,
+    most_depth: float = 0.0,
+) -> EdgeLimits:
+    limits = PAPER_LIMITS
+    if thresholds == GIVEN:
+        numbers = float(most_albedo), float(least_cosine), float(most_depth)
+        limits = EdgeLimits(*numbers)
+    return replace(limits, either_side=normals == EITHER_SIDE)
+
+
+def _edge_pair(precision: Precision, **given: Any) -> Outputs:
+    pixels = {n: a for n, a in given.items() if isinstance(a, np.ndarray)}
+    limits = _limits(**{n: a for n, a in given.items() if n not in pixels})
     both = {n: np.concatenate([pixels[f"{n}_a"], pixels[f"{n}_b"]]) for n in PIXEL}
     size = len(pixels["hit_a"])
     row = np.arange(size)
-    return {"edge": unlike(_seen(**both), row, size + row).astype(np.uint32)}
+    edge = unlike(_seen(**both), row, size + row, limits)
+    return {"edge": edge.astype(np.uint32)}
 
 
 def _pair_search(
@@ -406,10 +426,12 @@ def _pair_search(
     u: Array,
     width: int,
     radius: int,
+    **likeness: Any,
 ) -> Outputs:
+    limits = _limits(**likeness)
     visible, height = _seen(albedo, normal, depth, hit), len(hit) // width
     pairs = pixel_pairs(width, height)
-    is_edge = unlike(visible, pairs.first, pairs.second)
+    is_edge = unlike(visible, pairs.first, pairs.second, limits)
     numbers = u[pairs.first, pairs.axis]
 
     def drawn(rows: Indices, first: int, count: int) -> Indices:
@@ -418,7 +440,7 @@ def _pair_search(
         return pair_in_square(pairs, own, some, radius, width, height)
 
     edges = np.flatnonzero(is_edge)
-    found = first_alike(visible, pairs, is_edge, edges, u.shape[2], drawn)
+    found = first_alike(visible, pairs, is_edge, edges, u.shape[2], drawn, limits)
     neighbor = np.full((len(hit), 2), NONE)
     own = pairs.first[edges], pairs.axis[edges]
     neighbor[own] = np.where(found == NONE, NONE, pairs.first[found])
@@ -506,10 +528,16 @@ def _poisson_l1(
     width: int,
     alpha: float,
     ratio: float,
+    norm: str = "length",
 ) -> Outputs:
     P, x, y = _wide(primal, dx, dy)
-    image = least_absolute(P, Differences(x, y), width, float(alpha))
-    return {"color": as_real(precision, image)}
+    # The length of one channel is its absolute value.
+    size = 1 if norm == BY_CHANNELS else P.shape[1]
+    images = [
+        least_absolute(P[:, c], Differences(x[:, c], y[:, c]), width, float(alpha))
+        for c in (slice(c, c + size) for c in range(0, P.shape[1], size))
+    ]
+    return {"color": as_real(precision, np.concatenate(images, axis=1))}
 
 
 OWN: Mapping[str, Any] = {

@@ -1,6 +1,6 @@
 """Differences of pixels and their images as a part of the contract."""
 
-from restir_gi.gradient_domain.oracle.cases import pair_cases
+from restir_gi.gradient_domain.oracle.cases import declared_cases, pair_cases
 from restir_gi.gradient_domain.oracle.contract import GRADIENT_PASSES
 from restir_gi.gradient_domain.oracle.edges import (
     judge_edge_pair,
@@ -39,6 +39,10 @@ def _probes(precision: Precision, seed: int = SEED) -> list[Probe]:
     return [*tables, *exact_probes(precision)]
 
 
+def _more(precision: Precision, seed: int = SEED) -> list[Probe]:
+    return [replayed("L0", case) for case in declared_cases(precision, seed)]
+
+
 PART = Part(
     title="differences of pixels",
     passes=GRADIENT_PASSES,
@@ -64,4 +68,5 @@ PART = Part(
     own=OWN,
     probes=_probes,
     hypotheses=GRADIENT_MISTAKES,
+    more=_more,
 )

@@ -110,6 +110,18 @@ def set_to(**settings) -> tuple[Way, ...]:
     return (way,)
 
 
+def without(*names: str) -> tuple[Way, ...]:
+    """Backends that overlook settings which have to be declared."""
+
+    def way(asked):
+        kept = {n: v for n, v in asked.case.settings.items() if n not in names}
+        if kept == asked.case.settings:
+            return np.zeros(asked.case.rows, bool)
+        return asked.wrong(right_answers(replace(asked.case, settings=kept)))
+
+    return (way,)
+
+
 # ------------------------------------------------ what rows are
 
 
@@ -441,6 +453,13 @@ SOLVED = {
     ),
 }
 
+LIKENESS = {
+    "declared thresholds are those that are given": without(
+        "thresholds", "most_albedo", "least_cosine", "most_depth"
+    ),
+    "declared normals may be turned round": without("normals"),
+}
+
 PAIR_WAYS: dict[str, dict[str, tuple[Way, ...]]] = {
     "pair_value": {
         "the offset path has the Jacobian once": known(
@@ -551,7 +570,8 @@ PAIR_WAYS: dict[str, dict[str, tuple[Way, ...]]] = {
         ),
         "each path has its own W": known("pair-weight-of-plus-for-both"),
     },
-    "edge_pair": {
+    "edge_pair": LIKENESS
+    | {
         "any channel of the albedo, in absolute value": known(
             "edge-albedo-signed", "edge-albedo-luminance", "edge-albedo-not-compared"
         ),
@@ -573,7 +593,8 @@ PAIR_WAYS: dict[str, dict[str, tuple[Way, ...]]] = {
             edge=1,
         ),
     },
-    "pair_search": {
+    "pair_search": LIKENESS
+    | {
         "pairs that are no edge have none": known("search-of-interior-pairs"),
         "the pair found is an edge as well": known("search-finds-interior-pairs"),
         "both pixels are compared, in their order": known(
@@ -644,6 +665,7 @@ PAIR_WAYS: dict[str, dict[str, tuple[Way, ...]]] = {
     },
     "poisson_l1": SOLVED
     | {
+        "a declared norm is that of each channel": without("norm"),
         "absolute values, not squares": known("poisson-squares-for-absolute-values"),
         "alpha is not squared": known(
             "poisson-alpha-squared-once-more", "poisson-alpha-left-out"

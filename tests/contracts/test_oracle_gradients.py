@@ -44,7 +44,8 @@ def found_in(precision, answer):
 
 
 def case_of(name, precision="float32"):
-    return next(p.case for p in probes(precision) if p.case.name.startswith(name))
+    every = [*probes(precision), *PART.more(precision)]
+    return next(p.case for p in every if p.case.name.startswith(name))
 
 
 def judged(case, outputs, precision="float32"):
@@ -84,6 +85,16 @@ def test_a_backend_that_rounds_less_often_passes():
         }
 
     assert found_in("float32", wide) == []
+
+
+@both_precisions
+def test_who_declares_settings_passes(precision):
+    """The project itself, and another backend."""
+    for answer in (lambda case: own(case, precision), by_hand):
+        for probe in PART.more(precision):
+            with np.errstate(all="ignore"):
+                out = answer(probe.case)
+            assert examined(PASSES, precision, probe, out).finding.passed
 
 
 def test_few_rows_are_left_open():
@@ -144,6 +155,90 @@ def test_samples_of_one_sign_of_luminance_have_to_be_shown_whole(where):
         "pair_estimate": "pair-shown-by-luminance",
     }
     assert judge(backend_with(both), 60.0, statistics=False).status == "PASS"
+
+
+# ------------------------------------------------ what has to be declared
+
+
+def verdict_of(name, declaration=None, **fixed):
+    """Verdict on a backend of one pass, which has some settings fixed, or given."""
+
+    def answer(**given):
+        held = {k: v for k, v in given.items() if isinstance(v, np.ndarray)}
+        asked = {k: v for k, v in given.items() if k not in held}
+        case = replace(
+            case_of(NAMES[name]), pass_name=name, inputs=held, settings=asked | fixed
+        )
+        with np.errstate(all="ignore"):
+            return by_hand(case)
+
+    backend = InsideBackend(SimpleNamespace(**{name: answer}))
+    said = None
+    if declaration is not None:
+        said = {"schema": "restir-declaration 1", "has": {name: declaration}}
+    return judge(backend, 60.0, statistics=False, declaration=said).status
+
+
+NAMES = {
+    "edge_pair": "edge-pair",
+    "pair_search": "pair-search",
+    "poisson_l1": "poisson-l1",
+}
+GIVEN = {"thresholds": ["given"]}
+EITHER = {"normals": ["either-side"]}
+AUTHORS = {"most_albedo": 0.05, "least_cosine": 0.7, "most_depth": 0.01}
+
+
+@pytest.mark.parametrize("name", ["edge_pair", "pair_search"])
+@pytest.mark.parametrize(
+    ("declaration", "fixed", "status"),
+    [
+        (None, AUTHORS, "FAIL"),
+        (GIVEN, {}, "PASS"),
+        (GIVEN, AUTHORS, "FAIL"),
+        (GIVEN, {"least_cosine": 0.7}, "FAIL"),
+        (GIVEN, {"most_albedo": 0.05}, "FAIL"),
+        (GIVEN, {"most_depth": 0.01}, "FAIL"),
+        (GIVEN | EITHER, {}, "PASS"),
+        (GIVEN | EITHER, {"normals": "facing"}, "FAIL"),
+        (GIVEN, {"normals": "either-side"}, "FAIL"),
+        (EITHER, {}, "PASS"),
+    ],
+)
+@pytest.mark.few(4)
+def test_thresholds_are_declared_and_then_asked_for(name, declaration, fixed, status):
+    assert verdict_of(name, declaration, **fixed) == status
+
+
+@pytest.mark.parametrize("where", ["edge_pair", "pair_search"])
+def test_thresholds_a_little_off_are_seen(where):
+    """By a hundredth of each, in any of the cases of a pass."""
+    for name in AUTHORS:
+        some = [
+            p.case
+            for p in PART.more("float32")
+            if p.case.pass_name == where and name in p.case.settings
+        ]
+        off = [
+            replace(c, settings=c.settings | {name: 1.01 * c.settings[name]})
+            for c in some
+        ]
+        assert where == "pair_search" or not all(
+            judged(c, by_hand(o)).passed for c, o in zip(some, off, strict=True)
+        )
+
+
+@pytest.mark.parametrize(
+    ("declaration", "fixed", "status"),
+    [
+        (None, {"norm": "channels"}, "FAIL"),
+        ({"norm": ["channels"]}, {}, "PASS"),
+        ({"norm": ["channels"]}, {"norm": "length"}, "FAIL"),
+        ({"norm": ["length", "channels"]}, {}, "PASS"),
+    ],
+)
+def test_the_norm_is_declared_and_then_asked_for(declaration, fixed, status):
+    assert verdict_of("poisson_l1", declaration, **fixed) == status
 
 
 # ------------------------------------------------ whom no name fits
@@ -294,7 +389,19 @@ def test_solvers_that_stop_early_are_seen(solver):
     assert not judged(case, {"color": image}).passed
 
 
-L1 = ("poisson-l1-14x11", "poisson-l1-8x15")
+L1 = (
+    "poisson-l1-14x11",
+    "poisson-l1-8x15",
+    "poisson-l1-channels-14x11",
+    "poisson-l1-channels-8x15",
+)
+
+
+def energy(case, image):
+    """E, from its definition."""
+    p = problem_of(case, PairRules())
+    channels = case.settings.get("norm") == "channels"
+    return np.linalg.norm(p.A @ image - p.b, axis=1, ord=1 if channels else 2).sum()
 
 
 @pytest.mark.parametrize("name", L1)
@@ -304,21 +411,21 @@ def test_the_least_sum_is_proved(name):
     least = least_sum_of(case, PairRules())
     assert least.bound <= least.total
     assert least.total - least.bound < case.settings["ratio"] / 20 * least.bound
-    p, rng = problem_of(case, PairRules()), np.random.default_rng(2)
+    rng = np.random.default_rng(2)
     for scale in (1e-3, 1e-1, 1.0):
         image = least.image + scale * rng.normal(size=least.image.shape)
-        assert np.linalg.norm(p.A @ image - p.b, axis=1).sum() >= least.bound
+        assert energy(case, image) >= least.bound
 
 
 @pytest.mark.parametrize("name", L1)
 def test_the_sum_decides_within_the_ratio(name):
     case = case_of(name, "float64")
-    least, p = least_sum_of(case, PairRules()), problem_of(case, PairRules())
+    least = least_sum_of(case, PairRules())
     direction = np.random.default_rng(3).normal(size=least.image.shape)
 
     def excess(step):
         image = least.image + step * direction
-        return np.linalg.norm(p.A @ image - p.b, axis=1).sum() / least.total - 1
+        return energy(case, image) / least.total - 1
 
     low, high = 0.0, 1.0
     for _ in range(60):

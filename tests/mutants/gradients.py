@@ -23,8 +23,8 @@ GRADIENT_MUTANTS = [
         "pairs of one normal are edges",
         ("GD-01",),
         PAGE,
-        "dot(normals[0], normals[1]) < COSINE",
-        "dot(normals[0], normals[1]) > COSINE",
+        "facing < limits.cosine",
+        "facing > limits.cosine",
     ),
     Mutant(
         "new samples of both pixels are weighted by one half",

@@ -31,9 +31,9 @@ OTHER = "other = np.where(k == 0, pairs.second, pairs.first)"
 OUTER = "return scatter(at, value, size), jacobian"
 CANDIDATE = "Candidates(y, p_hat, p_hat * r.W, r.M)"
 CLOSED = "return finalize(replace(kept, M=one), one)"
-ALBEDO = "np.abs(albedos[0] - albedos[1]).max(axis=1) > ALBEDO"
-DEPTH = "DEPTH * np.maximum(depths[0], depths[1])"
-SECONDS = "apart |= unlike(visible, j[own], j[other])"
+ALBEDO = "np.abs(albedos[0] - albedos[1]).max(axis=1) > limits.albedo"
+DEPTH = "farther = np.maximum(depths[0], depths[1])"
+SECONDS = "apart |= unlike(visible, j[own], j[other], limits)"
 FIRST = "found[searching[row]] = other[slot]"
 PLACES = "x, y = x + place % side - radius, y + place // side - radius"
 PIVOT = "second = depth[pairs.second] < depth[pairs.first]"
@@ -265,7 +265,7 @@ BIASES = [
         (),
         PAGE,
         ALBEDO,
-        "(albedos[0] - albedos[1]).max(axis=1) > ALBEDO",
+        "(albedos[0] - albedos[1]).max(axis=1) > limits.albedo",
         ("edge-albedo-signed",),
     ),
     Mutant(
@@ -273,14 +273,14 @@ BIASES = [
         (),
         PAGE,
         ALBEDO,
-        "np.abs(albedos[0] - albedos[1]).min(axis=1) > ALBEDO",
+        "np.abs(albedos[0] - albedos[1]).min(axis=1) > limits.albedo",
     ),
     Mutant(
         "pixels of one normal are unlike",
         ("GD-01",),
         PAGE,
-        "dot(normals[0], normals[1]) < COSINE",
-        "dot(normals[0], normals[1]) > COSINE",
+        "facing < limits.cosine",
+        "facing > limits.cosine",
         ("edge-normals-above",),
     ),
     Mutant(
@@ -288,22 +288,22 @@ BIASES = [
         (),
         PAGE,
         DEPTH,
-        "DEPTH * depths[0]",
+        "farther = depths[0]",
         ("edge-depth-of-the-first",),
     ),
     Mutant(
         "thresholds are a little lower",
         (),
         PAGE,
-        "ALBEDO, COSINE, DEPTH = 0.1, 0.9, 0.1",
-        "ALBEDO, COSINE, DEPTH = 0.0999, 0.9, 0.1",
+        "    albedo: float = 0.1",
+        "    albedo: float = 0.0999",
     ),
     Mutant(
         "the cosine of alike normals is a little lower",
         (),
         PAGE,
-        "ALBEDO, COSINE, DEPTH = 0.1, 0.9, 0.1",
-        "ALBEDO, COSINE, DEPTH = 0.1, 0.8999, 0.1",
+        "    cosine: float = 0.9",
+        "    cosine: float = 0.8999",
     ),
     Mutant(
         "albedo, normal and depth have to differ",

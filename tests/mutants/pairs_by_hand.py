@@ -276,7 +276,8 @@ def _pair_reuse(i: Given, s: Given, m: str) -> dict[str, Array]:
             at[:, a, b] = p * i["jacobian_at"][:, a, b]
     one_J = m in ("outer-jacobian-left-out", "pair-reuse-made-without-jacobian")
     made_here = np.where(J > 0, made if one_J else _over(made, J), 0)
-    factor = (J > 0).astype(J.dtype) if m == "outer-jacobian-left-out" else J
+    left_out = m in ("outer-jacobian-left-out", "pair-reuse-jacobian-left-out")
+    factor = (J > 0).astype(J.dtype) if left_out else J
     factor = factor.copy()
     factor[:, c] = 1
     weight = M
@@ -328,8 +329,11 @@ def _in_pairs(
     T = S + M[:, c] if defensive else S
     own = M[:, c] * here[:, c]
     for q in others:
-        mine = S * made[:, q]
-        share = _over(mine, mine + M[:, c] * here[:, q])
+        at_source, at_c = made[:, q], here[:, q]
+        if m == "pair-reuse-pairs-exchanged":
+            at_source, at_c = at_c, at_source
+        mine = S * at_source
+        share = _over(mine, mine + M[:, c] * at_c)
         found[:, q] = _over(M[:, q], T) * share
         found[:, c] += _over(M[:, q], T) * _over(own, own + S * at[:, c, q])
     if defensive:
@@ -344,17 +348,24 @@ def _in_pairs(
 # ------------------------------------------------ pixels
 
 
-def _unlike(a: Given, b: Given, m: str) -> Array:
+def _unlike(a: Given, b: Given, s: Given, m: str) -> Array:
     """As a shader has it: one pixel at a time is compared with another."""
     apart = a["albedo"] - b["albedo"]
-    tenth, least = _f(0.1, apart), _f(0.9, apart)
-    albedo = (apart if m == "edge-albedo-signed" else abs(apart)) > tenth
+    most, least, share = (
+        _f(s.get(name, usual), apart)
+        for name, usual in (
+            ("most_albedo", 0.1),
+            ("least_cosine", 0.9),
+            ("most_depth", 0.1),
+        )
+    )
+    albedo = (apart if m == "edge-albedo-signed" else abs(apart)) > most
     albedo = albedo.any(axis=-1)
     if m == "edge-albedo-luminance":
-        albedo = abs(_light(apart)) > tenth
+        albedo = abs(_light(apart)) > most
     n, o = a["normal"], b["normal"]
     cosine = n[..., 0] * o[..., 0] + n[..., 1] * o[..., 1] + n[..., 2] * o[..., 2]
-    if m == "edge-normals-either-side":
+    if m == "edge-normals-either-side" or s.get("normals") == "either-side":
         cosine = abs(cosine)
     normal = cosine > least if m == "edge-normals-above" else cosine < least
     z, y = a["depth"], b["depth"]
@@ -363,7 +374,7 @@ def _unlike(a: Given, b: Given, m: str) -> Array:
         "edge-depth-of-the-second": y,
         "edge-depth-in-metres": z * 0 + 1,
     }.get(m, np.maximum(z, y))
-    depth = _over(abs(z - y), by) > tenth
+    depth = _over(abs(z - y), by) > share
     tests = {"albedo": albedo, "normals": normal, "depth": depth}
     kept = [t for name, t in tests.items() if m != f"edge-{name}-not-compared"]
     how = np.all if m == "edge-all-three" else np.any
@@ -378,7 +389,7 @@ PIXEL = ("albedo", "normal", "depth", "hit")
 
 def _edge_pair(i: Given, s: Given, m: str) -> dict[str, Array]:
     a, b = ({n: i[f"{n}_{which}"] for n in PIXEL} for which in "ab")
-    return {"edge": _unlike(a, b, m).astype(np.uint32)}
+    return {"edge": _unlike(a, b, s, m).astype(np.uint32)}
 
 
 def _pair_search(i: Given, s: Given, m: str) -> dict[str, Array]:
@@ -389,7 +400,8 @@ def _pair_search(i: Given, s: Given, m: str) -> dict[str, Array]:
 
     # Every pixel beside every other one.
     one = {name: array[:, None] for name, array in pixels.items()}
-    every = _unlike(one, {name: array[None] for name, array in pixels.items()}, m)
+    others = {name: array[None] for name, array in pixels.items()}
+    every = _unlike(one, others, s, m)
 
     def unlike(a: int, b: int) -> bool:
         return bool(every[a, b])
@@ -631,11 +643,12 @@ def _poisson_l1(i: Given, s: Given, m: str) -> dict[str, Array]:
     rows, image = _RowsByHand(i, s, m), i["primal"]
     for sweep in range(30):
         off = [a - b for a, b in zip(rows.apply(image), rows.right, strict=True)]
-        mean = np.mean([np.sqrt((r * r).sum(axis=1)).mean() for r in off])
+        squares = [r * r for r in off]
+        if s.get("norm") != "channels":
+            squares = [r.sum(axis=1, keepdims=True) for r in squares]
+        mean = np.mean([np.sqrt(r).mean() for r in squares])
         least = max(mean * 0.6**sweep, 1e-6 * mean)
-        weights = [
-            1 / np.sqrt((r * r).sum(axis=1, keepdims=True) + least**2) for r in off
-        ]
+        weights = [1 / np.sqrt(r + least**2) for r in squares]
         right = rows.adjoint([b * w for b, w in zip(rows.right, weights, strict=True)])
         image = _conjugate_gradients(
             lambda x, w=weights: rows.normal(x, w), right, image, 60, 1e-5

@@ -4,25 +4,36 @@ From the root of the checkout, some ten seconds a run on one core::
 
     python -m tests.statistics.false_alarms --runs 1000 --out alarms.jsonl
     python -m tests.statistics.false_alarms --out two.jsonl --like RTXDI Bevy
+    python -m tests.statistics.false_alarms --out part.jsonl --part "hash grid"
 
 Each run has seeds of its own: rows of the kernels, designed rows, relations, frames of
 all scenes, runs of the mean and of the distribution; the lattices and spheres have no
 seed and are run once.  A run is written as soon as it ends, and what is written is not
 run again.  ``--like`` asks foreign backends that depart in several choices at once,
 all of the same rows: what explained the first verdict on each is tried first in each
-run, and is searched for again where it does not explain all.
+run, and is searched for again where it does not explain all.  ``--part`` asks the
+passes of one part of the contract alone, those of declared settings too; with
+``--like hand`` those that the tests have written by hand.
 """
 
 import argparse
 import json
 from collections.abc import Iterator
+from functools import partial
 from itertools import product
 from math import inf
 from pathlib import Path
 from time import perf_counter
+from types import SimpleNamespace
+
+import numpy as np
 
 from restir_gi.reference.oracle.backends.inside import InsideBackend
-from restir_gi.reference.oracle.backends.selected import SelectedBackend, selected
+from restir_gi.reference.oracle.backends.selected import (
+    SelectedBackend,
+    Selection,
+    selected,
+)
 from restir_gi.reference.oracle.builtin.backend import BuiltIn
 from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.oracle.checking import told
@@ -34,14 +45,24 @@ from restir_gi.reference.oracle.ladder import LOOP, ladder
 from restir_gi.reference.oracle.levels.distribution import SCENES as DISTRIBUTION_SCENES
 from restir_gi.reference.oracle.levels.distribution import same_distribution
 from restir_gi.reference.oracle.levels.means import mean_over_runs
-from restir_gi.reference.oracle.parts import whole_contract
-from restir_gi.reference.oracle.steps import Level, LevelStep
+from restir_gi.reference.oracle.parts import Part, parts, whole_contract
+from restir_gi.reference.oracle.steps import Level, LevelStep, asked
 from restir_gi.reference.oracle.verdict import Verdict, explicable, run_ladder
 from tests.foreign.backends import SEVERAL
+from tests.mutants.hash_grid_by_hand import HashGridByHand
+from tests.mutants.pairs_by_hand import by_hand as pairs_by_hand
 
 CONTRACT = whole_contract()
 UNSEEDED = ("lattices", "spheres", "of 40 frames")
 """Ends of the titles of steps that are the same for every seed."""
+
+
+def of_part(part: Part, backend: SelectedBackend, seed: int) -> list[Level]:
+    """One step: all that a part asks with a seed."""
+    precision = backend.precision
+    probes = [*part.probes(precision, seed), *part.more(precision, seed)]
+    ask = partial(asked, "L0", part.title, CONTRACT, backend, probes)
+    return [("L0", part.title, ask)]
 
 
 def is_seeded(level: Level) -> bool:
@@ -86,21 +107,27 @@ def is_explained(
 
 
 def faults(
-    backend: SelectedBackend, seed: int, seconds: float, known: dict[str, Diagnosis]
+    backend: SelectedBackend,
+    seed: int,
+    seconds: float,
+    known: dict[str, Diagnosis],
+    part: Part | None = None,
 ) -> Iterator[str]:
     """What the oracle holds against a backend in one run.
 
     Parameters
     ----------
+    part : Part, optional; that is asked alone
     known : dict of str to Diagnosis; what explained its first verdict, of each pass
     """
-    levels = [one for one in ladder(CONTRACT, backend, seed) if is_seeded(one)]
+    whole = ladder(CONTRACT, backend, seed)
+    levels = of_part(part, backend, seed) if part else [*filter(is_seeded, whole)]
     steps = [take() for *_, take in levels]
     if not is_explained(steps, known, backend.precision):
         verdict = verdict_of(backend, iter(levels))
         if verdict.status != "PASS":
             yield told(verdict)
-    if seconds == 0 or backend.lacks(*LOOP):
+    if part or seconds == 0 or backend.lacks(*LOOP):
         return
 
     def ask(case: Case) -> Buffers:
@@ -127,6 +154,33 @@ def backend_like(words: str | None) -> SelectedBackend:
     return selected(InsideBackend(found.backend))
 
 
+BY_HAND = {
+    "hash grid": HashGridByHand("float32"),
+    "differences of pixels": lambda name, **given: pairs_by_hand(
+        Case(
+            "",
+            name,
+            settings={n: v for n, v in given.items() if not isinstance(v, np.ndarray)},
+            inputs={n: v for n, v in given.items() if isinstance(v, np.ndarray)},
+        )
+    ),
+}
+"""Parts that the tests have written by hand, from pass and arguments to outputs."""
+
+
+def backend_of(part: Part, words: str | None) -> SelectedBackend:
+    """The built-in backend of a part's passes, or the one by hand."""
+    names = [one.name for one in part.passes]
+    own = BuiltIn("float32")
+    passes = {name: getattr(own, name) for name in names}
+    if words is not None:
+        passes = {name: partial(BY_HAND[part.title], name) for name in names}
+    settings = [(one.name, s) for one in part.passes for s in one.settings]
+    more = frozenset((name, s.name, word) for name, s in settings for word in s.more)
+    inside = InsideBackend(SimpleNamespace(**passes))
+    return SelectedBackend(inside, Selection(more=more))
+
+
 def main() -> None:
     """Run, and tell how many runs had an alarm."""
     parser = argparse.ArgumentParser(description="Count the oracle's false alarms.")
@@ -142,15 +196,24 @@ def main() -> None:
     parser.add_argument(
         "--like", nargs="+", metavar="WORDS", help="that foreign backends' names end in"
     )
+    parser.add_argument(
+        "--part", metavar="TITLE", help="of the contract, which is asked alone"
+    )
     given = parser.parse_args()
     names = given.like or [None]
-    backends = {name: backend_like(name) for name in names}
-    known = {name: _known_of(name, backend) for name, backend in backends.items()}
+    part = next((p for p in parts() if p.title == given.part), None)
+    if given.part and part is None:
+        parser.error(f"--part: known are {', '.join(p.title for p in parts())}")
+    backends = {n: backend_of(part, n) if part else backend_like(n) for n in names}
+    known = {
+        name: {} if part else _known_of(name, backend)
+        for name, backend in backends.items()
+    }
     done = _read(given.out)
     seeds = range(given.first, given.first + given.runs)
     for seed, name in product(seeds, names):
         if (name, seed) not in done:
-            found = list(faults(backends[name], seed, given.seconds, known[name]))
+            found = list(faults(backends[name], seed, given.seconds, known[name], part))
             with given.out.open("a") as file:
                 run = {"like": name, "seed": seed, "faults": found}
                 file.write(json.dumps(run) + "\n")

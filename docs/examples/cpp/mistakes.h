@@ -35,4 +35,12 @@ inline const char* const PLANTS[] = {
     "earlier-joint-accepted", "hidden-joint-accepted", "base-throughput",
     "base-distance",
     // cell_insert, cell_find, cell_scan, cell_level
-    "insertion-lost", "checksum-missing", "scan-inclusive", "eye-of-now"};
+    "insertion-lost", "checksum-missing", "scan-inclusive", "eye-of-now",
+    // from pair_value to pair_motion
+    "inner-jacobian-missing", "second-not-turned",
+    "luminance-of-the-sum", "candidates-halved", "step-not-turned", "offset-carried",
+    "edges-where-normals-agree", "edge-depth-of-the-first", "first-pixels-alone",
+    "motion-of-the-first",
+    // primal, pair_differences, poisson_l2, poisson_l1
+    "primal-with-emission", "pair-differences-not-turned", "alpha-not-squared",
+    "poisson-wraps-around", "divergence-sign", "squares-for-absolute-values"};

@@ -16,12 +16,14 @@
 #include "passes/camera.h"
 #include "passes/cell_contents.h"
 #include "passes/filters.h"
+#include "passes/gradient_domain.h"
 #include "passes/hash_grid.h"
 #include "passes/kernels.h"
 #include "passes/neighbors.h"
 #include "passes/packing.h"
 #include "passes/path_reuse.h"
 #include "passes/path_shift.h"
+#include "passes/poisson.h"
 #include "passes/random.h"
 #include "passes/resampling.h"
 #include "passes/shading.h"
@@ -33,7 +35,8 @@ static PassTable all_passes() {
     for (const PassTable& table :
          {RANDOM_PASSES, KERNEL_PASSES, NEIGHBOR_PASSES, RESAMPLING_PASSES, SHADING_PASSES,
           CAMERA_PASSES, FILTER_PASSES, SPARING_PASSES, PACKING_PASSES, PATH_REUSE_PASSES,
-          PATH_SHIFT_PASSES, HASH_GRID_PASSES, CELL_CONTENT_PASSES})
+          PATH_SHIFT_PASSES, HASH_GRID_PASSES, CELL_CONTENT_PASSES, GRADIENT_DOMAIN_PASSES,
+          POISSON_PASSES})
         all.insert(table.begin(), table.end());
     return all;
 }

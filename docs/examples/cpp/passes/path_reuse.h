@@ -93,7 +93,8 @@ inline float divisor(const Slots& slots, const std::string& mis, size_t s) {
     float Z = 0;
     for (size_t k = 0; k < slots.count; k++) {
         float p = slots.density(k, s);
-        float share = mis == "balance" ? over(p, slots.density(s, s)) : p > 0 ? 1.0f : 0.0f;
+        bool could = p > 0 || k == s;
+        float share = mis == "balance" ? over(p, slots.density(s, s)) : could ? 1.0f : 0.0f;
         Z += slots.confidence(k) * share;
     }
     return Z;
