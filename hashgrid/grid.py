@@ -94,9 +94,23 @@ def lattice_of(camera: Camera, facings: int = 1) -> Lattice:
     facings : int; parts of each component of the normal
     """
     w, h = camera.width, camera.height
-    fov_y = 2 * np.arctan(camera.half_width * h / w)
-    base = np.tan(min(fov_y * PIXELS * max(1 / h, h / w**2), np.pi / 4))
-    return Lattice(camera.position, float(base), facings)
+    fov_y = np.array([2 * np.arctan(camera.half_width * h / w)])
+    base = base_of(fov_y, np.array([w]), np.array([h]))
+    return Lattice(camera.position, float(base[0]), facings)
+
+
+def base_of(fov_y: Scalars, width: Indices, height: Indices) -> Scalars:
+    """Edge of a cell over its distance, of cameras, (N,) float64; at most 1.
+
+    Parameters
+    ----------
+    fov_y : (N,) float64, radians; from below to above
+    width, height : (N,) int64, pixels
+    """
+    w, h = width, height
+    wide = fov_y * PIXELS * np.maximum(1 / h, h / w**2)
+    base: Scalars = np.tan(np.minimum(wide, np.pi / 4))
+    return base
 
 
 def levels(lattice: Lattice, position: Vec3s) -> Indices:
@@ -226,7 +240,23 @@ def keys_at(level: Indices, position: Vec3s, normal: Vec3s, parts: int) -> Keys:
     normal : (N, 3) float64; unit normals
     parts : int; of each component of the normal that are told apart
     """
-    scaled = np.floor(position / edges(level)[:, None])
+    return keys_in(level, edges(level), position, normal, parts)
+
+
+def keys_in(
+    level: Indices, edge: Scalars, position: Vec3s, normal: Vec3s, parts: int
+) -> Keys:
+    """Cells of points whose edge is known, too.
+
+    Parameters
+    ----------
+    level : (N,) int64; from 0
+    edge : (N,) float64, m; of each point's cell
+    position : (N, 3) float64, m; the points
+    normal : (N, 3) float64; unit normals
+    parts : int; of each component of the normal that are told apart
+    """
+    scaled = np.floor(position / edge[:, None])
     x, y, z = np.clip(scaled, -FARTHEST, FARTHEST).astype(np.int64).T
     part = np.clip(np.floor((normal + 1.0) * (parts / 2)), 0, parts - 1)
     a, b, c = part.astype(np.int64).T

@@ -370,8 +370,10 @@ def _neighbors(rng: Generator, like: PixelLikeness = FIXED) -> Tables:
     b = {name: array.copy() for name, array in a.items()}
     turn = rng.integers(0, 5, ROWS * 3)
     color = np.clip(a["albedo"] + rng.uniform(-0.3, 0.3, a["albedo"].shape), 0.02, 1.0)
-    alone = rng.random(a["albedo"].shape) < 0.4
-    b["albedo"] = np.where((turn == 0)[:, None] & alone, color, a["albedo"])
+    # Of one channel, of two, or of all three.
+    share = np.where(rng.random(ROWS * 3) < 0.4, 1.0, 0.4)[:, None]
+    differs = (turn == 0)[:, None] & (rng.random(a["albedo"].shape) < share)
+    b["albedo"] = np.where(differs, color, a["albedo"])
     limit, near = like.cosine, min(1 - like.cosine, 0.1)
     anywhere, ahead, behind = (
         rng.uniform(least, most, ROWS * 3)

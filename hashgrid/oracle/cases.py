@@ -1,6 +1,7 @@
 """Cases of the hash grid: made here, without a scene, the same for a seed."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -38,6 +39,7 @@ def hash_grid_cases(precision: Precision, seed: int = SEED) -> list[Case]:
     """
     rng = np.random.default_rng([2031, seed])
     makers = (
+        ("cell_base", _bases),
         ("cell_level", _levels),
         ("cell_jitter", _jitters),
         ("cell_key", _keys),
@@ -61,6 +63,20 @@ def hash_grid_cases(precision: Precision, seed: int = SEED) -> list[Case]:
         for pass_name, maker in makers
         for name, settings, inputs in maker(rng)
     ]
+
+
+def cases_of_edges(precision: Precision, seed: int = SEED) -> list[Case]:
+    """Cases of passes that are given the edges of cells, by whatever rule."""
+    rng = np.random.default_rng([2032, seed])
+    found = []
+    for pass_name, maker in (("cell_jitter", _jitters), ("cell_key", _keys)):
+        for name, settings, inputs in maker(rng):
+            level = inputs.pop("level")
+            edge = {"edge": 0.0125 * 1.5 ** (level - 6.0) * rng.uniform(1, 1.4, ROWS)}
+            settings |= {"size": "edge"}
+            made = _case(pass_name, name, settings, inputs | edge, precision)
+            found.append(replace(made, name=f"{made.name}-edges"))
+    return found
 
 
 def _case(
@@ -87,6 +103,27 @@ BEFORE = ((-4.0, 0.5, 1.0), (3.0, -2.0, 0.25))
 BASES = ((0.03125, 0.0625), (0.1875, 0.046875))
 
 
+def _bases(rng: Generator) -> Iterator[Parts]:
+    width, height = (spread(rng, 1, 3.7, ROWS).astype(int) for _ in range(2))
+    # A few pixels, of which 16 are seen under a large angle; and one row or column.
+    few = rng.integers(1, 40, (2, ROWS // 4))
+    width[::4], height[::4] = few
+    inputs = {
+        "fov_y": rng.uniform(0.1, 2.6, ROWS),
+        "width": width,
+        "height": height,
+    }
+    yield "base", {}, inputs
+
+
+def _rays(rng: Generator, eye: tuple[float, ...]) -> Vec3s:
+    """Points along the axes through an eye, each twice, (N, 3)."""
+    t = 1.25 ** (np.arange(-12, 26) + rng.random())
+    sides = np.concatenate([np.eye(3), -np.eye(3)])
+    once = np.asarray(eye) + (t[:, None, None] * sides).reshape(-1, 3)
+    return np.concatenate([once, once])
+
+
 def _levels(rng: Generator) -> Iterator[Parts]:
     for when in ("insertion", "look-up"):
         for k in range(2):
@@ -111,6 +148,15 @@ def _levels(rng: Generator) -> Iterator[Parts]:
     for name in ("eye", "eye_before"):
         settings |= {f"{name}_{a}": 0.0 for a in "xyz"}
     yield "level-equal", settings, {"position": position}
+
+    # Past the eye of the other frame, and close by the origin.
+    eye, before = (1.5, 0.0625, 0.0), (-2.5, 0.0625, 0.0)
+    for when, e in (("insertion", eye), ("look-up", before)):
+        settings = {"when": when, "base": 0.0625, "base_before": 0.09375}
+        for name, place in (("eye", eye), ("eye_before", before)):
+            settings |= dict(zip((f"{name}_{a}" for a in "xyz"), place, strict=True))
+        ending = "-before" if when == "look-up" else ""
+        yield f"level-rays{ending}", settings, {"position": _rays(rng, e)}
 
 
 def _jitters(rng: Generator) -> Iterator[Parts]:
@@ -178,7 +224,25 @@ def _hashes(rng: Generator) -> Iterator[Parts]:
     wanted = (_unmixed(np.zeros(48, np.int64)) - fields["level"][-48:]) % WORD
     x = (_unmixed(wanted) - rest) % WORD
     fields["x"][-48:] = np.where(x < WORD // 2, x, x - WORD)
-    yield "hash", {}, fields
+    yield "hash", {}, {n: np.concatenate([a, _of_pairs(n)]) for n, a in fields.items()}
+
+
+PAIRS = {
+    "level": [3, 3, 3, 3, 3, 4, 3, 3, 3],
+    "facing": [5, 5, 5, 5, 5, 5, 6, 0, 0],
+    "x": [-3, -4, -3, -3, 0, -3, -3, 7, -7],
+    "y": [-9, -9, -9, -9, -9, -9, -9, 8, -8],
+    "z": [11, 11, 11, 12, 11, 11, 11, 9, -9],
+}
+"""Cells that have all but one field, or their sizes, in common; the first is twice."""
+
+
+def _of_pairs(name: str) -> Indices:
+    """A field of such cells, and of as many beside them."""
+    each = 20 * np.arange(24)[:, None] * (name in "xyz")
+    return (
+        np.array(PAIRS[name]) + np.where(np.array(PAIRS[name]) < 0, -1, 1) * each
+    ).ravel()
 
 
 STEPS = ((15, 2246822519), (13, 3266489917))
@@ -229,6 +293,9 @@ def _inserts(rng: Generator) -> Iterator[Parts]:
         if cells == buckets * SLOTS:
             # Each bucket is just full.
             bucket = np.arange(cells) % buckets
+        if buckets == 11:
+            # Beside buckets that are too full there is room.
+            bucket = np.where(rng.random(cells) < 0.7, bucket // 2 * 2, bucket)
         table = _distinct_cells(rng, bucket, buckets, shared=buckets == 61)
         which = np.concatenate([np.arange(cells), rng.integers(0, cells, rows - cells)])
         which = rng.permutation(which)
@@ -249,15 +316,17 @@ def _distinct_cells(
     """
     cells = len(bucket)
     # Some cells of a bucket have the same hash, whose checksums differ all the same.
-    above = rng.integers(0, WORD // buckets - 1, 3)
-    hash_ = bucket + buckets * above[rng.integers(0, 3, cells)]
+    above = rng.integers(0, WORD // buckets - 1, max(cells // 4, 3))
+    hash_ = bucket + buckets * above[rng.integers(0, len(above), cells)]
     checksum = rng.integers(1, WORD, cells)
     if shared:
         few = rng.choice(checksum, 24, replace=False)
         checksum[::2] = few[rng.integers(0, 24, len(checksum[::2]))]
-    _, first = np.unique(bucket * WORD + checksum, return_index=True)
-    again = np.setdiff1d(np.arange(cells), first)
-    checksum[again] = rng.integers(1, WORD, len(again))
+    # Neither in the bucket of the remainder, nor in that of the upper bits.
+    for of in (bucket, hash_ * buckets // WORD):
+        _, first = np.unique(of * WORD + checksum, return_index=True)
+        again = np.setdiff1d(np.arange(cells), first)
+        checksum[again] = rng.integers(1, WORD, len(again))
     return hash_, checksum
 
 
@@ -320,6 +389,9 @@ def _finds(rng: Generator) -> Iterator[Parts]:
         full = filled[bucket] == SLOTS
         checksum = np.where((kind > 0.75) & full & (nearby > 0), nearby, checksum)
         hash_ = bucket + buckets * rng.integers(0, WORD // buckets - 1, rows)
+        # Of some the upper bits tell the bucket.
+        upper = (bucket + rng.uniform(0.01, 0.99, rows)) / buckets * WORD
+        hash_ = np.where(rng.random(rows) < 0.4, upper.astype(np.int64), hash_)
         inputs = {
             "table": table.astype(np.uint32),
             "bucket_hash": hash_.astype(np.uint32),
@@ -401,9 +473,12 @@ def _candidates(rng: Generator) -> Iterator[Parts]:
         shape = (ROWS, count)
         p_hat = 10.0 ** rng.normal(0, 0.7, shape) * (rng.random(shape) < 0.6)
         p_hat[::9] = 0.0
+        choice = rng.uniform(1e-3, 1, shape) ** 2
+        # Lights among very many: of weights that no half holds.
+        choice[1::8] *= 1e-4
         inputs = {
             "p_hat": p_hat,
-            "choice": rng.uniform(1e-3, 1, shape) ** 2,
+            "choice": choice,
             "density": 10.0 ** rng.normal(0, 0.7, shape),
             "u": ends_of_u(rng, ROWS * count).reshape(shape),
         }
@@ -435,8 +510,10 @@ def _light_tables(rng: Generator, slots: int, cap: int) -> dict[str, NDArray[Any
     here[:, 0] = base[:, 0]
     usable = here > 0
     known = rng.random((*shape, slots)) > 0.3
+    # Of lights that are found seldom: a half holds these weights, and no larger ones.
+    seldom = np.where(np.arange(ROWS) % 8 == 1, 1e5, 1.0)[:, None]
     return {
-        "W": np.where(full, targets(), 0.0),
+        "W": np.minimum(np.where(full, targets(), 0.0) * seldom, 6e4),
         "M": np.where(own, 8.0, rng.integers(1, cap + 1, shape)),
         "there": there.astype(np.uint32),
         "target_base": base,
@@ -476,7 +553,7 @@ def _caches(rng: Generator) -> Iterator[Parts]:
     inputs = {
         "rough": (rng.random(ROWS) < 0.75).astype(np.uint32),
         "joint": rng.choice([0, 2, 2, 2, 3, 4], ROWS),
-        "W": spread(rng, -2, 2, ROWS) * (rng.random(ROWS) < 0.6),
+        "W": spread(rng, -2, 6, ROWS) * (rng.random(ROWS) < 0.6),
         "M": rng.integers(1, 21, ROWS).astype(float),
     }
     yield "cache", {}, inputs

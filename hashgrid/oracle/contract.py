@@ -9,6 +9,7 @@ from restir_gi.reference.oracle.contract.fields import (
     Pass,
     Setting,
     bits,
+    given_with,
     index,
     real,
     vector,
@@ -18,6 +19,17 @@ COLUMNS = 8
 """Most vertices that a look-up takes from a cell."""
 
 LEVEL = index("level", "of detail, from 0: the edge of the cell is 0.001 · 2^level m")
+SIZE = Setting(
+    "size",
+    "level",
+    "what is given of the size of a cell; by another rule than pass cell_level's: edge",
+    more=("edge",),
+    default="level",
+)
+SIZES = (
+    *given_with("size", ("level",), (LEVEL,)),
+    *given_with("size", ("edge",), (real("edge", "of the cell, m"),)),
+)
 HASHES = (
     bits("bucket_hash", "h₁ of pass cell_hash"),
     bits("checksum", "h₂ of pass cell_hash, at least 1"),
@@ -29,6 +41,28 @@ SLOT = "bucket · 16 + place in the bucket"
 def _along_axes(name: str, meaning: str) -> tuple[Setting, ...]:
     return tuple(Setting(f"{name}_{axis}", "number", meaning) for axis in "xyz")
 
+
+CELL_BASE = Pass(
+    name="cell_base",
+    summary="How large cells are, over their distance: some 16 pixels of a camera",
+    formula=(
+        "base = tan(min(fov_y · 16 · max(1 / height, height / width²), π / 4)); "
+        "a row is a camera"
+    ),
+    inputs=(
+        real("fov_y", "field of view from below to above, radians"),
+        index("width", "of the picture, pixels"),
+        index("height", "the same"),
+    ),
+    outputs=(real("base", "edge of a cell over its distance, at most 1"),),
+    source="[Boisse21], with the numbers of the author's later renderer",
+    clauses=(
+        "the whole field of view, in radians",
+        "the larger of the two quotients counts",
+        "the height is told from the width",
+        "a cell is seen under 45 degrees at most",
+    ),
+)
 
 CELL_LEVEL = Pass(
     name="cell_level",
@@ -66,17 +100,18 @@ CELL_JITTER = Pass(
     name="cell_jitter",
     summary="A point moved at random in its tangent plane",
     formula=(
-        "r = √2 · 0.001 · 2^level;\n"
+        "edge = 0.001 · 2^level, or as it is given; r = √2 · edge;\n"
         "moved = position + (2 u₀ − 1) r t + (2 u₁ − 1) r b; t and b are unit vectors "
         "orthogonal to the normal and to each other, any that hang on the normal alone"
     ),
     inputs=(
         vector("position", "of a point, m"),
         vector("normal", "its unit normal"),
-        LEVEL,
+        *SIZES,
         real("u", "in [0, 1)", 2),
     ),
     outputs=(vector("moved", "the point that the cell is taken of, m"),),
+    settings=(SIZE,),
     source="[Boisse21; Binder18], at insertion and at look-up",
     clauses=(
         "the point stays in its tangent plane",
@@ -90,7 +125,8 @@ CELL_KEY = Pass(
     name="cell_key",
     summary="The cell that a point lies in: a cube, and a part of the normal's sphere",
     formula=(
-        "edge = 0.001 · 2^level; (x, y, z) = ⌊position / edge⌋, each rounded down;\n"
+        "edge = 0.001 · 2^level, or as it is given; "
+        "(x, y, z) = ⌊position / edge⌋, each rounded down;\n"
         "p = facings; "
         "(a, b, c) = min(max(⌊(normal + 1) · p / 2⌋, 0), p − 1);\n"
         "facing = a + p (b + p c)"
@@ -98,7 +134,7 @@ CELL_KEY = Pass(
     inputs=(
         vector("position", "of a point, m; moved before, as a rule"),
         vector("normal", "its unit normal"),
-        LEVEL,
+        *SIZES,
     ),
     outputs=(
         index("x", "position in units of the edge, rounded down"),
@@ -107,6 +143,7 @@ CELL_KEY = Pass(
         index("facing", "part of the normal's sphere; 0 where facings is 1"),
     ),
     settings=(
+        SIZE,
         Setting("facings", "whole number, 1 to 16", "parts of each component of n"),
     ),
     source="[Boisse21]. Where rounding leaves open which side it is, both are right",
@@ -510,6 +547,7 @@ SUFFIX_REACH = Pass(
 )
 
 HASH_GRID_PASSES = (
+    CELL_BASE,
     CELL_LEVEL,
     CELL_JITTER,
     CELL_KEY,

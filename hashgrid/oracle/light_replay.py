@@ -20,6 +20,12 @@ from restir_gi.reference.oracle.replay.bounded import (
 )
 from restir_gi.reference.oracle.replay.formulas import preference
 from restir_gi.reference.oracle.replay.geometry import luminance
+from restir_gi.reference.oracle.replay.halves import (
+    beside_halves,
+    counted_in_half,
+    held_in_half,
+    up_to_the_largest,
+)
 from restir_gi.reference.oracle.replay.judgement import (
     Compared,
     Decisions,
@@ -173,13 +179,23 @@ def judge_light_candidates(
     return Judgement(
         (
             Compared("slot", kept.slot, kept.surely, free),
-            beside("W", outputs["W"], W),
-            beside("M", outputs["M"], M),
+            *_stored(outputs, W, M, part.held),
         ),
         terms | {"sum of w": kept.S.value, "p_hat": here.value},
         kept.decisions,
         case.random,
     )
+
+
+def _stored(outputs: Buffers, W: Bounded, M: Bounded, how: str) -> list[Compared]:
+    """W and M beside what is kept of them."""
+    W_found = up_to_the_largest(outputs["W"])
+    return [
+        beside("W", W_found, held_in_half(W, how)),
+        beside("M", outputs["M"], counted_in_half(M, how)),
+        *beside_halves("W", outputs["W"], how),
+        *beside_halves("M", outputs["M"], how),
+    ]
 
 
 def _drawn_weight(
@@ -260,7 +276,8 @@ def judge_path_cache(
     case: Case, outputs: Buffers, rules: Rules, precision: Precision
 ) -> Judgement:
     """Judge pass ``path_cache``."""
-    part, inputs = gridded(rules).suffix, case.inputs
+    rounding, part = rounding_of(precision), gridded(rules).suffix
+    inputs = case.inputs
     joined = (inputs["joint"] == 2) | (not part.joint_asked)
     W = np.where(joined, inputs["W"], 0.0)
     M = np.where((W > 0) | part.null_confidence, inputs["M"], 0.0)
@@ -271,11 +288,11 @@ def judge_path_cache(
         "joined": rough & (inputs["joint"] == 2),
         "any roughness": np.ones(case.rows, bool),
     }[part.stored]
+    held = _stored(outputs, exact(W, rounding), exact(M, rounding), part.held)
     return Judgement(
         (
             exactly("stored", outputs["stored"], stored),
-            in_rows(stored, exactly("W", outputs["W"], W)),
-            in_rows(stored, exactly("M", outputs["M"], M)),
+            *(in_rows(stored, one) for one in held),
         )
     )
 

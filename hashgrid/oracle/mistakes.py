@@ -1,9 +1,12 @@
 """Known mistakes in hash grids, and in the light and the paths of their cells."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from math import inf, pi
 from typing import Any, cast
 
 from restir_gi.extensions.oracle.reuse.mistakes import REUSE_MISTAKES
+from restir_gi.extensions.oracle.reuse.rules import ReuseRules
 from restir_gi.hashgrid.oracle.rules import (
     CONTRACT_GRID,
     CellRules,
@@ -19,6 +22,7 @@ from restir_gi.reference.oracle.diagnosis.hypothesis import (
     mistake,
 )
 
+BASE = "base = tan(min(fov_y · 16 · max(1/h, h/w²), π / 4))"
 LEVEL = "level = max(⌊log2(1000 · |position − e| · b)⌋, 0)"
 MOVED = "moved = position + (2 u₀ − 1) r t + (2 u₁ − 1) r b, r = √2 edge"
 KEY = "(x, y, z) = ⌊position / edge⌋, edge = 0.001 · 2^level"
@@ -41,10 +45,20 @@ def _known(
     *seen: str,
     part: GridRules,
     departure: str = "",
+    declared: str = "",
 ) -> Hypothesis:
     kind = cast(Departure, departure)
+    said = cast(Departure, declared)
     return mistake(
-        name, what, wrong, right, (pass_name,), *seen, departure=kind, part=part
+        name,
+        what,
+        wrong,
+        right,
+        (pass_name,),
+        *seen,
+        departure=kind,
+        declared=said,
+        part=part,
     )
 
 
@@ -83,6 +97,52 @@ def _without_jacobian(formula: str) -> str:
 
 
 CELLS = (
+    *(
+        _known(
+            "cell_base", f"cell-base-{name}", what, wrong, BASE, part=_cell(**changes)
+        )
+        for name, what, wrong, changes in (
+            (
+                "in-degrees",
+                "the tangent of degrees is taken as if they were radians",
+                "tan(min(180 / π · fov_y · 16 · max(1/h, h/w²), π / 4))",
+                {"fov_scale": 180 / pi},
+            ),
+            (
+                "of-half-the-field",
+                "half the field of view stands for all of it",
+                "tan(min(fov_y / 2 · 16 · max(1/h, h/w²), π / 4))",
+                {"fov_scale": 0.5},
+            ),
+            (
+                "of-the-smaller-quotient",
+                "the smaller of the two quotients counts",
+                "tan(min(fov_y · 16 · min(1/h, h/w²), π / 4))",
+                {"quotients": "smaller"},
+            ),
+            (
+                "of-the-other-side",
+                "width and height are exchanged",
+                "tan(min(fov_y · 16 · max(1/w, w/h²), π / 4))",
+                {"quotients": "turned"},
+            ),
+            (
+                "not-bounded",
+                "the angle is not bounded: of few pixels its tangent is anything",
+                "tan(fov_y · 16 · max(1/h, h/w²))",
+                {"widest": inf},
+            ),
+        )
+    ),
+    _known(
+        "cell_level",
+        "cell-level-of-another-rule",
+        "another rule gives the size of cells: right if it is meant, and declared",
+        "whole numbers that grow with the distance from the eye of the grid, or stay",
+        LEVEL,
+        declared="neighbors",
+        part=_cell(levels="own"),
+    ),
     _known(
         "cell_level",
         "cell-level-by-this-eye",
@@ -227,6 +287,15 @@ CELLS = (
 HASHES = (
     _known(
         "cell_hash",
+        "cell-hash-of-another-kind",
+        "words of another hash, which tell cells apart: right if it is declared",
+        "the same words for the same cell, others for another; a checksum above 0",
+        HASH,
+        declared="order",
+        part=_words(own=True),
+    ),
+    _known(
+        "cell_hash",
         "cell-hash-z-y-x",
         "coordinates are hashed in the other order",
         "h(level + h(z + h(y + h(x + h(facing)))))",
@@ -293,6 +362,18 @@ HASHES = (
 )
 
 TABLE = (
+    *(
+        _known(
+            f"cell_{name}",
+            f"cell-{name}-by-upper-bits",
+            "the bucket is that of the upper bits of the hash: a product, no division",
+            "bucket = bucket_hash · buckets >> 32",
+            "bucket = bucket_hash mod buckets",
+            departure="order",
+            part=_table(bucket_of="upper bits"),
+        )
+        for name in ("insert", "find")
+    ),
     _known(
         "cell_insert",
         "cell-insert-without-checksum",
@@ -489,7 +570,45 @@ TABLE = (
     ),
 )
 
+HELD = (
+    ("half", "W and M are float16, to the nearest", "storage"),
+    ("half, cut", "W and M are float16, cut off towards 0", "storage"),
+    ("half, infinite", "W and M are float16, and infinite beyond 65504", ""),
+)
+"""Ways to store a reservoir, and whether they are right, to their rounding."""
+
+
+def _as(held: str) -> str:
+    """A way to store in the name of a hypothesis."""
+    words = {
+        "half": "halves",
+        "half, cut": "halves-cut",
+        "half, infinite": "halves-infinite",
+    }
+    return words[held]
+
+
+def _held(
+    pass_name: str, name: str, part: Callable[[str], GridRules]
+) -> Iterator[Hypothesis]:
+    """Storage in 16 bits, of one pass."""
+    for held, what, departure in HELD:
+        yield _known(
+            pass_name,
+            f"{name}-in-{_as(held)}",
+            what,
+            f"between passes {what}",
+            "W and M are kept as they are; of halves the largest is 65504",
+            departure=departure,
+            part=part(held),
+        )
+
+
 LIGHTS = (
+    *_held("light_candidates", "light-candidates", lambda held: _light(held=held)),
+    *_held(
+        "light_reuse", "light-reuse", lambda held: _light(reuse=ReuseRules(held=held))
+    ),
     *(
         _known(
             "cell_similar",
@@ -697,6 +816,7 @@ LIGHTS = (
 )
 
 SUFFIXES = (
+    *_held("path_cache", "path-cache", lambda held: _suffix(held=held)),
     *(
         _known(
             "bounce_reservoir",

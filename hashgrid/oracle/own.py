@@ -15,10 +15,11 @@ from restir_gi.hashgrid.grid import (
     Keys,
     Lattice,
     atom_inc,
+    base_of,
     edges,
     faces_alike,
     find_or_insert,
-    keys_at,
+    keys_in,
     levels,
     moved_in_plane,
     prefix_sum,
@@ -57,6 +58,13 @@ def _rows(values: Array) -> Array:
 # ---------------------------------------------------------------- the cell of a point
 
 
+def _cell_base(
+    precision: Precision, fov_y: Array, width: Array, height: Array
+) -> dict[str, Array]:
+    base = base_of(fov_y.astype(float), _wide(width), _wide(height))
+    return {"base": as_real(precision, base)}
+
+
 def _cell_level(
     precision: Precision, position: Array, when: str, **settings: Any
 ) -> dict[str, Array]:
@@ -66,19 +74,37 @@ def _cell_level(
     return {"level": _rows(levels(lattice, position.astype(float)))}
 
 
+def _edges_of(size: Array, given: str) -> Array:
+    """Edges of cells, (N,) float64, m."""
+    return size.astype(float) if given == "edge" else edges(_wide(size))
+
+
 def _cell_jitter(
-    precision: Precision, position: Array, normal: Array, level: Array, u: Array
+    precision: Precision,
+    position: Array,
+    normal: Array,
+    u: Array,
+    size: str = "level",
+    **sizes: Array,
 ) -> dict[str, Array]:
     lanes = u[:, 0], u[:, 1], u[:, 0], u[:, 1]
-    edge = edges(_wide(level)).astype(position.dtype)
+    edge = _edges_of(sizes[size], size).astype(position.dtype)
     moved = moved_in_plane(position, normal, edge, lanes)
     return {"moved": as_real(precision, moved)}
 
 
 def _cell_key(
-    precision: Precision, position: Array, normal: Array, level: Array, facings: int
+    precision: Precision,
+    position: Array,
+    normal: Array,
+    facings: int,
+    size: str = "level",
+    **sizes: Array,
 ) -> dict[str, Array]:
-    keys = keys_at(_wide(level), position.astype(float), normal.astype(float), facings)
+    level = np.zeros(len(position), np.int64)
+    edge = _edges_of(sizes[size], size)
+    place, facing = position.astype(float), normal.astype(float)
+    keys = keys_in(level, edge, place, facing, facings)
     return {n: _rows(getattr(keys, n)) for n in ("x", "y", "z", "facing")}
 
 
@@ -299,6 +325,7 @@ def _suffix_reach(
 
 
 HASH_GRID_OWN: Mapping[str, Callable[..., dict[str, Array]]] = {
+    "cell_base": _cell_base,
     "cell_level": _cell_level,
     "cell_jitter": _cell_jitter,
     "cell_key": _cell_key,

@@ -1,6 +1,6 @@
 """The hash grid as a part of the contract."""
 
-from restir_gi.hashgrid.oracle.cases import hash_grid_cases
+from restir_gi.hashgrid.oracle.cases import cases_of_edges, hash_grid_cases
 from restir_gi.hashgrid.oracle.contract import HASH_GRID_PASSES
 from restir_gi.hashgrid.oracle.exact import drawn_light_probes
 from restir_gi.hashgrid.oracle.light_replay import LIGHT_JUDGES
@@ -18,6 +18,10 @@ def _probes(precision: Precision, seed: int = SEED) -> list[Probe]:
     return [*tables, *drawn_light_probes(precision)]
 
 
+def _more(precision: Precision, seed: int = SEED) -> list[Probe]:
+    return [replayed("L0", case) for case in cases_of_edges(precision, seed)]
+
+
 PART = Part(
     title="hash grid",
     passes=HASH_GRID_PASSES,
@@ -25,4 +29,5 @@ PART = Part(
     own=HASH_GRID_OWN,
     probes=_probes,
     hypotheses=HASH_GRID_MISTAKES,
+    more=_more,
 )

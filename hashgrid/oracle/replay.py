@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from restir_gi.hashgrid.oracle.contract import COLUMNS
 from restir_gi.hashgrid.oracle.rules import (
+    CONTRACT_GRID,
     SLOTS,
     CellRules,
     HashRules,
@@ -49,6 +50,41 @@ MOST_BUCKETS = 2**16
 # ---------------------------------------------------------------- the cell of a point
 
 
+TANGENT = 4.0
+"""Roundings of a tangent: a few units in the last place."""
+
+
+def judge_cell_base(
+    case: Case, outputs: Buffers, rules: Rules, precision: Precision
+) -> Judgement:
+    """Judge pass ``cell_base``."""
+    rounding, part = rounding_of(precision), gridded(rules).cell
+    fov_y, w, h = (
+        exact(case.inputs[n], rounding) for n in ("fov_y", "width", "height")
+    )
+    if part.quotients == "turned":
+        w, h = h, w
+    one = constant(1.0, fov_y)
+    quotients = one / h, h / (w * w)
+    larger = np.maximum if part.quotients != "smaller" else np.minimum
+    a, b = (q.value for q in quotients)
+    error = np.maximum(*(q.error for q in quotients))
+    of_pixels = Bounded(larger(a, b), error, rounding) * constant(16.0, one)
+    angle = fov_y * of_pixels
+    if part.fov_scale != 1:
+        angle = angle * constant(part.fov_scale, angle)
+    bound = constant(part.widest, one)
+    least = np.minimum(angle.value, bound.value)
+    error = np.where(angle.value < bound.value - angle.error, angle.error, bound.error)
+    base = np.tan(least)
+    # Its slope is 1 + base², and grows no more than twice within the error.
+    error = 2 * (1 + base * base) * error + TANGENT * rounding.unit * np.abs(base)
+    return Judgement(
+        (Compared("base", outputs["base"], base, error),),
+        {"angle of a cell": angle.value},
+    )
+
+
 LOGARITHM = 2.0
 """Roundings of a binary logarithm, in units of the larger of 1 and the result: shaders
 have it to 3 units in the last place of the result, and to 2⁻²¹ near 0."""
@@ -59,6 +95,8 @@ def judge_cell_level(
 ) -> Judgement:
     """Judge pass ``cell_level``."""
     rounding, part = rounding_of(precision), gridded(rules).cell
+    if part.levels == "own":
+        return _own_levels(case, outputs["level"].astype(np.int64))
     wanted = _wanted_level(case, part, rounding)
     with np.errstate(divide="ignore"):
         log2 = np.log2(wanted.value)
@@ -80,6 +118,40 @@ def judge_cell_level(
         {"1000 · distance · base": wanted.value, "log2 of it": log2},
         _open(found, own_level, least, most, 2 * error),
         case.random,
+    )
+
+
+NEARER = 0.99
+"""Share of a distance that no rounding takes for all of it."""
+
+
+def _own_levels(case: Case, found: Indices) -> Judgement:
+    """Levels of a rule that only the backend knows.
+
+    The same point has the same level; and who goes straight away from the eye of the
+    grid, along an axis, comes to no smaller cells.
+    """
+    position = case.inputs["position"].astype(float)
+    _, point = np.unique(position, axis=0, return_inverse=True)
+    everyone = np.ones(case.rows, bool)
+    alike = found[_first_row(point.ravel(), everyone)]
+    end = "_before" if case.settings["when"] == "look-up" else ""
+    eye = [float(case.settings[f"eye{end}_{axis}"]) for axis in "xyz"]
+    aside = position - eye
+    least = np.full(case.rows, np.iinfo(np.int64).min)
+    on_axis = (aside != 0).sum(axis=1) == 1
+    for axis in range(3):
+        for sign in (1, -1):
+            ray = np.flatnonzero(on_axis & (sign * aside[:, axis] > 0))
+            ray = ray[np.argsort(abs(aside[ray, axis]), kind="stable")]
+            t = abs(aside[ray, axis])
+            largest = np.maximum.accumulate(np.append(least[0], found[ray]))
+            least[ray] = largest[np.searchsorted(t, NEARER * t)]
+    return Judgement(
+        (
+            exactly("level of the same point", found, alike),
+            exactly("smaller than nearer to the eye", found < least, 0 * everyone),
+        )
     )
 
 
@@ -178,7 +250,9 @@ def _sides(case: Case, part: CellRules, rounding: Rounding) -> tuple[Bounded, Bo
 
 
 def _edges(case: Case) -> Scalars:
-    """Edges of cells, (N,), m; a thousandth of a power of two."""
+    """Edges of cells, (N,), m; as given, or a thousandth of a power of two."""
+    if case.settings.get("size") == "edge":
+        return case.inputs["edge"].astype(float)
     return np.ldexp(1e-3, case.inputs["level"].astype(np.int32))
 
 
@@ -199,10 +273,7 @@ def judge_cell_key(
 ) -> Judgement:
     """Judge pass ``cell_key``."""
     rounding, part = rounding_of(precision), gridded(rules).cell
-    level = case.inputs["level"].astype(np.int32)
-    factor = np.ldexp(1.0, level) if part.edge_doubles else np.maximum(level, 1) * 1.0
-    edge = exact(factor, rounding)
-    edge = edge * constant(part.smallest, edge)
+    edge = _edge_of_key(case, part, rounding)
     whole = {"floor": np.floor, "trunc": np.trunc, "round": np.rint}[part.cut]
     compared, differing, left_open = [], 0, 0.0
     for axis, name in enumerate("xyz"):
@@ -216,6 +287,16 @@ def judge_cell_key(
     none = np.zeros(case.rows, bool)
     decisions = Decisions(none, differing, left_open, "which side of a border it is")
     return Judgement((*compared, digits), {"edge": edge.value}, decisions, case.random)
+
+
+def _edge_of_key(case: Case, part: CellRules, rounding: Rounding) -> Bounded:
+    """Edges of cells, (N,), m."""
+    if case.settings.get("size") == "edge":
+        return exact(case.inputs["edge"], rounding)
+    level = case.inputs["level"].astype(np.int32)
+    factor = np.ldexp(1.0, level) if part.edge_doubles else np.maximum(level, 1) * 1.0
+    edge = exact(factor, rounding)
+    return edge * constant(part.smallest, edge)
 
 
 def _facing(
@@ -273,10 +354,46 @@ def judge_cell_hash(
     checksum = bucket if part.one_hash else _nested(case, hashes[1], part)
     if part.lifted == "least":
         checksum = np.maximum(checksum, np.uint64(1))
+    if part.own:
+        contracts = (outputs["bucket_hash"] == bucket) & (
+            outputs["checksum"] == checksum
+        )
+        return _own_words(case, outputs, contracts)
     return Judgement(
         (
             exactly("bucket_hash", outputs["bucket_hash"], bucket),
             exactly("checksum", outputs["checksum"], checksum),
+        )
+    )
+
+
+def _own_words(case: Case, outputs: Buffers, contracts: Masks) -> Judgement:
+    """Words of a hash that only the backend knows: they tell the cells apart.
+
+    Of 64 bits no right hash has two of a few hundred cells alike; of 48, as with a
+    checksum of 16, once in 10⁹ runs.  A hash that is the contract's in some cells is
+    that with a mistake in the others, and no hash of another kind.
+    """
+    bucket, checksum = (
+        outputs[n].astype(np.int64) for n in ("bucket_hash", "checksum")
+    )
+    fields = np.stack([case.inputs[n] for n in CONTRACT_GRID.words.order], axis=1)
+    _, cell = np.unique(fields, axis=0, return_inverse=True)
+    everyone, none = np.ones(case.rows, bool), np.zeros(case.rows)
+    cell = cell.ravel()
+    first = _first_row(cell, everyone)
+    _, word = np.unique(
+        np.stack([bucket, checksum], axis=1), axis=0, return_inverse=True
+    )
+    shared = cell != cell[_first_row(word.ravel(), everyone)]
+    return Judgement(
+        (
+            exactly("bucket_hash of the same cell", bucket, bucket[first]),
+            exactly("checksum of the same cell", checksum, checksum[first]),
+            exactly("words of another cell", shared, none),
+            exactly("checksums of 0", checksum == 0, none),
+            exactly("checksums that are the hash", checksum == bucket, none),
+            exactly("words of the contract's hash", contracts, none),
         )
     )
 
@@ -305,7 +422,7 @@ def judge_cell_insert(
     """
     part, buckets = gridded(rules).table, whole_setting(case, "buckets", MOST_BUCKETS)
     slot = outputs["slot"].astype(np.int64)
-    bucket = case.inputs["bucket_hash"].astype(np.int64) % buckets
+    bucket = _buckets(case, buckets, part)
     active = (case.inputs["active"] == 1) | part.inactive_too
     cell = _cells_of(case, bucket, active, part)
     there = active & (slot != NOBODY)
@@ -342,14 +459,20 @@ def judge_cell_insert(
     return Judgement(tuple(compared), {"cells of the bucket": wanted[bucket]})
 
 
+def _buckets(case: Case, buckets: int, part: TableRules) -> Indices:
+    """Bucket of each row, (N,)."""
+    hash_ = case.inputs["bucket_hash"].astype(np.int64)
+    upper = part.bucket_of == "upper bits"
+    found: Indices = (hash_ * buckets) >> 32 if upper else hash_ % buckets
+    return found
+
+
 def _cells_of(case: Case, bucket: Indices, active: Masks, part: TableRules) -> Indices:
     """Who is of one cell, (N,): numbers from 0 on; meaningless where not active."""
     if part.told_apart == "each vertex":
         return np.arange(case.rows)
-    hash_, check = (
-        case.inputs[n].astype(np.uint64) for n in ("bucket_hash", "checksum")
-    )
-    both = hash_ << np.uint64(32) | check
+    check = case.inputs["checksum"].astype(np.uint64)
+    both = bucket.astype(np.uint64) << np.uint64(32) | check
     if part.told_apart == "never":
         both = bucket.astype(np.uint64)
     _, cell = np.unique(both, return_inverse=True)
@@ -421,7 +544,9 @@ def _lost(
     if part.overflow == "last slot":
         may = np.zeros(len(slot), bool)
     elif part.overflow == "next bucket":
-        may = np.full(len(slot), bool((full >= SLOTS).all()))
+        # However many buckets are tried: the next one is.
+        crowded = full >= SLOTS
+        may = (crowded & np.roll(crowded, -1))[bucket]
     elif part.winners_alone:
         stored = np.bincount(bucket[~lost], minlength=len(full))
         may = stored[bucket] >= np.minimum(wanted, room)[bucket]
@@ -504,7 +629,7 @@ def judge_cell_find(
     beyond = np.zeros(buckets * SLOTS - len(table), np.int64)
     held = np.concatenate([table, beyond]).reshape(buckets, SLOTS)
     checksum = case.inputs["checksum"].astype(np.int64)
-    bucket = case.inputs["bucket_hash"].astype(np.int64) % buckets
+    bucket = _buckets(case, buckets, part)
     slot = np.full(case.rows, NOBODY)
     for step in range(2 if part.looks_further else 1):
         here = (bucket + step) % buckets
@@ -632,6 +757,7 @@ def _one_walk(
 Judged = Callable[[Case, Buffers, Rules, Precision], Judgement]
 
 GRID_JUDGES: Mapping[str, Judged] = {
+    "cell_base": judge_cell_base,
     "cell_level": judge_cell_level,
     "cell_jitter": judge_cell_jitter,
     "cell_key": judge_cell_key,

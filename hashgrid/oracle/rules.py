@@ -1,6 +1,7 @@
 """What passes of the hash grid are replayed with: the contract, or a known mistake."""
 
 from dataclasses import dataclass, field
+from math import pi
 
 from restir_gi.extensions.oracle.reuse.rules import ReuseRules
 from restir_gi.reference.oracle.cases import Case
@@ -16,6 +17,12 @@ class CellRules:
 
     Attributes
     ----------
+    fov_scale : float; factor of the field of view
+    quotients : 'larger', 'smaller' or 'turned'
+        Which of 1 / height and height / width² counts; or of those with width and
+        height exchanged the larger.
+    widest : float; angle, in radians, under which a cell is seen at most
+    levels : 'contract' or 'own'; the rule of the backend itself gives the level
     eye_of_now : bool; a look-up has the eye and the base of this frame
     eye_forgotten : bool; distances are those from the origin
     rounding : 'down', 'up' or 'nearest'; how log2 becomes a level
@@ -31,6 +38,10 @@ class CellRules:
     parts_turned : bool; its z counts in units
     """
 
+    fov_scale: float = 1.0
+    quotients: str = "larger"
+    widest: float = pi / 4
+    levels: str = "contract"
     eye_of_now: bool = False
     eye_forgotten: bool = False
     rounding: str = "down"
@@ -52,6 +63,7 @@ class HashRules:
 
     Attributes
     ----------
+    own : bool; any words that tell cells apart
     order : tuple of str; of the fields, the innermost first
     nested : bool; else each is added to what the hash of the others gives
     saturates : bool; a negative coordinate becomes 0
@@ -60,6 +72,7 @@ class HashRules:
     lifted : 'least' or 'never'; a checksum of 0 becomes 1
     """
 
+    own: bool = False
     order: tuple[str, ...] = ("facing", "z", "y", "x", "level")
     nested: bool = True
     saturates: bool = False
@@ -74,6 +87,7 @@ class TableRules:
 
     Attributes
     ----------
+    bucket_of : 'remainder' or 'upper bits'; which bucket is that of a hash
     told_apart : 'by checksum', 'never' or 'each vertex'; who shares a slot
     probes : int; slots of a bucket that are tried
     overflow : 'lost', 'last slot' or 'next bucket'; where a cell goes whose is full
@@ -93,6 +107,7 @@ class TableRules:
         a small cell again and again; without coming round; or of the cell after it.
     """
 
+    bucket_of: str = "remainder"
     told_apart: str = "by checksum"
     probes: int = SLOTS
     overflow: str = "lost"
@@ -129,6 +144,7 @@ class LightRules:
     confidence : 'K' or '1'; M that is kept
     first_target : bool; W is divided by the target of the first candidate
     kept_by : 'sum', 'sum before' or 'turned'; how u decides
+    held : str; as what W and M of candidates are stored, by its name in `HALVES`
     reuse : ReuseRules; of the reservoirs of a cell
     """
 
@@ -147,6 +163,7 @@ class LightRules:
     confidence: str = "K"
     first_target: bool = False
     kept_by: str = "sum"
+    held: str = "exact"
     reuse: ReuseRules = field(default=ReuseRules())
 
 
@@ -166,6 +183,7 @@ class SuffixRules:
     stored : 'all', 'useful', 'joined' or 'any roughness'; who is put into a cell
     joint_asked : bool; a suffix that cannot be joined is a null
     null_confidence : bool; M of nulls in a cell
+    held : str; as what W and M are stored in a cell, by its name in `HALVES`
     reach : 'at most', 'below' or 'any'; the last point
     from_v : bool; the bounces before the vertex count
     """
@@ -180,6 +198,7 @@ class SuffixRules:
     stored: str = "all"
     joint_asked: bool = True
     null_confidence: bool = True
+    held: str = "exact"
     reach: str = "at most"
     from_v: bool = True
 

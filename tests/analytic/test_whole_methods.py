@@ -301,8 +301,8 @@ LINES = {
         "color = {} * kept.y.paths.value * kept.W[:, None]",
     ),
     "restir_gi.gradient_domain.gradient_restir": (
-        "color=primal.y.paths.value * primal.W[:, None]",
-        "color={} * primal.y.paths.value * primal.W[:, None]",
+        "found: Vec3s = value * W[:, None]",
+        "found: Vec3s = {} * value * W[:, None]",
     ),
     "restir_gi.hashgrid.world_reservoirs": (
         "color[x.pixel] += found.light",

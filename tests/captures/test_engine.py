@@ -11,6 +11,8 @@ from restir_gi.reference.oracle.capture.judge import judge_captured
 from restir_gi.reference.oracle.capture.record import Capture
 from restir_gi.reference.oracle.declaration.declared import NOTHING_DECLARED
 from restir_gi.reference.oracle.declaration.read import read_declaration
+from restir_gi.reference.oracle.parts import whole_contract
+from restir_gi.reference.reports.verdict.plain import as_plain
 from restir_gi.reference.system.errors import UsageError
 from tests.captures import mistakes
 from tests.captures.dump import DECLARATION, dump
@@ -134,14 +136,29 @@ def test_a_decoder_may_round(tmp_path):
     assert np.abs(normals - normals.astype(np.float32)).max() > 0
 
 
-def test_bits_that_are_missing_are_asked_for(tmp_path):
-    # The rays that its sources trace are known to nobody then.
-    dump(Engine(32), tmp_path, 3)
-    manifest = tmp_path / "capture.toml"
+def without_bits(engine, folder):
+    """A capture that leaves out which rays the sources have traced."""
+    dump(engine, folder, 3)
+    manifest = folder / "capture.toml"
     text = manifest.read_text("utf-8")
     start = text.index("[buffers.visible_spatial]")
     end = text.index("[buffers.", start + 1)
     manifest.write_text(text[:start] + text[end:], "utf-8")
-    verdict = verdict_on_folder(tmp_path, DECLARED)
-    assert verdict.status == "FAIL"
+    return verdict_on_folder(folder, DECLARED)
+
+
+def test_a_right_engine_whose_bits_are_missing_is_not_accused(tmp_path):
+    # The rays that its sources trace are known to nobody then.
+    verdict = without_bits(Engine(32), tmp_path)
+    assert verdict.status == "UNDECIDED"
     assert "dump visible_spatial" in said(verdict)
+    plain = as_plain(verdict, "capture", whole_contract(), kind="capture")
+    assert plain["headline"].startswith("spatial cannot be judged yet")
+    statuses = {p["name"]: p["status"] for p in plain["passes"]}
+    assert statuses["spatial"] == "undecided"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("wrong", [mistakes.TemporalAgain, mistakes.JacobianInverted])
+def test_control_a_wrong_engine_whose_bits_are_missing_fails(tmp_path, wrong):
+    assert without_bits(wrong(24), tmp_path).status == "FAIL"

@@ -1109,6 +1109,16 @@ WAYS: dict[str, dict[str, tuple[Way, ...]]] = {
         "u decides as in every stream": known("reuse-u-turned"),
         "W = 0 where no weight arrives": answered(lambda a: a.right["W"] == 0, W=1),
     },
+    "cell_base": {
+        "the whole field of view, in radians": known(
+            "cell-base-in-degrees", "cell-base-of-half-the-field"
+        ),
+        "the larger of the two quotients counts": known(
+            "cell-base-of-the-smaller-quotient"
+        ),
+        "the height is told from the width": known("cell-base-of-the-other-side"),
+        "a cell is seen under 45 degrees at most": known("cell-base-not-bounded"),
+    },
     "cell_level": {
         "the level is rounded down": known(
             "cell-level-rounded-up", "cell-level-to-the-nearest"

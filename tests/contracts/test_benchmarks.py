@@ -39,7 +39,7 @@ def test_the_kill_matrix_says_what_its_command_writes():
     page = Path(__file__).parents[2] / "docs" / "explanation" / "kill_matrix.md"
     text = page.read_text("utf-8")
     said = [matrix.INTRODUCTION, matrix.KNOWN, matrix.FURTHER, matrix.SHIFTS]
-    said += [matrix.REUSE, matrix.UNSEEN, matrix.BLIND]
+    said += [matrix.REUSE, matrix.GRID, matrix.PAIRS, matrix.UNSEEN, matrix.BLIND]
     assert [part for part in said if part not in text] == []
 
 

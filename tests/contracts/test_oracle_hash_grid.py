@@ -226,6 +226,7 @@ def some(name):
 
 
 FAULTS = {
+    "cell_base": [("base", lambda v: v * 1.0001, None)],
     "cell_level": [("level", lambda v: v + 1, None)],
     "cell_jitter": [("moved", lambda v: v * 1.01, None)],
     "cell_key": [(n, lambda v: v + 1, None) for n in ("x", "y", "z", "facing")],

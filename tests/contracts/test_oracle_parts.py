@@ -13,6 +13,8 @@ from restir_gi.reference.oracle.builtin.backend import FLOAT32
 from restir_gi.reference.oracle.cases import Case
 from restir_gi.reference.oracle.checking import judge
 from restir_gi.reference.oracle.contract.fields import Pass, real
+from restir_gi.reference.oracle.declaration.choices import catalogue
+from restir_gi.reference.oracle.declaration.schema import declaration_schema
 from restir_gi.reference.oracle.diagnosis.hypothesis import mistake
 from restir_gi.reference.oracle.golden import expected
 from restir_gi.reference.oracle.levels.kernels import kernel_probes
@@ -59,26 +61,32 @@ PART = Part(
 )
 
 
+def forget_parts():
+    """What was read of the parts is read again: all that is kept of their mistakes."""
+    for kept in (parts, catalogue, declaration_schema):
+        kept.cache_clear()
+
+
 def register(monkeypatch, *found):
     points = [
         SimpleNamespace(name=f"p{i}", load=lambda part=part: part)
         for i, part in enumerate(found)
     ]
     monkeypatch.setattr(module, "entry_points", lambda group: points)
-    parts.cache_clear()
+    forget_parts()
 
 
 @pytest.fixture
 def registered(monkeypatch):
     register(monkeypatch, PART)
     yield
-    parts.cache_clear()
+    forget_parts()
 
 
 @pytest.fixture(autouse=True)
 def _afterwards():
     yield
-    parts.cache_clear()
+    forget_parts()
 
 
 def doubling(factor):

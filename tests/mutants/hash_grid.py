@@ -16,7 +16,7 @@ REACH = "reach = np.sqrt(2.0) * edge"
 SIDES = "a, b = ((2.0 * lane - 1.0) * reach for lane in u[:2])"
 MOVED = "moved: Vec3s = position + a[:, None] * across + b[:, None] * along"
 FRAME = "across, along = normal_frames(normal)"
-SCALED = "scaled = np.floor(position / edges(level)[:, None])"
+SCALED = "scaled = np.floor(position / edge[:, None])"
 PART = "part = np.clip(np.floor((normal + 1.0) * (parts / 2)), 0, parts - 1)"
 FACING = "facing = (a + parts * (b + parts * c)).astype(np.int16)"
 ORDER = "(self.facing, self.z, self.y, self.x, self.level)"
@@ -49,6 +49,55 @@ BASE = "first = grid.index_buffer[cell]\n"
 def _mutant(module, name, old, new, *expected, kind="bias", ids=()):
     return Mutant(name, ids, module, old, new, expected, kind)
 
+
+WIDE = "wide = fov_y * PIXELS * np.maximum(1 / h, h / w**2)"
+BOUND = "base: Scalars = np.tan(np.minimum(wide, np.pi / 4))"
+
+BASES = [
+    _mutant(
+        GRID,
+        "the base is of degrees",
+        WIDE,
+        WIDE.replace("fov_y *", "np.degrees(fov_y) *"),
+        "cell-base-in-degrees",
+    ),
+    _mutant(
+        GRID,
+        "the base is of half the field of view",
+        WIDE,
+        WIDE.replace("fov_y *", "fov_y / 2 *"),
+        "cell-base-of-half-the-field",
+    ),
+    _mutant(
+        GRID,
+        "the base is of the smaller quotient",
+        WIDE,
+        WIDE.replace("maximum", "minimum"),
+        "cell-base-of-the-smaller-quotient",
+    ),
+    _mutant(
+        GRID,
+        "the base has width and height exchanged",
+        "w, h = width, height",
+        "h, w = width, height",
+        "cell-base-of-the-other-side",
+    ),
+    _mutant(
+        GRID,
+        "the base is not bounded",
+        BOUND,
+        "base: Scalars = np.tan(wide)",
+        "cell-base-not-bounded",
+    ),
+    _mutant(GRID, "the base is an angle", BOUND, BOUND.replace("np.tan", "")),
+    _mutant(GRID, "the base is of 8 pixels", "PIXELS = 16.0", "PIXELS = 8.0"),
+    _mutant(
+        GRID,
+        "the base has the width once",
+        WIDE,
+        WIDE.replace("w**2", "w"),
+    ),
+]
 
 CELLS = [
     _mutant(
@@ -147,7 +196,7 @@ CELLS = [
         GRID,
         "places are multiplied by the edge",
         SCALED,
-        SCALED.replace("/ edges", "* edges"),
+        SCALED.replace("/ edge", "* edge"),
     ),
     _mutant(GRID, "facings are rounded", PART, PART.replace("np.floor", "np.rint")),
     _mutant(
@@ -657,5 +706,5 @@ SUFFIXES = [
     ),
 ]
 
-HASH_GRID_MUTANTS = [*CELLS, *WORDS, *TABLES, *LOOK_UPS, *LIGHT, *SUFFIXES]
+HASH_GRID_MUTANTS = [*BASES, *CELLS, *WORDS, *TABLES, *LOOK_UPS, *LIGHT, *SUFFIXES]
 EQUIVALENT = [m for m in HASH_GRID_MUTANTS if m.kind == "equivalent"]

@@ -28,8 +28,11 @@ class HashGridByHand:
 
     def __call__(self, pass_name, **given):
         """Outputs of a pass."""
+        real = REAL[self.precision]
         with np.errstate(all="ignore"):
-            found = globals()[pass_name](REAL[self.precision], self.mistake, **given)
+            given |= in_halves(self.mistake, given, real)
+            found = globals()[pass_name](real, self.mistake, **given)
+            found |= in_halves(self.mistake, found, real)
         kinds = KINDS[pass_name]
         return {
             name: np.ascontiguousarray(array, dtype_of(kinds[name], self.precision))
@@ -44,7 +47,23 @@ def answer_by_hand(mistake):
     )
 
 
+def in_halves(mistake, buffers, real):
+    """W and M as they come out of 16 bits, if that is what a backend stores them in."""
+    _, stored, how = mistake.rpartition("-in-halves")
+    if not stored:
+        return {}
+    held = {}
+    for name in {"W", "M"} & {*buffers}:
+        wide = np.asarray(buffers[name], real)
+        half = (wide if how == "-infinite" else np.minimum(wide, 65504)).astype("f2")
+        if how == "-cut":
+            half = np.where(half > wide, np.nextafter(half, np.float16(0)), half)
+        held[name] = half.astype(real)
+    return held
+
+
 KINDS = {
+    "cell_base": {"base": "real"},
     "cell_level": {"level": "index"},
     "cell_jitter": {"moved": "real"},
     "cell_key": dict.fromkeys(("x", "y", "z", "facing"), "index"),
@@ -73,6 +92,22 @@ def dots(a, b):
 # ---------------------------------------------------------------- the cell of a point
 
 
+def cell_base(real, mistake, fov_y, width, height):
+    """By products, and a bound on the tangent."""
+    w, h = width.astype(real), height.astype(real)
+    if mistake == "cell-base-of-the-other-side":
+        w, h = h, w
+    most = np.minimum if mistake == "cell-base-of-the-smaller-quotient" else np.maximum
+    fov_y = fov_y * {
+        "cell-base-in-degrees": real(180 / pi),
+        "cell-base-of-half-the-field": real(0.5),
+    }.get(mistake, real(1))
+    angle = fov_y * (16 * most(1 / h, h / w / w))
+    if mistake == "cell-base-not-bounded":
+        return {"base": np.tan(angle)}
+    return {"base": np.where(angle < pi / 4, np.tan(angle), 1)}
+
+
 def cell_level(real, mistake, position, when, **s):
     """By a logarithm."""
     now = when == "insertion" or mistake == "cell-level-by-this-eye"
@@ -82,6 +117,10 @@ def cell_level(real, mistake, position, when, **s):
         eye = eye * 0
     offset = position - eye
     distance = np.sqrt(dots(offset, offset))
+    if mistake == "cell-level-of-another-rule":
+        # Of the largest component, in cells that grow by 1.5.
+        far = abs(offset).max(axis=1) * real(s[f"base{end}"]) * 200
+        return {"level": np.floor(np.log(np.maximum(far, 1)) / np.log(real(1.5)))}
     smallest = real(1 if mistake == "cell-level-in-metres" else 1e-3)
     exact = np.log2(distance * (real(s[f"base{end}"]) / smallest))
     whole = {
@@ -92,7 +131,9 @@ def cell_level(real, mistake, position, when, **s):
     return {"level": level if mistake == "cell-level-below-0" else np.maximum(level, 0)}
 
 
-def cell_jitter(real, mistake, position, normal, level, u):
+def cell_jitter(
+    real, mistake, position, normal, u, level=None, edge=None, size="level"
+):
     """Tangents by vector products with an axis that is far enough away."""
     axis = np.where((abs(normal[:, :1]) < real(0.9)), [1, 0, 0], [0, 1, 0])
     t = np.cross(axis.astype(real), normal)
@@ -104,7 +145,7 @@ def cell_jitter(real, mistake, position, normal, level, u):
         "cell-jitter-without-root-2": 1.0,
         "cell-jitter-by-half": sqrt(0.5),
     }.get(mistake, sqrt(2))
-    r = np.ldexp(real(1e-3), level) * real(reach)
+    r = (np.ldexp(real(1e-3), level) if edge is None else edge) * real(reach)
     if mistake == "cell-jitter-along-a-diagonal":
         u = u[:, [0, 0]]
     if mistake != "cell-jitter-one-sided":
@@ -113,13 +154,16 @@ def cell_jitter(real, mistake, position, normal, level, u):
     return {"moved": position + aside}
 
 
-def cell_key(real, mistake, position, normal, level, facings):
+def cell_key(
+    real, mistake, position, normal, facings, level=None, edge=None, size="level"
+):
     """By a reciprocal of the edge."""
-    edge = np.ldexp(real(1e-3), level)
-    if mistake == "cell-key-in-metres":
-        edge = np.ldexp(real(1), level)
-    if mistake == "cell-key-edge-grows-evenly":
-        edge = real(1e-3) * np.maximum(level, 1).astype(real)
+    if edge is None:
+        edge = np.ldexp(real(1e-3), level)
+        if mistake == "cell-key-in-metres":
+            edge = np.ldexp(real(1), level)
+        if mistake == "cell-key-edge-grows-evenly":
+            edge = real(1e-3) * np.maximum(level, 1).astype(real)
     scaled = position * (1 / edge)[:, None]
     whole = {"cell-key-truncated": np.trunc, "cell-key-rounded": np.rint}
     x, y, z = whole.get(mistake, np.floor)(scaled).T
@@ -156,8 +200,23 @@ ORDERS = {
 }
 
 
+def by_fnv(**fields):
+    """FNV-1a of the bytes of a cell, with two seeds."""
+    names = ("x", "y", "z", "level", "facing")
+    rows = np.stack([fields[n].astype("<i4") for n in names], axis=1)
+    found = []
+    for seed in (2166136261, 40389):
+        words = np.full(len(rows), seed, np.uint64)
+        for byte in rows.view(np.uint8).T:
+            words = (words ^ byte) * np.uint64(16777619) & np.uint64(WORD - 1)
+        found.append(words.astype(np.uint32))
+    return {"bucket_hash": found[0], "checksum": np.maximum(found[1], 1)}
+
+
 def cell_hash(real, mistake, **fields):
     """In Python's whole numbers."""
+    if mistake == "cell-hash-of-another-kind":
+        return by_fnv(**fields)
     names = ORDERS.get(mistake, ("facing", "z", "y", "x", "level"))
     one, two = (xxhash, pcg) if mistake == "cell-hashes-exchanged" else (pcg, xxhash)
     bucket, checksum = [], []
@@ -184,6 +243,12 @@ def cell_hash(real, mistake, **fields):
 # ---------------------------------------------------------------- Algorithm 2
 
 
+def bucket_of(mistake, word, buckets):
+    """Of one hash."""
+    upper = mistake.endswith("-by-upper-bits")
+    return int(word) * buckets >> 32 if upper else int(word) % buckets
+
+
 def cell_insert(real, mistake, bucket_hash, checksum, active, buckets):
     """The last vertex comes first."""
     table, slots = [0] * (buckets * 16), [-1] * len(active)
@@ -195,7 +260,10 @@ def cell_insert(real, mistake, bucket_hash, checksum, active, buckets):
     for v in reversed(range(len(active))):
         if not active[v] and mistake != "cell-insert-of-everybody":
             continue
-        first, check = int(bucket_hash[v]) % buckets * 16, int(checksum[v])
+        first, check = (
+            bucket_of(mistake, bucket_hash[v], buckets) * 16,
+            int(checksum[v]),
+        )
         for k in range(tried):
             at = (first + k) % (buckets * 16)
             if table[at] == 0:
@@ -267,7 +335,7 @@ def cell_find(real, mistake, table, bucket_hash, checksum, buckets):
     }.get(mistake, 16)
     slots = []
     for q in range(len(checksum)):
-        first, found = int(bucket_hash[q]) % buckets * 16, -1
+        first, found = bucket_of(mistake, bucket_hash[q], buckets) * 16, -1
         for k in range(last):
             at = (first + k) % (buckets * 16)
             if table[at] == 0:

@@ -40,7 +40,10 @@ from tests.mutants.harness import ASIDE
 from tests.mutants.plant import source_of
 
 PRECISION = "float32"
-HYPOTHESES = [h for h in known_mistakes() if h.only is None]
+OPEN = "cell-level-of-another-rule"
+"""Of any rule: the contract's rows do not refute it; see its tests of choices."""
+
+HYPOTHESES = [h for h in known_mistakes() if h.only is None and h.name != OPEN]
 """All but those of declared surfaces, which `test_oracle_surfaces` plants."""
 
 NAMES = [h.name for h in HYPOTHESES]
@@ -206,7 +209,7 @@ def test_control_a_hypothesis_without_a_plant_is_seen():
 
 
 def test_every_plant_is_of_a_hypothesis():
-    assert [p.name for p in PLANTS if not set(p.expected) <= set(NAMES)] == []
+    assert [p.name for p in PLANTS if not set(p.expected) <= {*NAMES, OPEN}] == []
 
 
 def test_every_edit_has_its_place():

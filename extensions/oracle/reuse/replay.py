@@ -1,17 +1,23 @@
 """Replay of generalized resampling on tables."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from restir_gi.extensions.oracle.reuse.rules import reusing
-from restir_gi.extensions.oracle.reuse.tables import tables_of
+from restir_gi.extensions.oracle.reuse.tables import ReuseTables, tables_of
 from restir_gi.extensions.oracle.reuse.weights import arriving, divisor, of_kept, total
 from restir_gi.reference.numerics.arrays import Indices, Masks
 from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.oracle.contract.fields import Precision
 from restir_gi.reference.oracle.replay.bounded import Bounded, exact, rounding_of
 from restir_gi.reference.oracle.replay.formulas import capped
+from restir_gi.reference.oracle.replay.halves import (
+    beside_halves,
+    counted_in_half,
+    held_in_half,
+    up_to_the_largest,
+)
 from restir_gi.reference.oracle.replay.judgement import (
     Compared,
     Decisions,
@@ -43,7 +49,7 @@ def judge_path_reuse(
     is asked for.
     """
     rounding, part = rounding_of(precision), reusing(rules)
-    t = tables_of(case, part, rounding)
+    t = _as_held(tables_of(case, part, rounding), part.held)
     w = arriving(t, part)
     numbers = [t.one - u for u in t.u] if part.u_turned else t.u
     slots = [_Slot(*each) for each in zip(w, numbers, strict=True)]
@@ -70,12 +76,23 @@ def judge_path_reuse(
         (
             Compared("slot", found, surely, np.where(illegal, 0.0, np.inf)),
             _kept_target(case, outputs, kept, illegal | empty),
-            beside("W", outputs["W"], W),
-            beside("M", outputs["M"], M),
+            beside("W", up_to_the_largest(outputs["W"]), held_in_half(W, part.held)),
+            beside("M", outputs["M"], counted_in_half(M, part.held)),
+            *beside_halves("W", outputs["W"], part.held),
+            *beside_halves("M", outputs["M"], part.held),
         ),
         terms,
         Decisions(illegal, differs, left_open(slots, sums)),
         case.random,
+    )
+
+
+def _as_held(t: ReuseTables, how: str) -> ReuseTables:
+    """Reservoirs as they come out of storage."""
+    return replace(
+        t,
+        W=[held_in_half(W, how) for W in t.W],
+        M=[counted_in_half(M, how) for M in t.M],
     )
 
 

@@ -36,6 +36,7 @@ class ReuseRules:
         What is capped: M on the way out, M of all sources beforehand and no more, M in
         their weights but not in Z, W with M, or nothing.
     u_turned : bool; 1 − u decides
+    held : str; as what W and M are stored between passes, by its name in `HALVES`
     """
 
     jacobian: str = "times"
@@ -56,6 +57,7 @@ class ReuseRules:
     divided_again: bool = False
     capped: str = "M"
     u_turned: bool = False
+    held: str = "exact"
 
 
 def reusing(rules: Rules) -> ReuseRules:

@@ -12,7 +12,7 @@ from restir_gi.reference.oracle.capture.cases import (
     emptied,
 )
 from restir_gi.reference.oracle.capture.choices import choice_findings
-from restir_gi.reference.oracle.capture.sources import told_sources
+from restir_gi.reference.oracle.capture.sources import with_source
 from restir_gi.reference.oracle.cases import Buffers, Case
 from restir_gi.reference.oracle.contract.fields import Passes, Precision
 from restir_gi.reference.oracle.declaration.choices import BOILING
@@ -153,9 +153,14 @@ def _known_rules(verdict: Verdict, name: str) -> Rules | None:
 
 
 def _with_sources(verdict: Verdict, recorded: RecordedFrames) -> Verdict:
-    """The verdict, with the buffers that a wrong pass seems to have read."""
-    diagnoses = [
-        replace(d, fit=told) if (told := told_sources(d, verdict, recorded)) else d
-        for d in verdict.diagnoses
-    ]
-    return replace(verdict, diagnoses=diagnoses)
+    """The verdict, with the buffers that a wrong pass seems to have read.
+
+    It is open where all that is wrong might be right, if more was dumped.
+    """
+    diagnoses = [with_source(d, verdict, recorded) for d in verdict.diagnoses]
+    found = replace(verdict, diagnoses=diagnoses)
+    left = [d for d in diagnoses if d not in found.settled]
+    is_open = bool(left) and all(d.undecided for d in left)
+    if found.wrong and is_open and not found.unaccepted:
+        return replace(found, status="UNDECIDED", wrong=False)
+    return found

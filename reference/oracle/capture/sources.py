@@ -43,33 +43,37 @@ class MisreadBuffers:
     words : str; what was read
     recorded : tuple of RecordedFrames; with these in their place, all or some of them
     mixed : bool; some rows may have read them, and others the right ones
+    missing : str; what would tell whether it is so, where it was not dumped
     """
 
     words: str
     recorded: tuple[RecordedFrames, ...]
     mixed: bool = False
+    missing: str = ""
 
 
-def told_sources(
+def with_source(
     diagnosis: Diagnosis, verdict: Verdict, recorded: RecordedFrames
-) -> str:
-    """What a wrong pass has read, if another buffer explains it; else nothing.
+) -> Diagnosis:
+    """A diagnosis, with what a wrong pass has read, if another buffer explains it.
 
     Named is what explains most of the rows that are wrong, and nine in ten of them at
     least: chance does not give a row the sample of a candidate that it never had.
+    Where that is something that was not dumped, nothing is known of the pass.
     """
     if diagnosis.explanations:
-        return ""
+        return diagnosis
     name = diagnosis.pass_name
     found = [
-        (share, other.words)
+        (share, other)
         for rules in _rules(diagnosis, verdict)
         for share, other in _shares(name, rules, recorded)
     ]
-    share, words = max(found, default=(0.0, ""))
-    if share < ENOUGH:
-        return ""
-    return f"{words}: that explains {100 * share:.3g} % of the rows that are wrong"
+    share, best = max(found, key=lambda each: each[0], default=(0.0, None))
+    if best is None or share < ENOUGH:
+        return diagnosis
+    told = f"that explains {100 * share:.3g} % of the rows that are wrong"
+    return replace(diagnosis, fit=f"{best.words}: {told}", undecided=best.missing)
 
 
 def _rules(diagnosis: Diagnosis, verdict: Verdict) -> Iterator[Rules]:
@@ -123,9 +127,10 @@ def _misread(name: str, recorded: RecordedFrames) -> Iterator[MisreadBuffers]:
     reads = recorded.reads
     bits = BITS.get(name)
     if bits and recorded.world is None and bits not in recorded.frames[-1]:
-        words = f"all was taken to be visible, and some is not: dump {bits}, or"
+        missing = f"dump {bits}, or name the scene"
+        words = f"all was taken to be visible, and some is not: {missing}"
         blind = [replace(recorded, blind=who) for who in _who_is_blind(name, recorded)]
-        yield MisreadBuffers(f"{words} name the scene", tuple(blind), mixed=True)
+        yield MisreadBuffers(words, tuple(blind), mixed=True, missing=missing)
     if name == "moved":
         for role, age in (("spatial", 1), ("temporal", 1), ("spatial", 2)):
             if (role, age) != reads.past:

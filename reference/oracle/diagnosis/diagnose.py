@@ -143,12 +143,16 @@ class Diagnosis:
     fit : str
         Where there is none: the first term that is wrong, and what it is in place of
         right; or empty.
+    undecided : str
+        What has to be known before the pass can be judged, where that would explain
+        nearly all that is wrong; or empty.
     """
 
     pass_name: str
     explanations: tuple[Explanation, ...]
     closest: Explanation | None = None
     fit: str = ""
+    undecided: str = ""
 
     @property
     def matches(self) -> tuple[Hypothesis, ...]:

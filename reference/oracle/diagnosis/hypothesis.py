@@ -24,6 +24,7 @@ Departure = Literal[
     "visibility",
     "storage",
     "filter",
+    "neighbors",
     "bias",
 ]
 """What a choice leaves alone.  'order': the distribution of every run, as where other
@@ -33,7 +34,8 @@ between weight and W where it is the same in both; 'mis': the mean, as the weigh
 those that could have made a sample sum to 1; 'domain': the mean, as what is refused one
 way is not expected the other way; 'visibility': the mean of what a receiver sees;
 'storage': the mean, to the rounding of a format; 'filter': all runs of the loop, which
-has no such pass; 'bias': nothing but the rows, as its formula is known to be biased and
+has no such pass; 'neighbors': the mean, as who is a neighbour hangs on no sample;
+'bias': nothing but the rows, as its formula is known to be biased and
 is declared all the same.  Empty: nothing."""
 
 

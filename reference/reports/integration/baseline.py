@@ -291,7 +291,11 @@ def _is_gone(was: Fault, verdict: Plain) -> bool:
         return False
     if was.kind == "pass":
         one = next((p for p in verdict["passes"] if p["name"] == was.key), None)
-        return one is not None and one["status"] not in ("not judged", "wrong")
+        return one is not None and one["status"] not in (
+            "not judged",
+            "undecided",
+            "wrong",
+        )
     if was.kind == "together":
         taken = [s for s in verdict["steps"] if s["asked"] > s["unanswered"]]
         return any(was.key.startswith(f"{stable_title(s)}: ") for s in taken) and not (

@@ -101,6 +101,9 @@ def _headline(verdict: Verdict, told: list[dict[str, Any]]) -> str:
             return f"{text}; the quick steps alone, no verdict of the whole"
         bound = verdict.certified
         return text if bound is None else f"{text}; bias of the mean ≤ {bound:.2%}"
+    open_passes = [p for p in told if p["status"] == "undecided"]
+    if verdict.status == "UNDECIDED" and open_passes:
+        return str(open_passes[0]["sentence"])
     if wrong:
         others = ", ".join(p["name"] for p in wrong[1:])
         more = f"; also wrong: {others}" if others else ""
@@ -269,6 +272,8 @@ def _judged(answers: list[Answer]) -> list[tuple[Case, Judgement]]:
 def _sentence(pass_name: str, status: str, what: str, why: str) -> str:
     if status == "by design":
         return f"{pass_name} is biased by design, as it declares: {why}"
+    if status == "undecided":
+        return f"{pass_name} cannot be judged yet: {why}"
     verb = "departs from the contract" if status == "departs" else "is wrong"
     # The one output of a kernel has the kernel's name.
     own = what.startswith(f"{pass_name} ") and status == "wrong"
@@ -300,7 +305,7 @@ def _status(
         return "right" if answers else "not judged"
     if diagnosis and settles(diagnosis) and all(map(explicable, wrong)):
         return "departs" if departs(diagnosis) else "by design"
-    return "wrong"
+    return "undecided" if diagnosis and diagnosis.undecided else "wrong"
 
 
 def _largest(judged: list[tuple[Case, Judgement]]) -> dict[str, float | None]:

@@ -26,7 +26,7 @@ def table(plain: Mapping[str, Any]) -> Group:
     """
     steps = [step for step in plain["steps"] if was_asked(step)]
     parts: list[Table | Text] = [_levels(steps)] if steps else []
-    other = ("wrong", "departs", "by design")
+    other = ("wrong", "undecided", "departs", "by design")
     wrong = [p for p in plain["passes"] if p["status"] in other]
     if wrong:
         parts.append(_wrong(wrong))

@@ -44,6 +44,16 @@ class Atomics {
 
 inline float edge_of(int32_t level) { return std::ldexp(0.001f, level); }
 
+inline void pass_cell_base(Case& c) {
+    for (size_t i = 0; i < c.rows; i++) {
+        float w = static_cast<float>(c.indices("width")[i]);
+        float h = static_cast<float>(c.indices("height")[i]);
+        float of_pixels = 16 * std::max(1 / h, h / (w * w));
+        float angle = std::min(c.reals("fov_y")[i] * of_pixels, 0.25f * PI);
+        c.result<float>("base")[i] = std::tan(angle);
+    }
+}
+
 inline void pass_cell_level(Case& c) {
     bool before = c.is("when", "look-up") && !plant("eye-of-now");
     std::string end = before ? "_before" : "";
@@ -209,9 +219,9 @@ inline void pass_cell_similar(Case& c) {
 }
 
 inline const PassTable HASH_GRID_PASSES = {
-    {"cell_level", pass_cell_level},     {"cell_jitter", pass_cell_jitter},
-    {"cell_key", pass_cell_key},         {"cell_hash", pass_cell_hash},
-    {"cell_insert", pass_cell_insert},   {"cell_count", pass_cell_count},
-    {"cell_scan", pass_cell_scan},       {"cell_scatter", pass_cell_scatter},
-    {"cell_find", pass_cell_find},       {"cell_visit", pass_cell_visit},
-    {"cell_similar", pass_cell_similar}};
+    {"cell_base", pass_cell_base},       {"cell_level", pass_cell_level},
+    {"cell_jitter", pass_cell_jitter},   {"cell_key", pass_cell_key},
+    {"cell_hash", pass_cell_hash},       {"cell_insert", pass_cell_insert},
+    {"cell_count", pass_cell_count},     {"cell_scan", pass_cell_scan},
+    {"cell_scatter", pass_cell_scatter}, {"cell_find", pass_cell_find},
+    {"cell_visit", pass_cell_visit},     {"cell_similar", pass_cell_similar}};
