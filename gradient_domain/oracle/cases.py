@@ -67,7 +67,7 @@ def declared_cases(precision: Precision, seed: int = SEED) -> list[Case]:
     return [_case(*one, precision) for one in found]
 
 
-Asked = tuple[str, str, dict[str, Value], Tables, bool]
+_Asked = tuple[str, str, dict[str, Value], Tables, bool]
 """Name, pass, settings, buffers, and whether decisions are random."""
 
 
@@ -127,7 +127,7 @@ def _samples(rng: Generator, shape: tuple[int, ...], scale: float) -> Tables:
     return {"k": k} | _values(rng, shape, scale)
 
 
-def _of_samples(rng: Generator) -> Iterator[Asked]:
+def _of_samples(rng: Generator) -> Iterator[_Asked]:
     for word, scale in SCALES:
         yield (
             f"pair-value{word}",
@@ -198,7 +198,7 @@ def _shifted(rng: Generator, lost: float) -> tuple[Vec3s, Scalars]:
     return _lit(rng, (ROWS, 2), 1.0), jacobian
 
 
-def _of_shifts(rng: Generator) -> Iterator[Asked]:
+def _of_shifts(rng: Generator) -> Iterator[_Asked]:
     k = rng.integers(0, 2, ROWS).astype(np.uint32)
     value, jacobian = _shifted(rng, ALONE)
     places = {axis: rng.uniform(0, 40, ROWS) for axis in "xy"}
@@ -233,7 +233,7 @@ def _of_shifts(rng: Generator) -> Iterator[Asked]:
 WEIGHTS = ("1/M", "1/Z", "balance", "pairwise", "defensive")
 
 
-def _of_reuse(rng: Generator) -> Iterator[Asked]:
+def _of_reuse(rng: Generator) -> Iterator[_Asked]:
     for number, mis in enumerate(WEIGHTS):
         for other, canonical in enumerate((0, SLOTS - 1)):
             sign = SIGNS[(number + other) % 3]
@@ -295,7 +295,7 @@ def _kept(rng: Generator, samples: Tables) -> Tables:
     return samples | {"W": W}
 
 
-def _of_estimates(rng: Generator) -> Iterator[Asked]:
+def _of_estimates(rng: Generator) -> Iterator[_Asked]:
     for count in ("two", "one"):
         for word, scale in SCALES[: 3 if count == "two" else 1]:
             tables = _kept(rng, _samples(rng, (ROWS, 2), scale))
@@ -328,7 +328,7 @@ def _pixels(rng: Generator, size: int) -> Tables:
     }
 
 
-def _of_pixels(rng: Generator) -> Iterator[Asked]:
+def _of_pixels(rng: Generator) -> Iterator[_Asked]:
     yield "edge-pair", "edge_pair", {}, _neighbors(rng), False
     yield "edge-pair-thresholds", "edge_pair", {}, _thresholds(rng), False
     for width, height, radius, tries in (
@@ -481,7 +481,7 @@ GIVEN_LIKENESS = (
 """Thresholds of those who have others; first those of the authors' program, nearly."""
 
 
-def _of_likeness(rng: Generator) -> Iterator[Asked]:
+def _of_likeness(rng: Generator) -> Iterator[_Asked]:
     for number, like in enumerate(GIVEN_LIKENESS):
         settings: dict[str, Value] = {}
         if (like.albedo, like.cosine, like.depth) != (0.1, 0.9, 0.1):
@@ -542,7 +542,7 @@ def _motions(rng: Generator, width: int, height: int) -> Tables:
 # ------------------------------------------------ images
 
 
-def _of_colors(rng: Generator) -> Iterator[Asked]:
+def _of_colors(rng: Generator) -> Iterator[_Asked]:
     for word, scale in SCALES:
         emission = _lit(rng, (ROWS,), scale)
         emission[::2] = 0.0
@@ -587,7 +587,7 @@ def image_rows(
     return {"primal": P, "dx": dx, "dy": dy}
 
 
-def _of_channels(rng: Generator) -> Iterator[Asked]:
+def _of_channels(rng: Generator) -> Iterator[_Asked]:
     for width, height, alpha, ratio in ((14, 11, 0.2, 0.01), (8, 15, 2.0, 0.02)):
         settings: dict[str, Value] = {
             "width": width,
@@ -600,7 +600,7 @@ def _of_channels(rng: Generator) -> Iterator[Asked]:
         yield name, "poisson_l1", settings, rows, False
 
 
-def _of_solvers(rng: Generator) -> Iterator[Asked]:
+def _of_solvers(rng: Generator) -> Iterator[_Asked]:
     shapes = ((16, 13, 0.2, 1e-3), (9, 17, 0.5, 1e-4), (48, 1, 0.2, 1e-4))
     for width, height, alpha, residual in shapes:
         settings: dict[str, Value] = {
