@@ -504,7 +504,7 @@ def _of_likeness(rng: Generator) -> Iterator[_Asked]:
                 tables,
                 False,
             )
-        width, height = ((19, 16), (12, 23))[number % 2]
+        width, height = ((27, 22), (18, 33))[number % 2]
         tables = _walls(rng, width, height, 12, like)
         shape: dict[str, Value] = {"width": width, "radius": 2 + number % 2}
         name = f"pair-search-given-{number}"
