@@ -125,6 +125,15 @@ def test_what_is_said_to_be_a_departure():
         "shade-back-of-sample",  # where W is 0, since p̂ is
         "jacobian-cut-at-the-back",  # where p̂ is 0
         "reuse-u-turned",  # the first, on whole samples
+        "pair-u-turned",
+        "light-candidates-u-turned",
+        "light-reuse-u-turned",
+        "bounce-u-turned",
+        "cell-hashes-exchanged",  # cells are told apart by the same two words
+        "cell-insert-by-upper-bits",  # in whichever slot, a cell has its own vertices
+        "cell-find-by-upper-bits",
+        "cell-insert-goes-on-in-the-next-bucket",
+        "cell-find-goes-on-in-the-next-bucket",
         *(h.name for h in ORDERS),  # in tests of innocence
     }
     assert {name for name, kind in kinds.items() if kind == "confidence"} == {
@@ -133,5 +142,10 @@ def test_what_is_said_to_be_a_departure():
         "capped-on-arrival",
         "reuse-never-capped",  # the first and the last, on whole samples
         "reuse-capped-beforehand",
+        "pair-reuse-never-capped",  # and of pairs and of light, by the same engine
+        "light-reuse-never-capped",
+        "light-reuse-capped-beforehand",
+        "pair-candidates-count-twice",  # the same for all pairs, whatever they hold
+        "light-candidates-count-once",
         *(h.name for h in CONFIDENCES),  # in tests of innocence
     }

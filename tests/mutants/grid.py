@@ -64,8 +64,8 @@ GRID_MUTANTS = [
         "positions are cut towards zero",
         ("HG-09",),
         GRID,
-        "np.floor(position / edges(level)[:, None])",
-        "np.trunc(position / edges(level)[:, None])",
+        "np.floor(position / edge[:, None])",
+        "np.trunc(position / edge[:, None])",
     ),
     Mutant(
         "the jitter lies in the plane of two axes",
