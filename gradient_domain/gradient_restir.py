@@ -488,8 +488,6 @@ class EdgeLimits:
 
 PAPER_LIMITS = EdgeLimits()
 
-"""Of pixels that are alike: greatest difference of albedos, least cosine, and depth."""
-
 AT_ONCE = 16
 """Tries that are made for all rows before those that have found a pair leave."""
 
