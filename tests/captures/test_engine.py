@@ -159,6 +159,9 @@ def test_a_right_engine_whose_bits_are_missing_is_not_accused(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("wrong", [mistakes.TemporalAgain, mistakes.JacobianInverted])
+@pytest.mark.parametrize(
+    "wrong",
+    [mistakes.TemporalAgain, mistakes.JacobianInverted, mistakes.QuotientOfZeros],
+)
 def test_control_a_wrong_engine_whose_bits_are_missing_fails(tmp_path, wrong):
     assert without_bits(wrong(24), tmp_path).status == "FAIL"

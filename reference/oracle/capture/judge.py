@@ -4,6 +4,10 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from restir_gi.reference.oracle.capture.cases import (
     Answered,
@@ -23,7 +27,7 @@ from restir_gi.reference.oracle.declaration.declared import (
 from restir_gi.reference.oracle.declaration.followed import BiasByDesign
 from restir_gi.reference.oracle.diagnosis.alternatives import ALTERNATIVES
 from restir_gi.reference.oracle.diagnosis.hypothesis import combined
-from restir_gi.reference.oracle.levels.probe import Finding, Probe, examined
+from restir_gi.reference.oracle.levels.probe import Answer, Finding, Probe, examined
 from restir_gi.reference.oracle.levels.replayed import examined_by_replay, found_in
 from restir_gi.reference.oracle.parts import judge_of, whole_contract
 from restir_gi.reference.oracle.replay.reuse import STREAMS
@@ -152,6 +156,10 @@ def _known_rules(verdict: Verdict, name: str) -> Rules | None:
     return combined(wrong.explanations[0].hypotheses)
 
 
+def _outputs(answer: Answer) -> list[NDArray[Any]]:
+    return list((answer.outputs or {}).values())
+
+
 def _with_sources(verdict: Verdict, recorded: RecordedFrames) -> Verdict:
     """The verdict, with the buffers that a wrong pass seems to have read.
 
@@ -161,6 +169,9 @@ def _with_sources(verdict: Verdict, recorded: RecordedFrames) -> Verdict:
     found = replace(verdict, diagnoses=diagnoses)
     left = [d for d in diagnoses if d not in found.settled]
     is_open = bool(left) and all(d.undecided for d in left)
+    # Whatever the rays have found, no output may be NaN or infinite.
+    answers = [answer for timed in found.steps for answer in timed.step.answers]
+    is_open &= all(np.isfinite(o).all() for a in answers for o in _outputs(a))
     if found.wrong and is_open and not found.unaccepted:
         return replace(found, status="UNDECIDED", wrong=False)
     return found
